@@ -1,0 +1,96 @@
+"""A mission: from where, in which trim, to where, how exactly."""
+
+from dataclasses import dataclass
+from math import isfinite, pi
+from pathlib import Path
+
+from pydantic import Field, FiniteFloat, PositiveInt
+
+from .file_model import FileModel, read_toml
+from .se2 import SE2
+
+
+@dataclass(frozen=True, slots=True)
+class Mission:
+    """A motion-planning task in the plane.
+
+    Attributes:
+        name: short name.
+        start: pose at time 0, metres and radians.
+        start_trim: id of the trim held at time 0.
+        goal: north and east in metres.
+        tolerance: radius around the goal in metres; 0 means equality.
+        goal_heading: heading wanted at the goal in radians; None leaves it free.
+        heading_tolerance: half width around that heading in radians.
+        goal_trim: id of the trim wanted at the end; None leaves it free.
+        max_trims: depth of the search, in trims.
+    """
+
+    name: str
+    start: SE2
+    start_trim: int
+    goal: tuple[float, float]
+    tolerance: float = 0.0
+    goal_heading: float | None = None
+    heading_tolerance: float = pi
+    goal_trim: int | None = None
+    max_trims: int = 4
+
+    def __post_init__(self) -> None:
+        """Refuses a task that cannot be stated."""
+        if not all(isfinite(value) for value in self.goal):
+            raise ValueError(f"goal must be finite, got {self.goal}")
+        if not (isfinite(self.tolerance) and self.tolerance >= 0):
+            raise ValueError(f"tolerance must be >= 0 m, got {self.tolerance} m")
+        if not self.heading_tolerance >= 0:
+            raise ValueError(f"heading_tolerance must be >= 0 rad, got {self.heading_tolerance} rad")
+        if self.max_trims < 1:
+            raise ValueError(f"max_trims must be >= 1, got {self.max_trims}")
+
+
+class _Start(FileModel):
+    position: tuple[FiniteFloat, FiniteFloat]
+    heading: FiniteFloat
+    trim: int
+
+
+class _Goal(FileModel):
+    position: tuple[FiniteFloat, FiniteFloat]
+    tolerance: FiniteFloat = Field(ge=0)
+    heading: FiniteFloat | None = None
+    heading_tolerance: FiniteFloat = Field(default=pi, ge=0)
+    trim: int | None = None
+
+
+class _Planner(FileModel):
+    max_trims: PositiveInt = Field(default=4, le=12)
+
+
+class _MissionFile(FileModel):
+    name: str
+    start: _Start
+    goal: _Goal
+    planner: _Planner = _Planner()
+
+
+def read_mission(path: Path) -> Mission:
+    """Reads `missions/NAME.toml`.
+
+    Raises:
+        BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
+    """
+
+    def build(content: _MissionFile) -> Mission:
+        return Mission(
+            name=content.name,
+            start=SE2(*content.start.position, content.start.heading),
+            start_trim=content.start.trim,
+            goal=content.goal.position,
+            tolerance=content.goal.tolerance,
+            goal_heading=content.goal.heading,
+            heading_tolerance=content.goal.heading_tolerance,
+            goal_trim=content.goal.trim,
+            max_trims=content.planner.max_trims,
+        )
+
+    return read_toml(path, _MissionFile, build)

@@ -1,0 +1,213 @@
+"""A motion plan: a walk in the maneuver automaton with its coasting times, and what it promises."""
+
+import json
+from dataclasses import dataclass
+from math import inf
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import Field, FiniteFloat, NonNegativeFloat
+
+from .file_model import FileModel, parse_json, read_text
+from .se2 import SE2
+
+Status = Literal["optimal", "feasible", "infeasible", "unknown"]
+Policy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
+
+SCHEMA = "maneuver-plan/1"
+
+
+@dataclass(frozen=True, slots=True)
+class Scenario:
+    """The plan's walk flown at one uncertainty level.
+
+    Attributes:
+        gamma: the level.
+        cost: seconds to the goal.
+        coasting_times: seconds, one for each trim.
+        end: pose at the end.
+    """
+
+    gamma: float
+    cost: float
+    coasting_times: tuple[float, ...]
+    end: SE2
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """The answer to a mission, or an honest no.
+
+    Attributes:
+        status: `optimal`, `feasible` (not proved the best), `infeasible` (proved), `unknown`.
+        library: name of the library planned with.
+        library_hash: SHA-256 of the library's text.
+        mission: name of the mission.
+        policy: which planner.
+        gamma: uncertainty level planned for.
+        tolerance: radius around the goal in metres that was planned with.
+        sequence: trim ids; empty without a plan.
+        maneuvers: maneuver ids between them.
+        scenarios: one for each uncertainty level considered, the deciding one among them.
+        verified: whether code that shares nothing with the solver flew every scenario to the goal.
+        reason: why there is no plan, or why it is not called optimal.
+        lower_bound: seconds that no plan can undercut, where known.
+        solve_time: seconds of computing; outside every hash.
+    """
+
+    status: Status
+    library: str
+    library_hash: str
+    mission: str
+    policy: Policy
+    gamma: float
+    tolerance: float
+    sequence: tuple[int, ...] = ()
+    maneuvers: tuple[int, ...] = ()
+    scenarios: tuple[Scenario, ...] = ()
+    verified: bool = False
+    reason: str = ""
+    lower_bound: float | None = None
+    solve_time: float = 0.0
+
+    @property
+    def found(self) -> bool:
+        """Whether there is something to fly."""
+        return bool(self.scenarios)
+
+    @property
+    def deciding(self) -> Scenario:
+        """The scenario with the largest cost; its coasting times are the ones flown.
+
+        Raises:
+            ValueError: there is no plan.
+        """
+        return max(self.scenarios, key=lambda scenario: scenario.cost)
+
+    @property
+    def cost(self) -> float:
+        """Seconds that the deciding scenario takes; infinite without a plan."""
+        return self.deciding.cost if self.found else inf
+
+    @property
+    def coasting_times(self) -> tuple[float, ...]:
+        """Seconds in each trim in the deciding scenario; empty without a plan."""
+        return self.deciding.coasting_times if self.found else ()
+
+
+class _Pose(FileModel):
+    x: FiniteFloat
+    y: FiniteFloat
+    heading: FiniteFloat
+
+
+class _Scenario(FileModel):
+    gamma: FiniteFloat
+    cost: FiniteFloat
+    coasting_times: tuple[NonNegativeFloat, ...]
+    end: _Pose
+
+
+class _PlanFile(FileModel):
+    schema_name: Literal["maneuver-plan/1"] = Field(alias="schema")
+    status: Status
+    reason: str | None = None
+    library: str
+    library_hash: str
+    mission: str
+    policy: Policy
+    gamma: FiniteFloat
+    tolerance: NonNegativeFloat
+    cost: FiniteFloat | None = None
+    sequence: tuple[int, ...]
+    maneuvers: tuple[int, ...]
+    coasting_times: tuple[NonNegativeFloat, ...]
+    scenarios: tuple[_Scenario, ...]
+    lower_bound: FiniteFloat | None = None
+    verified: bool
+    solve_time: NonNegativeFloat
+
+
+def plan_content(plan: Plan) -> dict[str, Any]:
+    """Returns the plan as plain JSON values, in the order of its schema."""
+    content = {
+        "schema": SCHEMA,
+        "status": plan.status,
+        "reason": plan.reason or None,
+        "library": plan.library,
+        "library_hash": plan.library_hash,
+        "mission": plan.mission,
+        "policy": plan.policy,
+        "gamma": plan.gamma,
+        "tolerance": plan.tolerance,
+        "cost": plan.cost if plan.found else None,
+        "sequence": list(plan.sequence),
+        "maneuvers": list(plan.maneuvers),
+        "coasting_times": list(plan.coasting_times),
+        "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
+        "lower_bound": plan.lower_bound,
+        "verified": plan.verified,
+        "solve_time": plan.solve_time,
+    }
+    return {key: value for key, value in content.items() if value is not None}
+
+
+def plan_text(plan: Plan) -> str:
+    """Returns the plan as its file's text."""
+    return json.dumps(plan_content(plan), indent=2, allow_nan=False) + "\n"
+
+
+def read_plan(path: Path) -> Plan:
+    """Reads a plan file.
+
+    Raises:
+        BadFileError: the file is missing, broken or contradicts itself; names the place.
+    """
+    return parse_json(read_text(path), path, _PlanFile, _to_plan)
+
+
+def _scenario_content(scenario: Scenario) -> dict[str, Any]:
+    return {
+        "gamma": scenario.gamma,
+        "cost": scenario.cost,
+        "coasting_times": list(scenario.coasting_times),
+        "end": {"x": scenario.end.x, "y": scenario.end.y, "heading": scenario.end.heading},
+    }
+
+
+def _to_plan(content: _PlanFile) -> Plan:
+    plan = Plan(
+        status=content.status,
+        library=content.library,
+        library_hash=content.library_hash,
+        mission=content.mission,
+        policy=content.policy,
+        gamma=content.gamma,
+        tolerance=content.tolerance,
+        sequence=content.sequence,
+        maneuvers=content.maneuvers,
+        scenarios=tuple(
+            Scenario(part.gamma, part.cost, part.coasting_times, SE2(part.end.x, part.end.y, part.end.heading))
+            for part in content.scenarios
+        ),
+        verified=content.verified,
+        reason=content.reason or "",
+        lower_bound=content.lower_bound,
+        solve_time=content.solve_time,
+    )
+    _refuse_contradictions(plan, content)
+    return plan
+
+
+def _refuse_contradictions(plan: Plan, content: _PlanFile) -> None:
+    if plan.found != (plan.status in {"optimal", "feasible"}):
+        raise ValueError(f"scenarios: a plan that is {plan.status} has {'some' if not plan.found else 'none'}")
+    if len(plan.maneuvers) != max(len(plan.sequence) - 1, 0):
+        raise ValueError(f"maneuvers: one between each two of the {len(plan.sequence)} trims, got {len(plan.maneuvers)}")
+    for place, scenario in enumerate(plan.scenarios):
+        if len(scenario.coasting_times) != len(plan.sequence):
+            raise ValueError(f"scenarios[{place}].coasting_times: one for each of {len(plan.sequence)} trims")
+    if plan.found and content.cost != plan.cost:
+        raise ValueError(f"cost: the deciding scenario takes {plan.cost} s, got {content.cost} s")
+    if content.coasting_times != plan.coasting_times:
+        raise ValueError("coasting_times: those of the deciding scenario, got others")

@@ -1,0 +1,114 @@
+"""Planar rigid motion: poses, body velocities and the flow that joins them.
+
+World axes are north (x) and east (y); the heading is clockwise from north seen from above, so a positive
+yaw rate is a right turn. Body axes are forward and to the right.
+"""
+
+from dataclasses import dataclass
+from math import cos, hypot, isfinite, pi, remainder, sin
+from typing import Self
+
+
+def wrap_angle(angle: float) -> float:
+    """Returns the angle in radians brought into [-pi, pi]."""
+    return remainder(angle, 2 * pi)
+
+
+def rotate(x: float, y: float, heading: float) -> tuple[float, float]:
+    """Returns the body-frame vector (x, y) in world axes, for a body with this heading."""
+    c, s = cos(heading), sin(heading)
+    return c * x - s * y, s * x + c * y
+
+
+@dataclass(frozen=True, slots=True)
+class Twist:
+    """A constant body velocity: forward and side in metres per second, yaw rate in radians per second."""
+
+    forward: float
+    side: float
+    yaw_rate: float
+
+    def __post_init__(self) -> None:
+        """Refuses non-finite components."""
+        if not (isfinite(self.forward) and isfinite(self.side) and isfinite(self.yaw_rate)):
+            raise ValueError(f"a twist has finite components, got {self}")
+
+    def scaled_error(self, error: "Twist", gamma: float) -> "Twist":
+        """Returns this velocity with gamma times the signed error added (thesis, eq. 8a)."""
+        return Twist(
+            self.forward + gamma * error.forward,
+            self.side + gamma * error.side,
+            self.yaw_rate + gamma * error.yaw_rate,
+        )
+
+    @property
+    def speed(self) -> float:
+        """Horizontal speed in metres per second."""
+        return hypot(self.forward, self.side)
+
+
+@dataclass(frozen=True, slots=True)
+class SE2:
+    """A planar pose, or the displacement between two poses: metres, metres, radians (not wrapped).
+
+    `pose_world_b = pose_world_a @ displacement_a_b`.
+    """
+
+    x: float
+    y: float
+    heading: float
+
+    def __post_init__(self) -> None:
+        """Refuses non-finite components."""
+        if not (isfinite(self.x) and isfinite(self.y) and isfinite(self.heading)):
+            raise ValueError(f"a pose has finite components, got {self}")
+
+    @classmethod
+    def identity(cls) -> Self:
+        """Returns the pose at the origin, heading north."""
+        return cls(0.0, 0.0, 0.0)
+
+    @classmethod
+    def exp(cls, twist: Twist, duration: float) -> Self:
+        """Returns the displacement after holding a body velocity for a time (thesis, eq. 17-18).
+
+        Exact for every yaw rate. Dividing by the rate, rather than by the angle turned, loses nothing
+        near zero: sin(r t) / r is t to the last bit for a tiny r.
+
+        Args:
+            twist: the body velocity.
+            duration: seconds; negative runs the flow backwards.
+        """
+        along, across = arc(twist.yaw_rate, duration)
+        return cls(
+            twist.forward * along - twist.side * across,
+            twist.forward * across + twist.side * along,
+            twist.yaw_rate * duration,
+        )
+
+    def __matmul__(self, other: "SE2") -> "SE2":
+        """Composes: `self` first, then `other` in the frame that `self` leads to."""
+        x, y = rotate(other.x, other.y, self.heading)
+        return SE2(self.x + x, self.y + y, self.heading + other.heading)
+
+    def inverse(self) -> "SE2":
+        """Returns the pose that undoes this one."""
+        x, y = rotate(-self.x, -self.y, -self.heading)
+        return SE2(x, y, -self.heading)
+
+    @property
+    def position(self) -> tuple[float, float]:
+        """North and east in metres."""
+        return self.x, self.y
+
+    def distance_to(self, point: tuple[float, float]) -> float:
+        """Returns the distance in metres to a point (north, east)."""
+        return hypot(point[0] - self.x, point[1] - self.y)
+
+
+def arc(yaw_rate: float, duration: float) -> tuple[float, float]:
+    """Returns the integrals of cos(r t) and sin(r t) from 0 to the duration, in seconds."""
+    if yaw_rate == 0.0:
+        return duration, 0.0
+    half = sin(0.5 * yaw_rate * duration)
+    return sin(yaw_rate * duration) / yaw_rate, half * (half / (0.5 * yaw_rate))

@@ -1,0 +1,29 @@
+"""A trim: a body velocity that the vehicle holds for as long as it likes."""
+
+from dataclasses import dataclass
+
+from .se2 import Twist
+from .statistics import Statistics
+
+
+@dataclass(frozen=True, slots=True)
+class Trim:
+    """A vertex of the maneuver automaton (thesis, 2.4.1).
+
+    Attributes:
+        id: the number by which maneuvers, missions and plans name it.
+        name: a few words for people.
+        velocity: the nominal body velocity.
+        error: the signed error of the velocity; gamma scales it.
+        statistics: how the error was found, where it was measured.
+    """
+
+    id: int
+    name: str
+    velocity: Twist
+    error: Twist
+    statistics: Statistics | None = None
+
+    def at(self, gamma: float) -> Twist:
+        """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""
+        return self.velocity.scaled_error(self.error, gamma)

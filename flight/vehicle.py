@@ -1,0 +1,56 @@
+"""What the receding horizon needs of something that flies primitives: a model, a simulator, an autopilot."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Float
+
+from .maneuver import Maneuver
+from .se2 import SE2
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """A stretch of flight, as it truly happened.
+
+    Attributes:
+        duration: seconds.
+        settled: whether the primitive ended by its rule (a coast always does), not by time-out.
+        track: true motion including both ends: time since the start in seconds, north and east in metres,
+            heading in radians (not wrapped).
+    """
+
+    duration: float
+    settled: bool
+    track: Float[np.ndarray, "n 4"]
+
+
+class Vehicle(Protocol):
+    """Something that holds trims and performs maneuvers, and believes to be somewhere."""
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+
+    @property
+    def trim(self) -> int:
+        """Id of the trim held now."""
+
+    @property
+    def pose(self) -> SE2:
+        """Believed pose in the world."""
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim for a time in seconds.
+
+        Raises:
+            FlightLostError: the flight ended in the ground or diverged.
+        """
+
+    def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs a maneuver that leaves the trim held now, to its end or its time-out.
+
+        Raises:
+            FlightLostError: the flight ended in the ground or diverged.
+        """

@@ -1,0 +1,1 @@
+"""From flight logs to a motion-primitive library with uncertainties."""

@@ -1,0 +1,5 @@
+"""Where the shipped libraries are."""
+
+from pathlib import Path
+
+FOLDER = Path(__file__).parent

@@ -1,0 +1,1 @@
+"""Minimum-time motion plans in the maneuver automaton, nominal and robust."""

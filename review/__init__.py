@@ -1,0 +1,1 @@
+"""Reading a flight log with the eyes."""

@@ -96,6 +96,8 @@ def first_problem(error: ValidationError) -> str:
     first = details[0]
     place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     message = first["msg"].removeprefix("Value error, ")
-    came = "" if first["type"] in {"missing", "value_error", "json_invalid"} else f", got {first['input']!r:.60}"
+    came = (
+        "" if first["type"] in {"missing", "value_error", "json_invalid"} else f", got {first['input']!r:.60}"
+    )
     more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
     return f"{place or 'document'}: {message}{came}{more}"

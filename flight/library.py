@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import pairwise
 from typing import Any
 
 from .conditions import Conditions
@@ -114,10 +115,12 @@ class Library:
     def maneuvers_along(self, trims: Iterable[int]) -> tuple[Maneuver, ...]:
         """Returns the maneuvers of a walk through the given trims."""
         walk = tuple(trims)
-        return tuple(self.maneuver(a, b) for a, b in zip(walk, walk[1:], strict=False))
+        return tuple(self.maneuver(a, b) for a, b in pairwise(walk))
 
 
 def _refuse_duplicates(kind: str, ids: list[int]) -> None:
     for place, number in enumerate(ids):
         if number in ids[:place]:
-            raise InconsistentLibraryError(f"{kind}[{place}].id: {number} is taken by {kind}[{ids.index(number)}]")
+            raise InconsistentLibraryError(
+                f"{kind}[{place}].id: {number} is taken by {kind}[{ids.index(number)}]"
+            )

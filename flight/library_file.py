@@ -116,7 +116,9 @@ class LibraryFile(FileModel):
         if isinstance(content, dict):
             schema = content.get("schema")
             if isinstance(schema, str) and schema != SCHEMA and schema.startswith("maneuver-library/"):
-                raise ValueError(f"schema: this program reads {SCHEMA}, the file is {schema}; a newer version may read it")
+                raise ValueError(
+                    f"schema: this program reads {SCHEMA}, the file is {schema}; a newer version may read it"
+                )
         return content
 
 
@@ -139,7 +141,7 @@ def parse_library(text: str | bytes, source: Path | str) -> Library:
 
 
 def library_text(library: Library) -> str:
-    """Returns the library as its file's text: numbers round-trip exactly, equal libraries give equal bytes."""
+    """Returns the text of a library file: numbers round-trip exactly, equal libraries give equal bytes."""
     content = _from_library(library).model_dump(by_alias=True, exclude_none=True)
     return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 

@@ -18,13 +18,15 @@ class ManeuverError:
 
     def __post_init__(self) -> None:
         """Refuses non-finite components."""
-        if not all(isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)):
+        if not all(
+            isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)
+        ):
             raise ValueError(f"maneuver errors are finite, got {self}")
 
 
 @dataclass(frozen=True, slots=True)
 class ManeuverOutcome:
-    """What a maneuver does at one uncertainty level: seconds, and the displacement in the entry body frame."""
+    """What a maneuver does at one uncertainty level: seconds, and displacement in the entry body frame."""
 
     duration: float
     displacement: SE2

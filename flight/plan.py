@@ -187,7 +187,9 @@ def _to_plan(content: _PlanFile) -> Plan:
         sequence=content.sequence,
         maneuvers=content.maneuvers,
         scenarios=tuple(
-            Scenario(part.gamma, part.cost, part.coasting_times, SE2(part.end.x, part.end.y, part.end.heading))
+            Scenario(
+                part.gamma, part.cost, part.coasting_times, SE2(part.end.x, part.end.y, part.end.heading)
+            )
             for part in content.scenarios
         ),
         verified=content.verified,
@@ -201,9 +203,13 @@ def _to_plan(content: _PlanFile) -> Plan:
 
 def _refuse_contradictions(plan: Plan, content: _PlanFile) -> None:
     if plan.found != (plan.status in {"optimal", "feasible"}):
-        raise ValueError(f"scenarios: a plan that is {plan.status} has {'some' if not plan.found else 'none'}")
+        raise ValueError(
+            f"scenarios: a plan that is {plan.status} has {'some' if not plan.found else 'none'}"
+        )
     if len(plan.maneuvers) != max(len(plan.sequence) - 1, 0):
-        raise ValueError(f"maneuvers: one between each two of the {len(plan.sequence)} trims, got {len(plan.maneuvers)}")
+        raise ValueError(
+            f"maneuvers: one between each two of the {len(plan.sequence)} trims, got {len(plan.maneuvers)}"
+        )
     for place, scenario in enumerate(plan.scenarios):
         if len(scenario.coasting_times) != len(plan.sequence):
             raise ValueError(f"scenarios[{place}].coasting_times: one for each of {len(plan.sequence)} trims")

@@ -1,4 +1,4 @@
-"""A sequence: trims to be flown one after the other, with a coasting time each; what the thesis's scripts fly."""
+"""A sequence: trims to be flown one after the other, a coasting time each; the thesis's scripts."""
 
 from dataclasses import dataclass
 from math import isfinite

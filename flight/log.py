@@ -1,0 +1,291 @@
+"""The flight log: what was commanded, believed and true, on one time axis.
+
+This module is the contract: topics, fields, units, frames. World axes are north, east, down. Velocities are
+given in the heading frame, the level body frame: forward along the heading, side to the right, down. Angles
+are clockwise seen along the axis; headings are not wrapped. Times are seconds since the flight's start.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from jaxtyping import Float
+
+from .errors import FlightError
+from .library import Library
+from .library_file import parse_library
+from .se2 import Twist
+
+LIBRARY_ATTACHMENT = "library.json"
+"""The library flown with: names what `/primitive` counts, and carries the maneuver-end rule."""
+
+SPECIFICATION_ATTACHMENT = "specification.json"
+"""All that the simulator needs to repeat the flight."""
+
+PLANS_ATTACHMENT = "plans.json"
+"""The plans of a flight in receding horizon, in order: a JSON array of `maneuver-plan/1` with their times."""
+
+MISSION_ATTACHMENT = "mission.json"
+"""The mission of a flight in receding horizon."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """One number of a topic: its name, its unit, and what it means."""
+
+    name: str
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """A channel of the log: every message holds all fields, as doubles, in this order."""
+
+    name: str
+    message: str
+    meaning: str
+    fields: tuple[Field, ...]
+
+    def __post_init__(self) -> None:
+        """Keeps the wire layout fixed: field numbers above 15 would take a second tag byte."""
+        assert len(self.fields) <= 15, self.name
+
+    @property
+    def field_names(self) -> tuple[str, ...]:
+        """Names of the fields, in their order."""
+        return tuple(field.name for field in self.fields)
+
+
+_STATE = (
+    Field("north", "m", "position in the world"),
+    Field("east", "m", "position in the world"),
+    Field("down", "m", "position in the world; minus the height above ground"),
+    Field("forward", "m/s", "velocity along the heading, horizontal"),
+    Field("side", "m/s", "velocity to the right of the heading, horizontal"),
+    Field("descent", "m/s", "velocity down"),
+    Field("roll", "rad", "right side down positive"),
+    Field("pitch", "rad", "nose up positive"),
+    Field("heading", "rad", "clockwise from north, not wrapped"),
+    Field("roll_rate", "rad/s", "about the body's forward axis"),
+    Field("pitch_rate", "rad/s", "about the body's right axis"),
+    Field("body_yaw_rate", "rad/s", "about the body's down axis"),
+    Field("yaw_rate", "rad/s", "rate of the heading"),
+)
+
+COMMAND = Topic(
+    "/command",
+    "maneuver.Command",
+    "what the maneuver generator asks of the controller",
+    (
+        Field("forward", "m/s", "velocity along the heading"),
+        Field("side", "m/s", "velocity to the right of the heading"),
+        Field("yaw_rate", "rad/s", "rate of the heading"),
+        Field("height", "m", "height above ground"),
+    ),
+)
+ESTIMATE = Topic("/estimate", "maneuver.State", "what the vehicle believes", _STATE)
+TRUTH = Topic("/truth", "maneuver.State", "what is so", _STATE)
+WIND = Topic(
+    "/wind",
+    "maneuver.Wind",
+    "the air's motion at the vehicle, held over a control period",
+    (
+        Field("north", "m/s", "velocity of the air over the ground, mean wind and gust"),
+        Field("east", "m/s", "velocity of the air over the ground, mean wind and gust"),
+        Field("down", "m/s", "velocity of the air over the ground, mean wind and gust"),
+        Field("roll_rate", "rad/s", "rotation of the air about the body's forward axis"),
+        Field("pitch_rate", "rad/s", "rotation of the air about the body's right axis"),
+        Field("yaw_rate", "rad/s", "rotation of the air about the body's down axis"),
+    ),
+)
+CONTROLS = Topic(
+    "/controls",
+    "maneuver.Controls",
+    "servo commands, held over a control period, and where the servos are when they are given",
+    (
+        Field("collective_command", "rad", "main rotor collective pitch"),
+        Field("longitudinal_command", "rad", "longitudinal cyclic pitch, nose up positive"),
+        Field("lateral_command", "rad", "lateral cyclic pitch, right positive"),
+        Field("pedal_command", "rad", "tail rotor collective pitch"),
+        Field("collective", "rad", "main rotor collective pitch"),
+        Field("longitudinal", "rad", "longitudinal cyclic pitch, nose up positive"),
+        Field("lateral", "rad", "lateral cyclic pitch, right positive"),
+        Field("pedal", "rad", "tail rotor collective pitch"),
+    ),
+)
+PRIMITIVE = Topic(
+    "/primitive",
+    "maneuver.Primitive",
+    "one message at the start of every coast and every maneuver",
+    (
+        Field("kind", "-", "0 coast, 1 maneuver"),
+        Field("id", "-", "id of the trim held, or of the maneuver"),
+        Field("from_trim", "-", "id of the trim left; of the trim held in a coast"),
+        Field("to_trim", "-", "id of the trim led to; of the trim held in a coast"),
+        Field("forward", "m/s", "nominal velocity of that trim"),
+        Field("side", "m/s", "nominal velocity of that trim"),
+        Field("yaw_rate", "rad/s", "nominal yaw rate of that trim"),
+        Field("timed_out", "-", "1 where the primitive before ended by time-out"),
+    ),
+)
+
+TOPICS = (COMMAND, ESTIMATE, TRUTH, WIND, CONTROLS, PRIMITIVE)
+
+
+class PrimitiveKind(IntEnum):
+    """Values of `/primitive` `kind`."""
+
+    COAST = 0
+    MANEUVER = 1
+
+
+class MissingTopicError(FlightError):
+    """A log lacks a topic that is needed; absent is not zero."""
+
+    def __init__(self, topic: Topic, present: Mapping[str, object]) -> None:
+        super().__init__(f"the log has no {topic.name}; it has {sorted(present)}")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Series:
+    """The messages of one topic.
+
+    Attributes:
+        topic: what the columns are.
+        time: seconds since the flight's start, not decreasing.
+        values: a row for each time, a column for each field.
+    """
+
+    topic: Topic
+    time: Float[np.ndarray, "n"]
+    values: Float[np.ndarray, "n fields"]
+
+    def __post_init__(self) -> None:
+        """Holds the shape to the topic."""
+        if self.values.shape != (len(self.time), len(self.topic.fields)):
+            raise ValueError(
+                f"{self.topic.name}: values must be ({len(self.time)}, {len(self.topic.fields)}), "
+                f"got {self.values.shape}"
+            )
+
+    def __getitem__(self, field: str) -> Float[np.ndarray, "n"]:
+        """Returns the column of a field."""
+        return np.asarray(self.values[:, self.topic.field_names.index(field)])
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+
+@dataclass(frozen=True, slots=True)
+class FlightHeader:
+    """What was flown, by what: enough, with the attachments, to repeat the flight.
+
+    Attributes:
+        kind: `sequence`, `campaign` or `mission`.
+        name: of the sequence, campaign or mission.
+        vehicle: what flew.
+        model_hash: SHA-256 of the vehicle's parameters and model.
+        seed: of every random number of the flight.
+        wind: wind class.
+        code_version: version of this program.
+        backend: how the vehicle's expressions were evaluated.
+        outcome: `completed`, or what went wrong.
+    """
+
+    kind: str
+    name: str
+    vehicle: str
+    model_hash: str
+    seed: int
+    wind: str
+    code_version: str
+    backend: str
+    outcome: str = "completed"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightLog:
+    """One flight: header, series by topic name, attachments by file name."""
+
+    header: FlightHeader
+    series: Mapping[str, Series]
+    attachments: Mapping[str, bytes]
+
+    def __getitem__(self, topic: Topic) -> Series:
+        """Returns the series of a topic.
+
+        Raises:
+            MissingTopicError: the log has none.
+        """
+        try:
+            return self.series[topic.name]
+        except KeyError:
+            raise MissingTopicError(topic, self.series) from None
+
+    @property
+    def duration(self) -> float:
+        """Seconds from the start to the last true state."""
+        return float(self[TRUTH].time[-1])
+
+    def library(self) -> Library:
+        """Returns the library flown with.
+
+        Raises:
+            FlightError: the log carries none, or a broken one.
+        """
+        try:
+            text = self.attachments[LIBRARY_ATTACHMENT]
+        except KeyError:
+            raise FlightError(
+                f"the log has no {LIBRARY_ATTACHMENT}; it has {sorted(self.attachments)}"
+            ) from None
+        return parse_library(text, LIBRARY_ATTACHMENT)
+
+
+@dataclass(frozen=True, slots=True)
+class PrimitiveFlown:
+    """One row of `/primitive` as a value.
+
+    Attributes:
+        kind: coast or maneuver.
+        id: id of the trim held, or of the maneuver.
+        from_trim: id of the trim left; of the trim held in a coast.
+        to_trim: id of the trim led to; of the trim held in a coast.
+        target: nominal velocity of that trim.
+        start: seconds.
+        end: seconds; the start of the next primitive, or the end of the log.
+        timed_out: whether the executor ended it by time-out.
+    """
+
+    kind: PrimitiveKind
+    id: int
+    from_trim: int
+    to_trim: int
+    target: Twist
+    start: float
+    end: float
+    timed_out: bool
+
+
+def primitives_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
+    """Returns the primitives of a log in the order flown."""
+    series = log[PRIMITIVE]
+    ends = [*series.time[1:].tolist(), log.duration]
+    timed_out = [*series["timed_out"][1:].tolist(), 0.0]
+    return tuple(
+        PrimitiveFlown(
+            kind=PrimitiveKind(int(row[0])),
+            id=int(row[1]),
+            from_trim=int(row[2]),
+            to_trim=int(row[3]),
+            target=Twist(row[4], row[5], row[6]),
+            start=start,
+            end=end,
+            timed_out=bool(late),
+        )
+        for row, start, end, late in zip(
+            series.values.tolist(), series.time.tolist(), ends, timed_out, strict=True
+        )
+    )

@@ -1,0 +1,1 @@
+"""The simulated helicopter: vehicle, wind, navigation, controller, the flight loop and campaigns."""

@@ -1,0 +1,253 @@
+"""Every load on the helicopter as one set of CasADi expressions; stepping, trim and linearisation use the same.
+
+Body axes forward-right-down at the centre of mass. Minimum-complexity rotor after Heffley and Mnich (NASA CR 177476)
+for thrust and inflow, first-order flapping with stabiliser bar after Mettler, Tischler and Kanade (2000).
+The main rotor turns clockwise seen from above.
+"""
+
+from math import pi
+from typing import NamedTuple
+
+import casadi as ca
+
+from .parameters import MainRotor, Parameters, TailRotor
+
+# An exact square root has no slope at zero thrust; this floor (m4/s4) is below any flight's value.
+_ROOT_FLOOR = 1e-12
+# MIL-style profile power factor of a rotor in forward flight, Heffley and Mnich.
+_PROFILE_POWER_GROWTH = 4.6
+
+
+class Air(NamedTuple):
+    """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included."""
+
+    u: ca.SX
+    v: ca.SX
+    w: ca.SX
+    p: ca.SX
+    q: ca.SX
+    r: ca.SX
+
+
+class RotorState(NamedTuple):
+    """What the actuators and rotors remember: blade pitch and flapping in rad, inflow in m/s."""
+
+    lateral: ca.SX
+    longitudinal: ca.SX
+    collective: ca.SX
+    pedal: ca.SX
+    disc_back: ca.SX
+    disc_right: ca.SX
+    bar_back: ca.SX
+    bar_right: ca.SX
+    inflow: ca.SX
+    tail_inflow: ca.SX
+
+
+class Flapping(NamedTuple):
+    """Where the disc and the bar tend to, in rad."""
+
+    disc_back: ca.SX
+    disc_right: ca.SX
+    bar_back: ca.SX
+    bar_right: ca.SX
+
+
+class Loads(NamedTuple):
+    """Force in N and moment in N m in body axes at the centre of mass, without weight; shaft power in W."""
+
+    force: ca.SX
+    moment: ca.SX
+    power: ca.SX
+
+
+def _lift_per_speed(rotor: MainRotor | TailRotor, density: float) -> float:
+    """Returns the thrust per m/s of axial speed at the blades, in N s/m."""
+    return density * rotor.speed * rotor.radius**2 * rotor.blades * rotor.chord * rotor.lift_slope / 4.0
+
+
+def _profile_power(rotor: MainRotor | TailRotor, density: float, in_plane_squared: ca.SX) -> ca.SX:
+    tip = rotor.speed * rotor.radius
+    area = rotor.radius * rotor.blades * rotor.chord
+    drag = density * area * rotor.profile_drag / 8.0
+    return drag * (tip**2 + _PROFILE_POWER_GROWTH * in_plane_squared) * tip
+
+
+def _thrust(rotor: MainRotor | TailRotor, density: float, axial_at_blade: ca.SX, inflow: ca.SX) -> ca.SX:
+    return _lift_per_speed(rotor, density) * (axial_at_blade - inflow)
+
+
+def _momentum_inflow(
+    rotor: MainRotor | TailRotor, density: float, *, thrust: ca.SX, in_plane_squared: ca.SX, axial: ca.SX, inflow: ca.SX
+) -> ca.SX:
+    """Returns the inflow that momentum theory gives for a thrust (Heffley and Mnich)."""
+    half_speed_squared = (in_plane_squared + axial * (axial - 2.0 * inflow)) / 2.0
+    hover_squared = thrust / (2.0 * density * pi * rotor.radius**2)
+    root = ca.sqrt(half_speed_squared**2 + hover_squared**2) - half_speed_squared
+    return ca.sign(thrust) * ca.sqrt(root + _ROOT_FLOOR)
+
+
+def _main_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
+    """Returns the axial speed at the tilted disc and at its blades, in m/s."""
+    rotor = parameters.main_rotor
+    at_disc = air.w + state.disc_back * air.u - state.disc_right * air.v
+    return at_disc, at_disc + (2.0 / 3.0) * rotor.speed * rotor.radius * state.collective
+
+
+def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
+    rotor = parameters.tail_rotor
+    at_disc = air.v - rotor.arm * air.r + rotor.height * air.p
+    return at_disc, at_disc + (2.0 / 3.0) * rotor.speed * rotor.radius * state.pedal
+
+
+def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
+    """Returns the inflow of main and tail rotor, in m/s, that momentum theory answers to the present ones."""
+    density = parameters.environment.air_density
+    targets = []
+    for rotor, (axial, at_blade), in_plane, inflow in (
+        (parameters.main_rotor, _main_axial(parameters, state, air), air.u**2 + air.v**2, state.inflow),
+        (parameters.tail_rotor, _tail_axial(parameters, state, air), air.u**2 + air.w**2, state.tail_inflow),
+    ):
+        thrust = _thrust(rotor, density, at_blade, inflow)
+        targets.append(
+            _momentum_inflow(rotor, density, thrust=thrust, in_plane_squared=in_plane, axial=axial, inflow=inflow)
+        )
+    return targets[0], targets[1]
+
+
+def settle_inflow(parameters: Parameters, state: RotorState, air: Air, *, iterations: int) -> RotorState:
+    """Moves the inflow towards the balance of blade and momentum theory by relaxed iterations."""
+    for _ in range(iterations):
+        main, tail = inflow_targets(parameters, state, air)
+        state = state._replace(inflow=(state.inflow + main) / 2.0, tail_inflow=(state.tail_inflow + tail) / 2.0)
+    return state
+
+
+def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Flapping:
+    """Returns where disc and bar tend to; each follows as a first-order lag with its own time.
+
+    Positive cyclic is positive flapping: `longitudinal` tilts the disc back, `lateral` to the right.
+    """
+    rotor, bar = parameters.main_rotor, parameters.stabiliser_bar
+    tip = rotor.speed * rotor.radius
+    back_per_speed = rotor.flap_back * ((8.0 / 3.0) * state.collective - 2.0 * state.inflow / tip) / tip
+    return Flapping(
+        disc_back=(
+            -rotor.flapping_time * air.q
+            + rotor.coupling_back_from_right * state.disc_right
+            + state.longitudinal
+            + bar.mixing * state.bar_back
+            + back_per_speed * air.u
+        ),
+        disc_right=(
+            -rotor.flapping_time * air.p
+            + rotor.coupling_right_from_back * state.disc_back
+            + state.lateral
+            + bar.mixing * state.bar_right
+            - back_per_speed * air.v
+        ),
+        bar_back=-bar.time * air.q + bar.gain_back * state.longitudinal,
+        bar_right=-bar.time * air.p + bar.gain_right * state.lateral,
+    )
+
+
+def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
+    rotor, density = parameters.main_rotor, parameters.environment.air_density
+    axial, at_blade = _main_axial(parameters, state, air)
+    thrust = _thrust(rotor, density, at_blade, state.inflow)
+    power = thrust * (state.inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
+    in_plane_x = -parameters.body.mass * rotor.drag_forward * air.u
+    in_plane_y = -parameters.body.mass * rotor.drag_side * air.v
+    stiffness = rotor.hub_spring + thrust * rotor.hub_height
+    force = ca.vertcat(-thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust)
+    moment = ca.vertcat(stiffness * state.disc_right, stiffness * state.disc_back, -power / rotor.speed)
+    return Loads(force, moment, power)
+
+
+def _tail_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
+    rotor, density = parameters.tail_rotor, parameters.environment.air_density
+    axial, at_blade = _tail_axial(parameters, state, air)
+    thrust = _thrust(rotor, density, at_blade, state.tail_inflow)
+    power = thrust * (state.tail_inflow - axial) + _profile_power(rotor, density, air.u**2 + air.w**2)
+    force = ca.vertcat(0, -thrust, 0)
+    moment = ca.vertcat(-thrust * rotor.height, 0, thrust * rotor.arm)
+    return Loads(force, moment, power)
+
+
+def _airframe_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
+    frame, half_density = parameters.airframe, parameters.environment.air_density / 2.0
+    washed = air.w - state.inflow
+    side_at_fin = air.v - frame.fin_arm * air.r
+    down_at_tail = air.w + frame.tailplane_arm * air.q - frame.tailplane_wash * state.inflow
+
+    def surface(area: float, across: ca.SX) -> ca.SX:
+        return -half_density * area * (frame.surface_slope * ca.fabs(air.u) + ca.fabs(across)) * across
+
+    fin, tailplane = surface(frame.fin_area, side_at_fin), surface(frame.tailplane_area, down_at_tail)
+    force = ca.vertcat(
+        -half_density * frame.plate_front * air.u * ca.fabs(air.u),
+        -half_density * frame.plate_side * air.v * ca.fabs(air.v) + fin,
+        -half_density * frame.plate_top * washed * ca.fabs(washed) + tailplane,
+    )
+    moment = ca.vertcat(0, frame.tailplane_arm * tailplane, -frame.fin_arm * fin)
+    return Loads(force, moment, ca.SX(0))
+
+
+def loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
+    """Returns everything that air and shaft do to the body, without weight."""
+    parts = [part(parameters, state, air) for part in (_main_rotor_loads, _tail_rotor_loads, _airframe_loads)]
+    return Loads(
+        parts[0].force + parts[1].force + parts[2].force,
+        parts[0].moment + parts[1].moment + parts[2].moment,
+        parts[0].power + parts[1].power,
+    )
+
+
+def _servo(parameters: Parameters, position: ca.SX, command: ca.SX, step: float, *, limits: tuple[float, float, float]) -> ca.SX:
+    """Steps a first-order servo exactly for a held command, then holds its rate and travel."""
+    low, high, rate = limits
+    travel = (1.0 - ca.exp(-parameters.servos.bandwidth * step)) * (command - position)
+    return ca.fmin(high, ca.fmax(low, position + ca.fmin(rate * step, ca.fmax(-rate * step, travel))))
+
+
+def advance(parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int) -> RotorState:
+    """Steps servos, flapping, bar (each exactly for held inputs) and inflow.
+
+    Args:
+        parameters: The vehicle.
+        state: The rotor state before the step.
+        air: Motion through the air, held through the step.
+        command: Servo commands (lateral, longitudinal, collective, pedal) in rad of blade pitch, shape (4, 1).
+        step: Length of the step in s.
+        iterations: Relaxed inflow iterations, warm started.
+    """
+    servos = parameters.servos
+    cyclic = (-servos.cyclic_limit, servos.cyclic_limit, servos.rate)
+    state = state._replace(
+        lateral=_servo(parameters, state.lateral, command[0], step, limits=cyclic),
+        longitudinal=_servo(parameters, state.longitudinal, command[1], step, limits=cyclic),
+        collective=_servo(
+            parameters, state.collective, command[2], step, limits=(servos.collective_low, servos.collective_high, servos.rate)
+        ),
+        pedal=_servo(
+            parameters, state.pedal, command[3], step, limits=(servos.pedal_low, servos.pedal_high, servos.pedal_rate)
+        ),
+    )
+    target = flapping_targets(parameters, state, air)
+    disc = ca.exp(-step / parameters.main_rotor.flapping_time)
+    bar = ca.exp(-step / parameters.stabiliser_bar.time)
+    state = state._replace(
+        disc_back=target.disc_back + (state.disc_back - target.disc_back) * disc,
+        disc_right=target.disc_right + (state.disc_right - target.disc_right) * disc,
+        bar_back=target.bar_back + (state.bar_back - target.bar_back) * bar,
+        bar_right=target.bar_right + (state.bar_right - target.bar_right) * bar,
+    )
+    return settle_inflow(parameters, state, air, iterations=iterations)
+
+
+def inertia(parameters: Parameters) -> ca.DM:
+    """Returns the inertia matrix in body axes, in kg m2."""
+    body = parameters.body
+    matrix = ca.diag(ca.DM([body.inertia_xx, body.inertia_yy, body.inertia_zz]))
+    matrix[0, 2] = matrix[2, 0] = -body.inertia_xz
+    return matrix

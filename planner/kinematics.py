@@ -1,0 +1,146 @@
+"""Where a walk leads: its end at an uncertainty level, for numbers and for CasADi symbols.
+
+Both forms are the flow of `flight.se2.SE2.exp` and the composition of poses; the symbolic one takes the walk's
+numbers as symbols, so that one statement serves every walk of the same length.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import casadi
+
+from flight.errors import FlightError
+from flight.library import Library
+from flight.se2 import SE2, Twist
+
+from .sequences import Walk
+
+
+class NegativeDurationError(FlightError):
+    """An uncertainty level turns a maneuver's duration negative."""
+
+    def __init__(self, maneuver: int, duration: float, gamma: float) -> None:
+        super().__init__(f"maneuver {maneuver}: duration must be >= 0 s, got {duration} s at gamma {gamma}")
+
+
+class GammaError(FlightError):
+    """An uncertainty level to plan for is outside its range."""
+
+    def __init__(self, gamma: float) -> None:
+        super().__init__(f"gamma must be between 0 and 1, got {gamma}")
+
+
+@dataclass(frozen=True, slots=True)
+class Motion:
+    """The numbers of a walk at one uncertainty level.
+
+    Attributes:
+        velocities: body velocity in each trim.
+        displacements: of the maneuvers between them, in the body frame at entry.
+        fixed_time: seconds spent in maneuvers.
+    """
+
+    velocities: tuple[Twist, ...]
+    displacements: tuple[SE2, ...]
+    fixed_time: float
+
+    def end(self, start: SE2, coasting_times: Sequence[float]) -> SE2:
+        """Returns the pose after the whole walk (thesis, eq. 8a and 8b, with the rotation of the displacement).
+
+        Args:
+            start: pose at time 0.
+            coasting_times: seconds, one for each trim.
+        """
+        pose = start @ SE2.exp(self.velocities[0], coasting_times[0])
+        for displacement, velocity, time in zip(
+            self.displacements, self.velocities[1:], coasting_times[1:], strict=True
+        ):
+            pose = pose @ displacement @ SE2.exp(velocity, time)
+        return pose
+
+    def cost(self, coasting_times: Sequence[float]) -> float:
+        """Returns the seconds that the whole walk takes (thesis, eq. 6)."""
+        return self.fixed_time + sum(coasting_times)
+
+
+def motion(library: Library, walk: Walk, gamma: float) -> Motion:
+    """Returns the numbers of a walk at an uncertainty level.
+
+    Raises:
+        NoManeuverError: the library does not join two trims of the walk.
+        NegativeDurationError: a maneuver would end before it begins.
+    """
+    outcomes = [maneuver.at(gamma) for maneuver in library.maneuvers_along(walk)]
+    refuse_negative_durations(library, gamma)
+    return Motion(
+        velocities=tuple(library.trim(trim).at(gamma) for trim in walk),
+        displacements=tuple(outcome.displacement for outcome in outcomes),
+        fixed_time=sum(outcome.duration for outcome in outcomes),
+    )
+
+
+def refuse_negative_durations(library: Library, gamma: float) -> None:
+    """Raises `NegativeDurationError` where an uncertainty level turns a duration negative."""
+    for maneuver in library.maneuvers:
+        duration = maneuver.at(gamma).duration
+        if duration < 0:
+            raise NegativeDurationError(maneuver.id, duration, gamma)
+
+
+def refuse_gamma(gamma: float) -> None:
+    """Raises `GammaError` where an uncertainty level to plan for is outside [0, 1]."""
+    if not 0 <= gamma <= 1:
+        raise GammaError(gamma)
+
+
+@dataclass(frozen=True, slots=True)
+class SymbolicMotion:
+    """A walk of so many trims whose numbers are symbols.
+
+    Attributes:
+        velocities: 3 x n; forward, side, yaw rate.
+        displacements: 3 x (n - 1); forward, side, heading change.
+        start: 3; north, east, heading.
+        coasting_times: n.
+        end: 3; north, east, heading after the walk.
+    """
+
+    velocities: casadi.SX
+    displacements: casadi.SX
+    start: casadi.SX
+    coasting_times: casadi.SX
+    end: casadi.SX
+
+
+def symbolic_motion(trims: int) -> SymbolicMotion:
+    """States the end of a walk in CasADi: the twin of `Motion.end`."""
+    velocities = casadi.SX.sym("velocities", 3, trims)
+    displacements = casadi.SX.sym("displacements", 3, trims - 1)
+    start = casadi.SX.sym("start", 3)
+    times = casadi.SX.sym("coasting_times", trims)
+    pose = start
+    for place in range(trims):
+        if place:
+            pose = _compose(pose, displacements[:, place - 1])
+        pose = _compose(pose, _exp(velocities[:, place], times[place]))
+    return SymbolicMotion(velocities, displacements, start, times, pose)
+
+
+def _exp(velocity: casadi.SX, time: casadi.SX) -> casadi.SX:
+    """The flow of `SE2.exp`: divided by the rate, and a rate of exactly 0 is a straight line."""
+    forward, side, rate = velocity[0], velocity[1], velocity[2]
+    straight = rate == 0
+    divisor = casadi.if_else(straight, 1, rate)
+    half = casadi.sin(0.5 * divisor * time)
+    along = casadi.if_else(straight, time, casadi.sin(divisor * time) / divisor)
+    across = casadi.if_else(straight, 0, half * (half / (0.5 * divisor)))
+    return casadi.vertcat(forward * along - side * across, forward * across + side * along, rate * time)
+
+
+def _compose(pose: casadi.SX, displacement: casadi.SX) -> casadi.SX:
+    c, s = casadi.cos(pose[2]), casadi.sin(pose[2])
+    return casadi.vertcat(
+        pose[0] + c * displacement[0] - s * displacement[1],
+        pose[1] + s * displacement[0] + c * displacement[1],
+        pose[2] + displacement[2],
+    )

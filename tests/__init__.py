@@ -1,0 +1,1 @@
+"""What flight must be like, a sentence a test."""

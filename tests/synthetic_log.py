@@ -109,7 +109,7 @@ def synthetic_library() -> Library:
         vehicle="reference model",
         trims=trims,
         maneuvers=tuple(_maneuver(number, edge, rule) for number, edge in enumerate(EDGES, start=1)),
-        conditions=Conditions("calm", ALTITUDE, rule, "instantaneous", (2.0, 6.0)),
+        conditions=Conditions("calm", ALTITUDE, rule, "instantaneous"),
     )
 
 
@@ -165,12 +165,7 @@ def _maneuver(number: int, edge: tuple[int, int], rule: ManeuverEnd) -> Maneuver
     response = _respond(_state(before), after, round(rule.timeout / STEP) + 1)[0]
     ticks = _ending(rule, edge[1], after, 0.0, response)[0]
     pose = _integrate(response[: ticks + 1], SE2.identity())[-1]
-    error = signed_maneuver_error(
-        ManeuverError(0.6, 0.6, 0.4, 0.08),
-        forward_displacement=float(pose[0]),
-        yaw_rate_from=before.yaw_rate,
-        yaw_rate_to=after.yaw_rate,
-    )
+    error = signed_maneuver_error(ManeuverError(0.6, 0.6, 0.4, 0.08), left=before, reached=after)
     displacement = SE2(float(pose[0]), float(pose[1]), float(pose[2]))
     return Maneuver(number, *edge, duration=ticks * STEP, displacement=displacement, error=error)
 

@@ -1,0 +1,242 @@
+"""A flight in a few numbers: what was flown, how well it was tracked and believed, where bounds were left."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from math import hypot
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.log import (
+    COMMAND,
+    ESTIMATE,
+    LIBRARY_ATTACHMENT,
+    TRUTH,
+    FlightLog,
+    PrimitiveFlown,
+    PrimitiveKind,
+    primitives_flown,
+)
+
+from .attachments import Goal, goal_of_flight, plans_of_flight
+from .bounds import Bounds, bounds_kept
+from .tracking import VELOCITIES, navigation_error, tracking_error
+
+Column = Float[np.ndarray, "n"]
+Track = Float[np.ndarray, "m 2"]
+
+
+@dataclass(frozen=True, slots=True)
+class PrimitiveCount:
+    """How often and how long one primitive was flown: its id, a few words, times flown, seconds in all."""
+
+    id: int
+    name: str
+    count: int
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class TrackingError:
+    """Truth minus command of one velocity.
+
+    Attributes:
+        field: `forward`, `side` or `yaw_rate`.
+        unit: of the numbers.
+        worst: the largest, with its sign.
+        time: of the largest, seconds since the flight's start.
+        rms: root mean square over the flight.
+    """
+
+    field: str
+    unit: str
+    worst: float
+    time: float
+    rms: float
+
+
+@dataclass(frozen=True, slots=True)
+class NavigationError:
+    """Estimate minus truth in the horizontal plane: metres, metres per second, radians.
+
+    Attributes:
+        position_rms: of the distance between the two positions.
+        position_max: the largest distance.
+        velocity_rms: of the length of the difference of the two velocities.
+        heading_rms: of the difference of the two headings.
+    """
+
+    position_rms: float
+    position_max: float
+    velocity_rms: float
+    heading_rms: float
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """How a flight met its goal, on the true track.
+
+    Attributes:
+        goal: position and tolerance.
+        closest: smallest distance in metres.
+        time: of the smallest distance, seconds.
+        end: distance at the end of the log, metres.
+    """
+
+    goal: Goal
+    closest: float
+    time: float
+    end: float
+
+    @property
+    def reached(self) -> bool:
+        """Whether the track came within the tolerance."""
+        return self.closest <= self.goal.tolerance
+
+
+@dataclass(frozen=True, slots=True)
+class Summary:
+    """What a log says about its flight; what the log does not hold is None, never zero.
+
+    Attributes:
+        kind: `sequence`, `campaign` or `mission`.
+        name: of the sequence, campaign or mission.
+        vehicle: what flew.
+        seed: of every random number of the flight.
+        wind: wind class.
+        duration: seconds.
+        distance: length of the true track over the ground, metres.
+        outcome: `completed`, or what went wrong.
+        trims: coasts flown, by trim.
+        maneuvers: maneuvers flown, by id.
+        timeouts: maneuvers that ended by time-out.
+        tracking: one for each velocity that a trim fixes; None without a command.
+        navigation: None without an estimate.
+        bounds: None without a library.
+        plans: how many plans were made; None where the log carries none.
+        arrival: None without a mission.
+    """
+
+    kind: str
+    name: str
+    vehicle: str
+    seed: int
+    wind: str
+    duration: float
+    distance: float
+    outcome: str
+    trims: tuple[PrimitiveCount, ...]
+    maneuvers: tuple[PrimitiveCount, ...]
+    timeouts: int
+    tracking: tuple[TrackingError, ...] | None
+    navigation: NavigationError | None
+    bounds: Bounds | None
+    plans: int | None
+    arrival: Arrival | None
+
+
+def summarise(log: FlightLog) -> Summary:
+    """Returns what a log says about its flight.
+
+    Raises:
+        FlightError: the log lacks truth or primitives, or an attachment is broken.
+    """
+    header = log.header
+    flown = primitives_flown(log)
+    names = trim_names(log)
+    truth = log[TRUTH]
+    return Summary(
+        kind=header.kind,
+        name=header.name,
+        vehicle=header.vehicle,
+        seed=header.seed,
+        wind=header.wind,
+        duration=log.duration,
+        distance=float(np.hypot(np.diff(truth["north"]), np.diff(truth["east"])).sum()),
+        outcome=header.outcome,
+        trims=_counts(flown, PrimitiveKind.COAST, lambda part: names.get(part.id, "")),
+        maneuvers=_counts(
+            flown,
+            PrimitiveKind.MANEUVER,
+            lambda part: f"{_trim_label(part.from_trim, names)} to {_trim_label(part.to_trim, names)}",
+        ),
+        timeouts=sum(part.timed_out for part in flown),
+        tracking=_tracking(log) if COMMAND.name in log.series else None,
+        navigation=_navigation(log) if ESTIMATE.name in log.series else None,
+        bounds=bounds_kept(log),
+        plans=len(plans_of_flight(log)) or None,
+        arrival=_arrival(log),
+    )
+
+
+def trim_names(log: FlightLog) -> dict[int, str]:
+    """Returns the names of the trims by id; empty where no library is attached."""
+    if LIBRARY_ATTACHMENT not in log.attachments:
+        return {}
+    return {trim.id: trim.name for trim in log.library().trims}
+
+
+def _trim_label(trim: int, names: dict[int, str]) -> str:
+    return names.get(trim, f"trim {trim}")
+
+
+def _counts(
+    flown: tuple[PrimitiveFlown, ...], kind: PrimitiveKind, name: Callable[[PrimitiveFlown], str]
+) -> tuple[PrimitiveCount, ...]:
+    groups: dict[int, list[PrimitiveFlown]] = {}
+    for part in flown:
+        if part.kind is kind:
+            groups.setdefault(part.id, []).append(part)
+    return tuple(
+        PrimitiveCount(number, name(parts[0]), len(parts), sum(part.end - part.start for part in parts))
+        for number, parts in sorted(groups.items())
+    )
+
+
+def _tracking(log: FlightLog) -> tuple[TrackingError, ...]:
+    units = {field.name: field.unit for field in TRUTH.fields}
+    time = log[TRUTH].time
+    errors = []
+    for field in VELOCITIES:
+        error = tracking_error(log, field)
+        worst = int(np.argmax(np.abs(error)))
+        errors.append(
+            TrackingError(field, units[field], float(error[worst]), float(time[worst]), _rms(error))
+        )
+    return tuple(errors)
+
+
+def _navigation(log: FlightLog) -> NavigationError:
+    position = np.hypot(navigation_error(log, "north"), navigation_error(log, "east"))
+    velocity = np.hypot(navigation_error(log, "forward"), navigation_error(log, "side"))
+    return NavigationError(
+        position_rms=_rms(position),
+        position_max=float(position.max()),
+        velocity_rms=_rms(velocity),
+        heading_rms=_rms(navigation_error(log, "heading")),
+    )
+
+
+def _arrival(log: FlightLog) -> Arrival | None:
+    goal = goal_of_flight(log)
+    if goal is None:
+        return None
+    truth = log[TRUTH]
+    track = np.column_stack([truth["north"], truth["east"]])
+    distances, times = _distances(track, truth.time, np.array(goal.position))
+    closest = int(np.argmin(distances))
+    end = hypot(*(track[-1] - goal.position))
+    return Arrival(goal, float(distances[closest]), float(times[closest]), end)
+
+
+def _distances(track: Track, time: Column, point: Float[np.ndarray, "2"]) -> tuple[Column, Column]:
+    """Returns the smallest distance from a point to each stretch of a track, and its time."""
+    steps = np.diff(track, axis=0)
+    lengths = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
+    share = np.clip(((point - track[:-1]) * steps).sum(axis=1) / lengths, 0.0, 1.0)
+    nearest = track[:-1] + share[:, None] * steps
+    return np.hypot(*(nearest - point).T), time[:-1] + share * np.diff(time)
+
+
+def _rms(values: Column) -> float:
+    return float(np.sqrt(np.mean(np.square(values))))

@@ -158,6 +158,10 @@ class Helicopter:
         if data.qpos[2] < _GROUND_HEIGHT:
             raise FlightLostError(self.time, "the helicopter met the ground")
 
+    def servo_positions(self) -> Controls:
+        """Returns where the servos are."""
+        return Controls._make(self._rotor_states[self._current][:4].tolist())
+
     def motion(self) -> Motion:
         """Returns the true motion."""
         self._observe[1]()  # type: ignore[operator]

@@ -1,0 +1,103 @@
+"""Many flights on any executor; every log is written whole or not at all, whatever the order of the workers."""
+
+import multiprocessing
+import os
+from collections.abc import Iterable, Iterator
+from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from flight.errors import FlightLostError
+from flight.library import Library
+from flight.log import FlightLog
+from flight.log_file import publish_log
+
+from .fly import SimulatedHelicopter, fly_sequence
+from .specification import FlightSpecification
+
+# Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes cores.
+_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+
+
+@dataclass(frozen=True, slots=True)
+class FlightFlown:
+    """What became of one flight of a campaign.
+
+    Attributes:
+        specification: what was to be flown.
+        path: its log.
+        outcome: `completed`, or what went wrong.
+        timeouts: maneuvers that ended by time-out.
+        duration: simulated time in s.
+    """
+
+    specification: FlightSpecification
+    path: Path
+    outcome: str
+    timeouts: int
+    duration: float
+
+
+def fly_specification(specification: FlightSpecification, library: Library) -> FlightLog:
+    """Flies the sequence of a specification; a lost flight gives its log up to there."""
+    helicopter = SimulatedHelicopter(specification, library)
+    try:
+        fly_sequence(helicopter, specification.sequence, library=library)
+    except FlightLostError:
+        # The log says so: its header carries the outcome.
+        return helicopter.log()
+    return helicopter.log()
+
+
+def fly_campaign(
+    specifications: Iterable[FlightSpecification], library: Library, *, folder: Path, executor: Executor, force: bool = False
+) -> Iterator[FlightFlown]:
+    """Flies every specification and writes its log to `folder/NAME.mcap`.
+
+    Yields:
+        Flights as they are done; their logs do not depend on that order.
+
+    Raises:
+        AlreadyExistsError: a log exists and `force` is not set.
+    """
+    flights = [
+        executor.submit(_fly_and_publish, specification, library, folder, force) for specification in specifications
+    ]
+    try:
+        for flight in as_completed(flights):
+            yield flight.result()
+    finally:
+        for flight in flights:
+            flight.cancel()
+
+
+@contextmanager
+def worker_pool(processes: int) -> Iterator[Executor]:
+    """Lends a pool of fresh processes, each with one thread for linear algebra."""
+    before = {name: os.environ.get(name) for name in _ONE_THREAD}
+    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
+    try:
+        with ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn")) as pool:
+            yield pool
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
+
+
+def _fly_and_publish(specification: FlightSpecification, library: Library, folder: Path, force: bool) -> FlightFlown:
+    from flight.log import PRIMITIVE
+
+    log = fly_specification(specification, library)
+    path = folder / f"{specification.name}.mcap"
+    publish_log(log, path, force=force)
+    return FlightFlown(
+        specification=specification,
+        path=path,
+        outcome=log.header.outcome,
+        timeouts=int(log[PRIMITIVE]["timed_out"].sum()),
+        duration=log.duration,
+    )

@@ -1,0 +1,98 @@
+"""What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
+
+from flight.file_model import FileModel, parse_json
+from flight.se2 import SE2
+from flight.sequence import Sequence
+from pydantic import Field, FiniteFloat
+
+DEFAULT_ALTITUDE = 30.0
+
+
+class _Pose(FileModel):
+    north: FiniteFloat = 0.0
+    east: FiniteFloat = 0.0
+    heading: FiniteFloat = 0.0
+
+
+class FlightSpecification(FileModel):
+    """One flight of the simulated helicopter.
+
+    Attributes:
+        kind: `sequence`, `campaign` or `mission`.
+        name: of the flight; the name of its log too.
+        seed: of every random number of the flight.
+        wind: wind class; `calm` switches wind and turbulence off.
+        wind_from: where the mean wind comes from, rad clockwise from north; drawn from the seed where None.
+        altitude: above ground, m.
+        ideal_navigation: whether the vehicle believes the truth, at once.
+        start: true pose at time 0.
+        start_trim: id of the trim held at time 0, and for the settling time before it.
+        settling_time: s.
+        step: plant step, s; the control period is a whole number of it.
+        trims: ids of the trims of a sequence; empty where something else decides.
+        coasting_times: s, one for each of `trims`.
+    """
+
+    kind: str = "sequence"
+    name: str = "flight"
+    seed: int = Field(ge=0)
+    wind: str = "calm"
+    wind_from: FiniteFloat | None = None
+    altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
+    ideal_navigation: bool = False
+    start: _Pose = _Pose()
+    start_trim: int
+    settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
+    step: FiniteFloat = Field(default=0.005, gt=0.0)
+    trims: tuple[int, ...] = ()
+    coasting_times: tuple[FiniteFloat, ...] = ()
+
+    @property
+    def start_pose(self) -> SE2:
+        """True pose at time 0."""
+        return SE2(self.start.north, self.start.east, self.start.heading)
+
+    @property
+    def sequence(self) -> Sequence:
+        """What is flown.
+
+        Raises:
+            ValueError: the flight follows no sequence.
+        """
+        return Sequence(self.name, self.start_pose, self.trims, self.coasting_times, self.wind)
+
+    def to_json(self) -> bytes:
+        """Returns the specification as JSON; every number comes back exactly."""
+        return self.model_dump_json(indent=1).encode()
+
+
+def specify_sequence(
+    sequence: Sequence, *, seed: int, kind: str = "sequence", altitude: float = DEFAULT_ALTITUDE, ideal_navigation: bool = False
+) -> FlightSpecification:
+    """Returns the flight that follows a sequence."""
+    return FlightSpecification(
+        kind=kind,
+        name=sequence.name,
+        seed=seed,
+        wind=sequence.wind,
+        altitude=altitude,
+        ideal_navigation=ideal_navigation,
+        start=pose(sequence.start),
+        start_trim=sequence.trims[0],
+        trims=sequence.trims,
+        coasting_times=sequence.coasting_times,
+    )
+
+
+def pose(start: SE2) -> _Pose:
+    """Returns a pose in the form that a specification holds."""
+    return _Pose(north=start.x, east=start.y, heading=start.heading)
+
+
+def parse_specification(text: bytes, source: str) -> FlightSpecification:
+    """Reads a specification back.
+
+    Raises:
+        BadFileError: names the source and the first place in it that is wrong.
+    """
+    return parse_json(text, source, FlightSpecification, lambda specification: specification)

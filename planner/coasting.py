@@ -1,0 +1,140 @@
+"""The coasting times of one walk at one uncertainty level: stated in CasADi, then solved.
+
+Minimise the sum of the coasting times, none negative, so that the walk ends at the goal: exactly where the
+tolerance is 0, else inside the tolerance disc; with the heading wanted there, if one is (thesis, Problem 6.1
+for one sequence; 6.2 for one sequence and one gamma).
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import inf, pi
+from typing import Any
+
+import casadi
+
+from flight.mission import Mission
+from flight.se2 import SE2, wrap_angle
+
+from .kinematics import Motion, symbolic_motion
+
+EQUALITY_TOLERANCE = 1e-6
+"""Metres; a goal tolerance of 0 means equality to within this."""
+
+SOLVER_MARGIN = 1e-9
+"""Metres and radians that a statement is stricter than the check, so that rounding does not fail it."""
+
+Times = tuple[float, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Statement:
+    """The problem for walks of one length, ready for any CasADi solver.
+
+    Attributes:
+        problem: variables `x` (coasting times in seconds), parameters `p` (velocities, displacements, start,
+            goal), objective `f`, constraints `g` (what ends where).
+        exact: whether `g` begins with the two components of the miss in metres, to be 0; else it begins with
+            the miss squared.
+    """
+
+    problem: dict[str, casadi.SX]
+    exact: bool
+
+
+@cache
+def state(trims: int, *, exact: bool, heading: bool) -> Statement:
+    """States the problem for walks of so many trims.
+
+    Args:
+        trims: length of the walk.
+        exact: whether the goal is to be met exactly, or to within a tolerance.
+        heading: whether the heading at the end is constrained: `g` then ends with it, in radians.
+    """
+    walk = symbolic_motion(trims)
+    goal = casadi.SX.sym("goal", 2)
+    miss = walk.end[:2] - goal
+    constraints = [miss if exact else casadi.dot(miss, miss)]
+    if heading:
+        constraints.append(walk.end[2])
+    problem = {
+        "x": walk.coasting_times,
+        "p": casadi.vertcat(casadi.vec(walk.velocities), casadi.vec(walk.displacements), walk.start, goal),
+        "f": casadi.sum1(walk.coasting_times),
+        "g": casadi.vertcat(*constraints),
+    }
+    return Statement(problem, exact)
+
+
+@cache
+def solver(trims: int, *, exact: bool, heading: bool, name: str = "fatrop") -> casadi.Function:
+    """Builds a solver for walks of so many trims, once.
+
+    Args:
+        trims: as for `state`.
+        exact: as for `state`.
+        heading: as for `state`.
+        name: `fatrop`, the fastest that met every test goal, or `ipopt`, to judge it by.
+    """
+    quiet: dict[str, Any] = {"print_time": False, "error_on_fail": False}
+    own: dict[str, dict[str, Any]] = {
+        "fatrop": {"structure_detection": "none", "fatrop": {"print_level": 0, "tol": 1e-9, "max_iter": 200}},
+        "ipopt": {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10, "max_iter": 300}},
+    }
+    statement = state(trims, exact=exact, heading=heading)
+    return casadi.nlpsol(f"coasting_{trims}", name, statement.problem, {**quiet, **own[name]})
+
+
+def solve(
+    motion: Motion, mission: Mission, start_times: Sequence[float], *, solver_name: str = "fatrop"
+) -> Times | None:
+    """Returns locally optimal coasting times, or None where the solver found none that reach the goal.
+
+    Args:
+        motion: the walk at one uncertainty level.
+        mission: from where to where, and how exactly.
+        start_times: where to start from, seconds; its heading at the end decides which full turn is meant.
+        solver_name: as for `solver`.
+    """
+    trims = len(motion.velocities)
+    exact, heading = mission.tolerance == 0, wants_heading(mission)
+    run = solver(trims, exact=exact, heading=heading, name=solver_name)
+    low, high = ([0.0, 0.0], [0.0, 0.0]) if exact else ([-inf], [max(mission.tolerance - SOLVER_MARGIN, 0) ** 2])
+    if heading:
+        nearest = _nearest_turn(motion.end(mission.start, start_times).heading, mission)
+        half_width = max(mission.heading_tolerance - SOLVER_MARGIN, 0)
+        low, high = [*low, nearest - half_width], [*high, nearest + half_width]
+    answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
+    times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())
+    return times if reaches(motion.end(mission.start, times), mission) else None
+
+
+def reaches(end: SE2, mission: Mission) -> bool:
+    """Whether a pose meets the goal, with the heading wanted there."""
+    if not end.distance_to(mission.goal) <= max(mission.tolerance, EQUALITY_TOLERANCE):
+        return False
+    if mission.goal_heading is None:
+        return True
+    off = abs(wrap_angle(end.heading - mission.goal_heading))
+    return off <= max(mission.heading_tolerance, EQUALITY_TOLERANCE)
+
+
+def wants_heading(mission: Mission) -> bool:
+    """Whether the heading at the goal is constrained."""
+    return mission.goal_heading is not None and mission.heading_tolerance < pi
+
+
+def _nearest_turn(heading: float, mission: Mission) -> float:
+    """Returns the wanted heading with the full turns that bring it nearest to a heading."""
+    assert mission.goal_heading is not None
+    return heading + wrap_angle(mission.goal_heading - heading)
+
+
+def _parameters(motion: Motion, mission: Mission) -> list[float]:
+    start = mission.start
+    return [
+        *(value for v in motion.velocities for value in (v.forward, v.side, v.yaw_rate)),
+        *(value for d in motion.displacements for value in (d.x, d.y, d.heading)),
+        *(start.x, start.y, start.heading),
+        *mission.goal,
+    ]

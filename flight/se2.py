@@ -72,8 +72,7 @@ class SE2:
     def exp(cls, twist: Twist, duration: float) -> Self:
         """Returns the displacement after holding a body velocity for a time (thesis, eq. 17-18).
 
-        Exact for every yaw rate. Dividing by the rate, rather than by the angle turned, loses nothing
-        near zero: sin(r t) / r is t to the last bit for a tiny r.
+        Exact for every yaw rate: with sin(x) / x in place of (1 - cos x) / x nothing is lost near zero.
 
         Args:
             twist: the body velocity.
@@ -108,7 +107,10 @@ class SE2:
 
 def arc(yaw_rate: float, duration: float) -> tuple[float, float]:
     """Returns the integrals of cos(r t) and sin(r t) from 0 to the duration, in seconds."""
-    if yaw_rate == 0.0:
-        return duration, 0.0
-    half = sin(0.5 * yaw_rate * duration)
-    return sin(yaw_rate * duration) / yaw_rate, half * (half / (0.5 * yaw_rate))
+    half = 0.5 * yaw_rate * duration
+    return duration * _sinc(2.0 * half), duration * sin(half) * _sinc(half)
+
+
+def _sinc(angle: float) -> float:
+    """Returns sin(x) / x: exact to the last bit however small the angle is, so only 0 itself is apart."""
+    return sin(angle) / angle if angle else 1.0

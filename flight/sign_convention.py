@@ -23,27 +23,25 @@ def signed_trim_error(size: Twist, velocity: Twist) -> Twist:
     )
 
 
-def signed_maneuver_error(
-    size: ManeuverError, *, forward_displacement: float, yaw_rate_from: float, yaw_rate_to: float
-) -> ManeuverError:
+def signed_maneuver_error(size: ManeuverError, *, left: Twist, reached: Twist) -> ManeuverError:
     """Returns the error of a maneuver, signed.
 
-    Durations have negative errors; forward displacement errors oppose the displacement; with
-    s = sign(r_from + r_to) the heading-change error has the sign s and the lateral error -s, both negative
-    where s = 0.
+    Durations have negative errors; forward displacement errors oppose the displacement, whose direction is
+    that of the mean forward speed; with s = sign(r_from + r_to) the heading-change error has the sign s and
+    the lateral error -s, both negative where s = 0.
 
     Args:
         size: absolute errors in seconds, metres and radians.
-        forward_displacement: the nominal displacement along the body axis at entry, metres.
-        yaw_rate_from: nominal yaw rate of the trim left, radians per second.
-        yaw_rate_to: nominal yaw rate of the trim reached, radians per second.
+        left: nominal velocity of the trim that the maneuver leaves.
+        reached: nominal velocity of the trim that the maneuver leads to.
     """
-    turn = yaw_rate_from + yaw_rate_to
+    advance = left.forward + reached.forward
+    turn = left.yaw_rate + reached.yaw_rate
     return ManeuverError(
         duration=-abs(size.duration),
-        forward=_like(size.forward, -forward_displacement if forward_displacement else -1.0),
-        side=_like(size.side, -turn) if turn else -abs(size.side),
-        heading_change=_like(size.heading_change, turn) if turn else -abs(size.heading_change),
+        forward=_like(size.forward, -advance or -1.0),
+        side=_like(size.side, -turn or -1.0),
+        heading_change=_like(size.heading_change, turn or -1.0),
     )
 
 

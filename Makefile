@@ -1,0 +1,50 @@
+# `make demo`, `make test`, `make check`: each alone is enough on a machine with Python >= 3.11, make and the network.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+SOURCES := benchmarks campaigns flight identification libraries maneuver missions models planner review sequences sim tests tools
+
+# One BLAS thread: the thread count changes the last bits of results.
+export OPENBLAS_NUM_THREADS := 1
+export OMP_NUM_THREADS := 1
+
+.PHONY: help install demo test check format lock clean
+
+help:
+	@echo "make demo   the whole way, small: fly, identify, plan, fly the plan, review"
+	@echo "make test   the tests"
+	@echo "make check  format, lint, types, layers"
+
+install: $(VENV)/installed
+
+$(VENV)/installed: requirements.txt pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python >= 3.11 is needed, this is " + sys.version)'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+demo: install
+	$(BIN)/maneuver demo --out demo --force
+
+test: install
+	$(BIN)/python -m pytest
+
+check: install
+	$(BIN)/ruff format --check $(SOURCES)
+	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+format: install
+	$(BIN)/ruff format $(SOURCES)
+	$(BIN)/ruff check --fix $(SOURCES)
+
+# Needs pip-tools; writes names, versions and hashes, and no address.
+lock:
+	$(PYTHON) -m piptools compile --quiet --strip-extras --allow-unsafe --extra dev --generate-hashes \
+		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --no-header --output-file requirements.txt pyproject.toml
+
+clean:
+	rm -rf $(VENV) demo

@@ -1,0 +1,111 @@
+"""An identification campaign: which automaton is flown, how often, in which wind, ended by which rule."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from pydantic import Field, FiniteFloat, PositiveInt
+
+from .errors import FlightError
+from .file_model import FileModel, read_toml
+from .maneuver_end import Band, ManeuverEnd
+
+
+class NoRuleForWindError(FlightError):
+    """A campaign fixes no maneuver-end rule for a wind class."""
+
+    def __init__(self, campaign: str, wind: str, known: Mapping[str, object]) -> None:
+        super().__init__(f"campaign {campaign} has no maneuver_end for wind {wind!r}; it has {sorted(known)}")
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What is fixed before the first flight.
+
+    Attributes:
+        name: short name.
+        library: name or path of the library that names the trims and the maneuvers.
+        wind: wind class.
+        altitude: metres above ground.
+        flights: how many.
+        coasting_range: shortest and longest coasting time, seconds.
+        maneuver_end: the rule, by wind class.
+    """
+
+    name: str
+    library: str
+    wind: str
+    altitude: float
+    flights: int
+    coasting_range: tuple[float, float]
+    maneuver_end: Mapping[str, ManeuverEnd]
+
+    def __post_init__(self) -> None:
+        """Refuses coasting times in the wrong order."""
+        shortest, longest = self.coasting_range
+        if not 0 <= shortest <= longest:
+            raise ValueError(
+                f"coasting_range: expected 0 <= shortest <= longest, got {self.coasting_range} s"
+            )
+
+    def rule(self, wind: str) -> ManeuverEnd:
+        """Returns the maneuver-end rule for a wind class.
+
+        Raises:
+            NoRuleForWindError: the campaign fixes none.
+        """
+        try:
+            return self.maneuver_end[wind]
+        except KeyError:
+            raise NoRuleForWindError(self.name, wind, self.maneuver_end) from None
+
+
+class _Band(FileModel):
+    trim: int
+    forward: FiniteFloat = Field(gt=0)
+    side: FiniteFloat = Field(gt=0)
+    yaw_rate: FiniteFloat = Field(gt=0)
+
+
+class _Rule(FileModel):
+    dwell: FiniteFloat
+    timeout: FiniteFloat
+    band: list[_Band] = Field(min_length=1)
+
+
+class _CampaignFile(FileModel):
+    name: str
+    library: str
+    wind: str
+    altitude: FiniteFloat = Field(gt=0)
+    flights: PositiveInt
+    coasting_range: tuple[FiniteFloat, FiniteFloat]
+    maneuver_end: dict[str, _Rule]
+
+
+def read_campaign(path: Path) -> Campaign:
+    """Reads `campaigns/NAME.toml`.
+
+    Raises:
+        BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
+    """
+    return read_toml(path, _CampaignFile, _to_campaign)
+
+
+def _to_campaign(content: _CampaignFile) -> Campaign:
+    return Campaign(
+        name=content.name,
+        library=content.library,
+        wind=content.wind,
+        altitude=content.altitude,
+        flights=content.flights,
+        coasting_range=content.coasting_range,
+        maneuver_end={
+            wind: ManeuverEnd(
+                {band.trim: Band(band.forward, band.side, band.yaw_rate) for band in rule.band},
+                rule.dwell,
+                rule.timeout,
+            )
+            for wind, rule in content.maneuver_end.items()
+        },
+    )

@@ -1,0 +1,103 @@
+"""Missions, sequences and campaigns as files: read exactly, refused in one line."""
+
+from math import pi
+from pathlib import Path
+
+import pytest
+
+import campaigns
+import missions
+import sequences
+from flight.campaign import NoRuleForWindError, read_campaign
+from flight.errors import BadFileError
+from flight.mission import read_mission
+from flight.sequence import read_sequence
+
+MISSION = """
+name = "out"
+[start]
+position = [0.0, 1.0]
+heading = 0.5
+trim = 2
+[goal]
+position = [9.144, 0]
+tolerance = 0.9144
+[planner]
+max_trims = 3
+"""
+
+SEQUENCE = """
+name = "there and back"
+trims = [1, 2, 1]
+coasting_times = { shortest = 1.0, longest = 5.0, seed = 7 }
+wind = "calm"
+"""
+
+
+def test_a_mission_is_read(tmp_path: Path) -> None:
+    path = tmp_path / "out.toml"
+    path.write_text(MISSION)
+    mission = read_mission(path)
+    assert (mission.start.x, mission.start.y, mission.start.heading, mission.start_trim) == (0.0, 1.0, 0.5, 2)
+    assert (mission.goal, mission.tolerance, mission.max_trims) == ((9.144, 0.0), 0.9144, 3)
+    assert (mission.goal_heading, mission.heading_tolerance, mission.goal_trim) == (None, pi, None)
+
+
+@pytest.mark.parametrize("path", sorted(missions.FOLDER.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_shipped_mission_is_named_for_its_file(path: Path) -> None:
+    assert read_mission(path).name == path.stem
+
+
+@pytest.mark.parametrize("path", sorted(sequences.FOLDER.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_shipped_sequence_is_named_for_its_file(path: Path) -> None:
+    assert read_sequence(path).name == path.stem
+
+
+@pytest.mark.parametrize("path", sorted(campaigns.FOLDER.glob("*.toml")), ids=lambda path: path.stem)
+def test_a_shipped_campaign_is_named_for_its_file(path: Path) -> None:
+    campaign = read_campaign(path)
+    assert campaign.name == path.stem
+    assert campaign.rule(campaign.wind).dwell > 0
+    with pytest.raises(NoRuleForWindError, match="no maneuver_end for wind 'hurricane'; it has"):
+        campaign.rule("hurricane")
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("trim = 2", 'trim = "two"', "start.trim: .*integer"),
+        ("tolerance = 0.9144", "tolerance = -1.0", "goal.tolerance: .*greater than or equal to 0"),
+        ("tolerance = 0.9144", "tolerance = nan", "goal.tolerance: .*finite"),
+        ("position = [9.144, 0]", "position = [9.144]", r"goal.position\[1\]: Field required"),
+        ("position = [9.144, 0]", "", "goal.position: Field required"),
+        ("max_trims = 3", "max_trims = 0", "planner.max_trims: .*greater than 0"),
+        ("max_trims = 3", "max_trimz = 3", "planner.max_trimz: Extra inputs are not permitted"),
+        ("heading = 0.5", "heading = 1979-05-27", "got a date or time"),
+        ("[goal]", "[goal", "is not TOML"),
+    ],
+)
+def test_a_broken_mission_is_refused_in_one_line(tmp_path: Path, old: str, new: str, words: str) -> None:
+    assert MISSION.count(old) == 1
+    path = tmp_path / "broken.toml"
+    path.write_text(MISSION.replace(old, new))
+    with pytest.raises(BadFileError, match=words) as caught:
+        read_mission(path)
+    assert "\n" not in str(caught.value)
+
+
+def test_drawn_coasting_times_are_the_same_every_time(tmp_path: Path) -> None:
+    path = tmp_path / "there and back.toml"
+    path.write_text(SEQUENCE)
+    sequence = read_sequence(path)
+    assert sequence == read_sequence(path)
+    assert len(set(sequence.coasting_times)) == 3
+    assert all(1.0 <= time <= 5.0 for time in sequence.coasting_times)
+    path.write_text(SEQUENCE.replace("seed = 7", "seed = 8"))
+    assert read_sequence(path) != sequence
+
+
+def test_a_sequence_has_a_coasting_time_for_each_trim(tmp_path: Path) -> None:
+    path = tmp_path / "short.toml"
+    path.write_text('name = "short"\ntrims = [1, 2, 1]\ncoasting_times = [1.0, 2.0]\n')
+    with pytest.raises(BadFileError, match="one for each of the 3 trims, got 2"):
+        read_sequence(path)

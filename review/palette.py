@@ -1,0 +1,64 @@
+"""Colours and strokes of every picture: one meaning each, told apart by the colour-blind."""
+
+from collections.abc import Iterable, Sequence
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+INK = "#222222"
+FAINT = "#8a8a8a"
+GRID = "#e4e4e4"
+
+TRUE = "#0072B2"
+BELIEVED = "#E69F00"
+ALARM = "#D55E00"
+GOAL = "#009E73"
+
+# Okabe and Ito's palette without its yellow, which a white page swallows; then Tol's muted one.
+_TRIMS = (
+    *("#555555", "#56B4E9", "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"),
+    *("#332288", "#117733", "#882255", "#AA4499", "#44AA99", "#999933", "#88CCEE"),
+)
+
+TEXT_SIZE = 9.0
+SMALL_TEXT = 7.5
+
+
+def trim_colors(trims: Iterable[int]) -> dict[int, str]:
+    """Returns a colour for each trim, by its place among the ids in rising order."""
+    return {trim: _TRIMS[place % len(_TRIMS)] for place, trim in enumerate(sorted(set(trims)))}
+
+
+def page(width: float, height: float) -> Figure:
+    """Returns an empty figure of a size in inches; it belongs to no window and no global state."""
+    return Figure(figsize=(width, height), dpi=130, layout="constrained", facecolor="white")
+
+
+def dress(axes: Axes) -> None:
+    """Takes what distracts away: no box, a faint grid behind the data."""
+    axes.spines[["top", "right"]].set_visible(False)
+    axes.spines[["left", "bottom"]].set_color(FAINT)
+    axes.tick_params(labelsize=SMALL_TEXT + 0.5, colors=INK, length=3, color=FAINT)
+    axes.grid(visible=True, color=GRID, linewidth=0.7)
+    axes.set_axisbelow(True)
+
+
+def headline(axes: Axes, text: str) -> None:
+    """Writes what a panel shows above its left edge."""
+    axes.set_title(text, loc="left", fontsize=TEXT_SIZE + 1, color=INK, fontweight="bold")
+
+
+def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
+    """Puts a legend in one row above a panel's right edge."""
+    axes.legend(
+        handles=entries,
+        loc="lower right",
+        bbox_to_anchor=(1.0, 0.99),
+        ncols=len(entries),
+        frameon=False,
+        fontsize=SMALL_TEXT + 0.5,
+        borderaxespad=0.0,
+        borderpad=0.2,
+        columnspacing=1.2,
+    )

@@ -1,0 +1,63 @@
+"""How a line looks, so that the line and its entry in a legend cannot differ."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy import ndarray
+
+from . import palette
+
+Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
+
+
+@dataclass(frozen=True, slots=True)
+class Stroke:
+    """A line's colour, width in points, dashes, opacity, and layer (higher is nearer)."""
+
+    color: str
+    width: float
+    dashes: Dashes = "solid"
+    opacity: float = 1.0
+    layer: float = 4.0
+
+    def draw(self, axes: Axes, x: Float[ndarray, "n"], y: Float[ndarray, "n"]) -> None:
+        """Draws a line."""
+        axes.add_line(self._line(x, y, ""))
+        axes.autoscale_view()
+
+    def entry(self, label: str) -> Line2D:
+        """Returns the line's entry in a legend."""
+        return self._line([], [], label)
+
+    def _line(
+        self, x: Float[ndarray, "n"] | list[float], y: Float[ndarray, "n"] | list[float], label: str
+    ) -> Line2D:
+        return Line2D(
+            x,
+            y,
+            color=self.color,
+            linewidth=self.width,
+            linestyle=self.dashes,
+            alpha=self.opacity,
+            zorder=self.layer,
+            solid_capstyle="butt",
+            label=label,
+        )
+
+
+COMMANDED = Stroke(palette.INK, 1.2, dashes=(0.0, (4.0, 2.0)), layer=5.0)
+ESTIMATED = Stroke(palette.BELIEVED, 1.0, layer=3.0)
+ACTUAL = Stroke(palette.TRUE, 1.4)
+MANEUVER = Stroke(palette.INK, 1.3, dashes=(0.0, (2.5, 1.5)))
+FIRST_PLAN = Stroke(palette.FAINT, 7.0, opacity=0.3, layer=1.0)
+LATER_PLAN = Stroke(palette.FAINT, 1.0, opacity=0.7, layer=1.5)
+LIMIT = Stroke(palette.ALARM, 1.2, dashes=(0.0, (6.0, 2.0, 1.0, 2.0)))
+COMPONENTS = (Stroke(palette.TRUE, 1.0), Stroke(palette.ALARM, 1.0), Stroke(palette.FAINT, 1.0))
+
+
+def coast(color: str) -> Stroke:
+    """Returns the stroke of a trim held, in the trim's colour."""
+    return Stroke(color, 3.0)

@@ -1,0 +1,169 @@
+"""Panels over time: what was commanded, believed and true, with the primitives behind them."""
+
+from collections.abc import Mapping, Sequence
+from math import degrees
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from flight.log import (
+    COMMAND,
+    CONTROLS,
+    ESTIMATE,
+    LIBRARY_ATTACHMENT,
+    TRUTH,
+    WIND,
+    FlightLog,
+    PrimitiveKind,
+    primitives_flown,
+)
+
+from . import palette, stroke
+from .primitive_lane import shade_primitives, trim_palette
+from .tracking import navigation_error
+
+DEGREES_PER_RADIAN = degrees(1.0)
+
+TITLES = {
+    "forward": "Forward speed, m/s",
+    "side": "Sideward speed, m/s (right positive)",
+    "yaw_rate": "Yaw rate, deg/s (right turn positive)",
+    "roll": "Roll, deg (right side down positive)",
+    "pitch": "Pitch, deg (nose up positive)",
+    "collective": "Collective pitch, deg",
+    "longitudinal": "Longitudinal cyclic pitch, deg (nose up positive)",
+    "lateral": "Lateral cyclic pitch, deg (right positive)",
+    "pedal": "Tail rotor pitch, deg",
+}
+
+
+def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
+    """Draws one velocity as commanded, estimated and actual, the trims' error bounds as bands.
+
+    Args:
+        axes: to draw on.
+        log: the flight.
+        field: `forward`, `side` or `yaw_rate`.
+    """
+    scale = _scale(field)
+    _draw_bounds(axes, log, field)
+    _draw_state(axes, log, field, scale)
+    if COMMAND.name in log.series:
+        stroke.COMMANDED.draw(axes, log[COMMAND].time, scale * log[COMMAND][field])
+    _finish(axes, log, TITLES[field], least_span=0.5 * scale**0.5)
+
+
+def draw_height(axes: Axes, log: FlightLog) -> None:
+    """Draws the height above ground as commanded, estimated and actual."""
+    _draw_state(axes, log, "down", -1.0)
+    if COMMAND.name in log.series:
+        stroke.COMMANDED.draw(axes, log[COMMAND].time, log[COMMAND]["height"])
+    _finish(axes, log, "Height above ground, m", least_span=2.0)
+
+
+def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
+    """Draws roll or pitch as estimated and actual."""
+    _draw_state(axes, log, field, DEGREES_PER_RADIAN)
+    _finish(axes, log, TITLES[field], least_span=2.0)
+
+
+def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tuple[float, float]]) -> None:
+    """Draws a control's command and servo, and its limits where they are known.
+
+    Args:
+        axes: to draw on.
+        log: the flight.
+        field: `collective`, `longitudinal`, `lateral` or `pedal`.
+        limits: least and largest value in radians, by field.
+    """
+    controls = log[CONTROLS]
+    stroke.ACTUAL.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[field])
+    stroke.COMMANDED.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[f"{field}_command"])
+    for limit in limits.get(field, ()):
+        stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, DEGREES_PER_RADIAN * limit))
+    _finish(axes, log, TITLES[field], least_span=2.0)
+
+
+def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
+    """Draws as many as three components of the air's motion at the vehicle."""
+    wind = log[WIND]
+    for field, style in zip(fields, stroke.COMPONENTS, strict=False):
+        style.draw(axes, wind.time, _scale(field) * wind[field])
+    _finish(axes, log, title)
+    _name_components(axes, fields)
+
+
+def draw_navigation_error(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
+    """Draws estimate minus truth of as many as three states."""
+    for field, style in zip(fields, stroke.COMPONENTS, strict=False):
+        style.draw(axes, log[TRUTH].time, _scale(field) * navigation_error(log, field))
+    axes.axhline(0.0, color=palette.FAINT, linewidth=0.8, zorder=2)
+    _finish(axes, log, title)
+    _name_components(axes, fields)
+
+
+def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
+    """Returns what the strokes of the panels mean, as far as the log has them."""
+    entries: list[Line2D | Patch] = []
+    if COMMAND.name in log.series:
+        entries.append(stroke.COMMANDED.entry("commanded"))
+    if ESTIMATE.name in log.series:
+        entries.append(stroke.ESTIMATED.entry("estimated (what the vehicle believes)"))
+    entries.append(stroke.ACTUAL.entry("actual"))
+    if LIBRARY_ATTACHMENT in log.attachments:
+        bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
+        entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
+    return entries
+
+
+def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:
+    if ESTIMATE.name in log.series:
+        stroke.ESTIMATED.draw(axes, log[ESTIMATE].time, scale * log[ESTIMATE][field])
+    stroke.ACTUAL.draw(axes, log[TRUTH].time, scale * log[TRUTH][field])
+
+
+def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
+    if LIBRARY_ATTACHMENT not in log.attachments:
+        return
+    library, colors, scale = log.library(), trim_palette(log), _scale(field)
+    for part in primitives_flown(log):
+        if part.kind is PrimitiveKind.COAST:
+            trim = library.trim(part.id)
+            nominal, error = getattr(trim.velocity, field), abs(getattr(trim.error, field))
+            axes.fill_between(
+                [part.start, part.end],
+                scale * (nominal - error),
+                scale * (nominal + error),
+                color=colors[part.id],
+                alpha=0.25,
+                linewidth=0,
+                zorder=1,
+            )
+
+
+def _finish(axes: Axes, log: FlightLog, title: str, *, least_span: float = 0.0) -> None:
+    palette.dress(axes)
+    palette.headline(axes, title)
+    shade_primitives(axes, log)
+    axes.set_xlim(0.0, log.duration)
+    low, high = axes.get_ylim()
+    if high - low < least_span:
+        middle = 0.5 * (low + high)
+        axes.set_ylim(middle - 0.5 * least_span, middle + 0.5 * least_span)
+
+
+def _name_components(axes: Axes, fields: Sequence[str]) -> None:
+    if len(fields) == 1:
+        return
+    entries = [
+        style.entry(field.replace("_", " ")) for field, style in zip(fields, stroke.COMPONENTS, strict=False)
+    ]
+    palette.legend_above(axes, entries)
+
+
+def _scale(field: str) -> float:
+    """Returns what brings a field to the unit it is shown in."""
+    angular = field in {"roll", "pitch", "heading"} or field.endswith("_rate")
+    return DEGREES_PER_RADIAN if angular else 1.0

@@ -1,0 +1,209 @@
+"""The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
+
+from math import cos, degrees, sin
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.offsetbox import AnchoredOffsetbox, DrawingArea, HPacker, TextArea
+from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+
+from flight.log import (
+    ESTIMATE,
+    LIBRARY_ATTACHMENT,
+    TRUTH,
+    WIND,
+    FlightLog,
+    PrimitiveFlown,
+    PrimitiveKind,
+    primitives_flown,
+)
+from flight.se2 import SE2
+
+from . import palette, stroke
+from .attachments import Goal, goal_of_flight, plans_of_flight
+from .bounds import pose_at
+from .planned_track import planned_track
+from .primitive_lane import trim_label, trim_palette
+from .summary import trim_names
+
+# Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
+TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)
+MOST_TIMES = 12
+
+# Length in points.
+WIND_ARROW = 30.0
+
+
+def draw_track(axes: Axes, log: FlightLog) -> None:
+    """Draws the plan view of a flight: north up, east right, one metre as long as the other.
+
+    Raises:
+        FlightError: the log lacks truth or primitives, or an attachment is broken.
+    """
+    palette.dress(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
+    handles = _draw_plans(axes, log) + _draw_primitives(axes, log)
+    _draw_start(axes, pose_at(log, 0.0))
+    _draw_times(axes, log)
+    goal = goal_of_flight(log)
+    if goal is not None:
+        handles.append(_draw_goal(axes, goal))
+    axes.margins(0.12)
+    if WIND.name in log.series:
+        _draw_wind(axes, log)
+    axes.legend(
+        handles=handles,
+        fontsize=palette.SMALL_TEXT,
+        frameon=True,
+        framealpha=0.85,
+        edgecolor="none",
+        loc="upper left",
+        bbox_to_anchor=(0.0, -0.08),
+        ncols=3,
+        borderaxespad=0.0,
+        handlelength=2.6,
+    )
+
+
+def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
+    flown = primitives_flown(log)
+    colors = trim_palette(log)
+    for part in flown:
+        track = _true_track(log, part)
+        if part.kind is PrimitiveKind.COAST:
+            stroke.coast(colors[part.id]).draw(axes, *track)
+        else:
+            stroke.MANEUVER.draw(axes, *track)
+    names = trim_names(log)
+    held = sorted({part.id for part in flown if part.kind is PrimitiveKind.COAST})
+    handles = [stroke.coast(colors[trim]).entry(trim_label(trim, names)) for trim in held]
+    if any(part.kind is PrimitiveKind.MANEUVER for part in flown):
+        handles.append(stroke.MANEUVER.entry("maneuver between trims"))
+    return handles
+
+
+def _true_track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
+    """Returns east and north during a primitive, both ends included."""
+    truth = log[TRUTH]
+    inside = (truth.time > part.start) & (truth.time < part.end)
+    time = np.concatenate([[part.start], truth.time[inside], [part.end]])
+    return np.stack([np.interp(time, truth.time, truth[name]) for name in ("east", "north")])
+
+
+def _draw_start(axes: Axes, pose: SE2) -> None:
+    axes.plot(
+        pose.y,
+        pose.x,
+        # A triangle points up, that is north; markers turn counter-clockwise.
+        marker=(3, 0, -degrees(pose.heading)),
+        markersize=13,
+        color=palette.INK,
+        markeredgecolor="white",
+        zorder=7,
+    )
+    _note(axes, pose, "start", backwards=True)
+
+
+def _note(axes: Axes, pose: SE2, text: str, *, backwards: bool = False) -> None:
+    """Writes a few words beside a pose: to its right, or behind it."""
+    away = (-sin(pose.heading), -cos(pose.heading)) if backwards else (cos(pose.heading), -sin(pose.heading))
+    axes.annotate(
+        text,
+        (pose.y, pose.x),
+        xytext=(14 * away[0], 14 * away[1]),
+        textcoords="offset points",
+        ha="center",
+        va="center",
+        fontsize=palette.SMALL_TEXT,
+        color=palette.INK,
+        path_effects=[withStroke(linewidth=2.5, foreground="white")],
+        zorder=8,
+    )
+
+
+def _draw_times(axes: Axes, log: FlightLog) -> None:
+    """Marks round times along the track, so that it can be read together with the time histories."""
+    step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
+    for time in np.arange(step, log.duration, step):
+        pose = pose_at(log, float(time))
+        axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
+        _note(axes, pose, f"{time:.0f} s")
+
+
+def _draw_goal(axes: Axes, goal: Goal) -> Line2D:
+    north, east = goal.position
+    axes.add_patch(
+        Circle((east, north), goal.tolerance, facecolor=palette.GOAL, alpha=0.22, edgecolor="none", zorder=2)
+    )
+    axes.add_patch(
+        Circle((east, north), goal.tolerance, fill=False, edgecolor=palette.GOAL, linewidth=1.2, zorder=3)
+    )
+    axes.plot(east, north, marker="+", color=palette.GOAL, markersize=10, markeredgewidth=2, zorder=5)
+    return Line2D(
+        [],
+        [],
+        color=palette.GOAL,
+        marker="+",
+        markersize=9,
+        markeredgewidth=2,
+        linestyle="none",
+        label=f"goal, within {goal.tolerance:g} m",
+    )
+
+
+def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
+    """Draws each plan from where the vehicle believed to be when it was made; the first one strongest."""
+    plans = plans_of_flight(log)
+    if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
+        return []
+    library, estimate = log.library(), log[ESTIMATE]
+    for place, plan in enumerate(plans):
+        x, y, heading = (
+            float(np.interp(plan.time, estimate.time, estimate[name]))
+            for name in ("north", "east", "heading")
+        )
+        lines = planned_track(
+            library, plan.sequence, plan.coasting_times, start=SE2(x, y, heading), gamma=plan.gamma
+        )
+        for line in (*lines[0], *lines[1]):
+            style = stroke.FIRST_PLAN if place == 0 else stroke.LATER_PLAN
+            style.draw(axes, line[:, 1], line[:, 0])
+    handles = [stroke.FIRST_PLAN.entry("first plan")]
+    if len(plans) > 1:
+        handles.append(stroke.LATER_PLAN.entry(f"later plans: {len(plans) - 1}"))
+    return handles
+
+
+def _draw_wind(axes: Axes, log: FlightLog) -> None:
+    """Draws the mean wind as an arrow in the direction in which the air moves."""
+    wind = log[WIND]
+    north, east = float(wind["north"].mean()), float(wind["east"].mean())
+    speed = float(np.hypot(north, east))
+    if speed < 0.05:
+        return
+    canvas = DrawingArea(WIND_ARROW, WIND_ARROW, 0, 0)
+    along = 0.5 * WIND_ARROW * np.array([east, north]) / speed
+    middle = np.full(2, 0.5 * WIND_ARROW)
+    canvas.add_artist(
+        FancyArrowPatch(
+            tuple(middle - along),
+            tuple(middle + along),
+            arrowstyle="-|>",
+            mutation_scale=14,
+            color=palette.INK,
+            linewidth=1.6,
+            shrinkA=0,
+            shrinkB=0,
+        )
+    )
+    words = TextArea(f"mean wind\n{speed:.1f} m/s", textprops={"fontsize": palette.SMALL_TEXT, "ha": "left"})
+    packed = HPacker(children=[canvas, words], align="center", pad=2, sep=6)
+    axes.add_artist(AnchoredOffsetbox("upper right", child=packed, frameon=False, pad=0.2))

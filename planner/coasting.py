@@ -21,8 +21,8 @@ from .kinematics import Motion, symbolic_motion
 EQUALITY_TOLERANCE = 1e-6
 """Metres; a goal tolerance of 0 means equality to within this."""
 
-SOLVER_MARGIN = 1e-9
-"""Metres and radians that a statement is stricter than the check, so that rounding does not fail it."""
+SOLVER_MARGIN = 1e-7
+"""Share of a tolerance by which a statement is stricter than the check: solvers relax bounds by 1e-8."""
 
 Times = tuple[float, ...]
 
@@ -33,9 +33,9 @@ class Statement:
 
     Attributes:
         problem: variables `x` (coasting times in seconds), parameters `p` (velocities, displacements, start,
-            goal), objective `f`, constraints `g` (what ends where).
+            goal, tolerance), objective `f`, constraints `g` (what ends where).
         exact: whether `g` begins with the two components of the miss in metres, to be 0; else it begins with
-            the miss squared.
+            the square of the miss in tolerances.
     """
 
     problem: dict[str, casadi.SX]
@@ -52,14 +52,16 @@ def state(trims: int, *, exact: bool, heading: bool) -> Statement:
         heading: whether the heading at the end is constrained: `g` then ends with it, in radians.
     """
     walk = symbolic_motion(trims)
-    goal = casadi.SX.sym("goal", 2)
+    goal, tolerance = casadi.SX.sym("goal", 2), casadi.SX.sym("tolerance")
     miss = walk.end[:2] - goal
-    constraints = [miss if exact else casadi.dot(miss, miss)]
+    constraints = [miss if exact else casadi.dot(miss, miss) / tolerance**2]
     if heading:
         constraints.append(walk.end[2])
     problem = {
         "x": walk.coasting_times,
-        "p": casadi.vertcat(casadi.vec(walk.velocities), casadi.vec(walk.displacements), walk.start, goal),
+        "p": casadi.vertcat(
+            casadi.vec(walk.velocities), casadi.vec(walk.displacements), walk.start, goal, tolerance
+        ),
         "f": casadi.sum1(walk.coasting_times),
         "g": casadi.vertcat(*constraints),
     }
@@ -98,11 +100,14 @@ def solve(
     """
     trims = len(motion.velocities)
     exact, heading = mission.tolerance == 0, wants_heading(mission)
+    if trims < 2 * exact + (heading and mission.heading_tolerance == 0):
+        # More equations than times: solvers refuse it, closed forms have found what there is.
+        return None
     run = solver(trims, exact=exact, heading=heading, name=solver_name)
-    low, high = ([0.0, 0.0], [0.0, 0.0]) if exact else ([-inf], [max(mission.tolerance - SOLVER_MARGIN, 0) ** 2])
+    low, high = ([0.0, 0.0], [0.0, 0.0]) if exact else ([-inf], [(1 - SOLVER_MARGIN) ** 2])
     if heading:
         nearest = _nearest_turn(motion.end(mission.start, start_times).heading, mission)
-        half_width = max(mission.heading_tolerance - SOLVER_MARGIN, 0)
+        half_width = mission.heading_tolerance * (1 - SOLVER_MARGIN)
         low, high = [*low, nearest - half_width], [*high, nearest + half_width]
     answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
     times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())
@@ -137,4 +142,5 @@ def _parameters(motion: Motion, mission: Mission) -> list[float]:
         *(value for d in motion.displacements for value in (d.x, d.y, d.heading)),
         *(start.x, start.y, start.heading),
         *mission.goal,
+        mission.tolerance,
     ]

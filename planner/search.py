@@ -29,8 +29,8 @@ from .starts import Goal, Starts, closed_forms, gather, one_more_time
 STARTS = 3
 """Starts of the solver for one walk at one level."""
 
-SETTLED = 1e-6
-"""Seconds; closed forms that the solver could improve by less are taken as they are."""
+ROUNDING = 1e-9
+"""Share of the tolerance that closed forms leave unused, so that rounding does not fail the check."""
 
 PROMISE = 0.03
 """Share of its cost by which the solver may improve a start that is no optimum; beyond, it is not tried."""
@@ -158,7 +158,7 @@ def _candidates(
     bounded: list[tuple[WalkTable, Float[np.ndarray, "walks"]]], mission: Mission
 ) -> Iterator[_Candidate]:
     x, y = mission.goal[0] - mission.start.x, mission.goal[1] - mission.start.y
-    goal = Goal(complex(*rotate(x, y, -mission.start.heading)), mission.tolerance)
+    goal = Goal(complex(*rotate(x, y, -mission.start.heading)), mission.tolerance * (1 - ROUNDING))
     free = not wants_heading(mission)
     closed = [closed_forms(table.batch, goal) for table, _ in bounded]
     costs = [_worst(table, _cheapest(table, found)) for (table, _), found in zip(bounded, closed, strict=True)]

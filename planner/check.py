@@ -1,0 +1,131 @@
+"""Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
+
+from cmath import exp
+from math import isfinite, pi, remainder, sin
+
+from flight.errors import FlightError
+from flight.library import Library
+from flight.library_file import library_hash
+from flight.maneuver import Maneuver
+from flight.mission import Mission
+from flight.plan import Plan, Scenario
+from flight.se2 import Twist
+
+GOAL_EQUALITY = 1e-6
+"""Metres and radians within which a tolerance of 0 is met."""
+
+END_AGREEMENT = 1e-6
+"""Metres and radians by which a stated end may differ from the one flown."""
+
+TIME_AGREEMENT = 1e-9
+"""Seconds by which a stated cost may differ from the sum of its parts."""
+
+
+def problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns what is wrong with a plan; nothing for one that keeps its word.
+
+    Args:
+        plan: the plan.
+        library: the one it says it was planned with.
+        mission: the one it says it answers.
+    """
+    found = _identity(plan, library, mission)
+    if not plan.found:
+        return tuple(found)
+    try:
+        maneuvers = library.maneuvers_along(plan.sequence)
+        velocities = [library.trim(trim) for trim in plan.sequence]
+    except FlightError as error:
+        return (*found, f"sequence: {error}")
+    found += _walk(plan, maneuvers, mission)
+    for scenario in plan.scenarios:
+        flown = [trim.at(scenario.gamma) for trim in velocities]
+        found += [
+            f"scenario gamma {scenario.gamma:g}: {problem}"
+            for problem in _scenario(scenario, flown, maneuvers, mission)
+        ]
+    if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
+        found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
+    return tuple(found)
+
+
+def _identity(plan: Plan, library: Library, mission: Mission) -> list[str]:
+    found = []
+    if plan.library_hash != library_hash(library):
+        found.append(f"library_hash: planned with another library than this {library.name}")
+    if plan.mission != mission.name:
+        found.append(f"mission: answers {plan.mission}, not {mission.name}")
+    if plan.tolerance != mission.tolerance:
+        found.append(f"tolerance: planned with {plan.tolerance} m, the mission has {mission.tolerance} m")
+    if not 0 <= plan.gamma <= 1:
+        found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
+    levels = {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
+    stated = [scenario.gamma for scenario in plan.scenarios]
+    if plan.found and (set(stated) != levels or len(stated) != len(levels)):
+        found.append(f"scenarios: expected one for each gamma of {sorted(levels)}, got {stated}")
+    return found
+
+
+def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
+    found = []
+    if not plan.sequence or plan.sequence[0] != mission.start_trim:
+        found.append(f"sequence: the mission starts in trim {mission.start_trim}, the plan is {plan.sequence}")
+    elif mission.goal_trim not in (None, plan.sequence[-1]):
+        found.append(f"sequence: the mission ends in trim {mission.goal_trim}, the plan is {plan.sequence}")
+    if len(plan.sequence) > mission.max_trims:
+        found.append(f"sequence: at most {mission.max_trims} trims, got {len(plan.sequence)}")
+    joined = tuple(maneuver.id for maneuver in maneuvers)
+    if plan.maneuvers != joined:
+        found.append(f"maneuvers: the library joins the trims by {joined}, got {plan.maneuvers}")
+    return found
+
+
+def _scenario(
+    scenario: Scenario, velocities: list[Twist], maneuvers: tuple[Maneuver, ...], mission: Mission
+) -> list[str]:
+    times = scenario.coasting_times
+    if len(times) != len(velocities):
+        return [f"coasting_times: one for each of {len(velocities)} trims, got {len(times)}"]
+    if not all(isfinite(time) and time >= 0 for time in times):
+        return [f"coasting_times: must be >= 0 s, got {times}"]
+    outcomes = [maneuver.at(scenario.gamma) for maneuver in maneuvers]
+    durations = [outcome.duration for outcome in outcomes]
+    found = [f"a maneuver lasts {duration} s" for duration in durations if duration < 0]
+    total = sum(times) + sum(durations)
+    if not abs(total - scenario.cost) <= TIME_AGREEMENT:
+        found.append(f"cost: the parts take {total} s, stated are {scenario.cost} s")
+    position, heading = complex(mission.start.x, mission.start.y), mission.start.heading
+    for place, (velocity, time) in enumerate(zip(velocities, times, strict=True)):
+        if place:
+            moved = outcomes[place - 1].displacement
+            position += exp(1j * heading) * complex(moved.x, moved.y)
+            heading += moved.heading
+        position += exp(1j * heading) * _chord(velocity, time)
+        heading += velocity.yaw_rate * time
+    return found + _end(scenario, position, heading, mission)
+
+
+def _end(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
+    found = []
+    apart = abs(position - complex(scenario.end.x, scenario.end.y))
+    if not (apart <= END_AGREEMENT and abs(_turn(heading - scenario.end.heading)) <= END_AGREEMENT):
+        found.append(f"end: flown again it ends {apart:.3g} m from the stated end")
+    miss = abs(position - complex(*mission.goal))
+    if not miss <= max(mission.tolerance, GOAL_EQUALITY):
+        found.append(f"goal: missed by {miss:.6g} m, allowed are {mission.tolerance} m")
+    if mission.goal_heading is not None:
+        off = abs(_turn(heading - mission.goal_heading))
+        if not off <= max(mission.heading_tolerance, GOAL_EQUALITY):
+            found.append(f"goal heading: off by {off:.6g} rad, allowed are {mission.heading_tolerance} rad")
+    return found
+
+
+def _chord(velocity: Twist, time: float) -> complex:
+    """The straight line from begin to end of a coast: it points half the turn aside, and is that much shorter."""
+    half = 0.5 * velocity.yaw_rate * time
+    shrunk = sin(half) / half if half else 1.0
+    return complex(velocity.forward, velocity.side) * time * shrunk * exp(1j * half)
+
+
+def _turn(angle: float) -> float:
+    return remainder(angle, 2 * pi)

@@ -1,0 +1,26 @@
+"""The nominal policy: minimum time, believing the library (thesis, Problem 6.1)."""
+
+from flight.library import Library
+from flight.mission import Mission
+from flight.plan import Plan
+
+from .policy import LibraryPlanner
+
+
+class Nominal:
+    """Plans with every primitive exactly as the library has it.
+
+    Args:
+        library: the primitives.
+    """
+
+    def __init__(self, library: Library) -> None:
+        self._planner = LibraryPlanner(library, policy="nominal", gamma=0.0, gammas=(0.0,))
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the fastest plan found, or an honest no.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        return self._planner.plan(mission)

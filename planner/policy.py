@@ -1,0 +1,105 @@
+"""What every policy is and does: a planner for one library, asked again and again."""
+
+from dataclasses import replace
+from functools import cache
+from math import isfinite
+from time import perf_counter
+from typing import Protocol
+
+from flight.library import Library
+from flight.library_file import library_hash
+from flight.mission import Mission
+from flight.plan import Plan, Policy, Scenario
+
+from .check import problems
+from .kinematics import motion, refuse_negative_durations
+from .search import Answer, WalkTable, search, tabulate
+
+NOT_PROVED = "not proved optimal: every walk was searched or excluded by a bound, its coasting times from finitely many starts"
+
+
+class Planner(Protocol):
+    """Something that answers missions with plans."""
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the best plan found, or an honest no.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+
+
+class LibraryPlanner:
+    """Answers missions in one library, over the uncertainty levels of a policy.
+
+    Args:
+        library: the primitives.
+        policy: name that plans carry.
+        gamma: uncertainty level that plans carry.
+        gammas: the levels that every walk must reach the goal at.
+
+    Raises:
+        NegativeDurationError: a level turns a maneuver's duration negative.
+    """
+
+    def __init__(self, library: Library, *, policy: Policy, gamma: float, gammas: tuple[float, ...]) -> None:
+        for level in gammas:
+            refuse_negative_durations(library, level)
+        self._library = library
+        self._hash = library_hash(library)
+        self._policy: Policy = policy
+        self._gamma = gamma
+        self._gammas = gammas
+        self._tables = cache(self._tabulate)
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the best plan found, re-checked by code that shares nothing with the search.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        began = perf_counter()
+        answer = search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+        plan = self._verified(self._assembled(answer, mission), mission)
+        return replace(plan, solve_time=perf_counter() - began)
+
+    def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
+        return tabulate(self._library, self._gammas, start_trim, max_trims, goal_trim)
+
+    def _assembled(self, answer: Answer, mission: Mission) -> Plan:
+        plan = Plan(
+            status="unknown",
+            library=self._library.name,
+            library_hash=self._hash,
+            mission=mission.name,
+            policy=self._policy,
+            gamma=self._gamma,
+            tolerance=mission.tolerance,
+            lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
+        )
+        depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
+        if not isfinite(answer.lower_bound):
+            return replace(plan, status="infeasible", reason=f"every walk {depth} provably ends elsewhere")
+        if not answer.walk:
+            return replace(plan, reason=f"no coasting times were found for any walk {depth}")
+        return replace(
+            plan,
+            status="feasible",
+            reason=NOT_PROVED,
+            sequence=answer.walk,
+            maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
+            scenarios=tuple(
+                Scenario(gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times))
+                for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
+            ),
+        )
+
+    def _verified(self, plan: Plan, mission: Mission) -> Plan:
+        if not plan.found:
+            return plan
+        wrong = problems(plan, self._library, mission)
+        if not wrong:
+            return replace(plan, verified=True)
+        return replace(
+            plan, status="unknown", reason=f"a plan failed its check: {wrong[0]}", sequence=(), maneuvers=(), scenarios=()
+        )

@@ -72,7 +72,7 @@ def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
     ]
     if CONTROLS.name in log.series:
         panels += [_control_panel(log, field, limits or {}) for field in _CONTROLS]
-    return _histories(log, panels)
+    return _histories(log, panels, strokes=False)
 
 
 def wind_picture(log: FlightLog) -> Figure:

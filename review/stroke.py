@@ -54,6 +54,8 @@ ACTUAL = Stroke(palette.TRUE, 1.4)
 MANEUVER = Stroke(palette.INK, 1.3, dashes=(0.0, (2.5, 1.5)))
 FIRST_PLAN = Stroke(palette.FAINT, 7.0, opacity=0.3, layer=1.0)
 LATER_PLAN = Stroke(palette.FAINT, 1.0, opacity=0.7, layer=1.5)
+SERVO_COMMAND = Stroke(palette.FAINT, 2.2, layer=3.0)
+SERVO = Stroke(palette.TRUE, 1.0)
 LIMIT = Stroke(palette.ALARM, 1.2, dashes=(0.0, (6.0, 2.0, 1.0, 2.0)))
 COMPONENTS = (Stroke(palette.TRUE, 1.0), Stroke(palette.ALARM, 1.0), Stroke(palette.FAINT, 1.0))
 

@@ -67,10 +67,11 @@ def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
     """Draws roll or pitch as estimated and actual."""
     _draw_state(axes, log, field, DEGREES_PER_RADIAN)
     _finish(axes, log, TITLES[field], least_span=2.0)
+    palette.legend_above(axes, _state_entries(log))
 
 
 def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tuple[float, float]]) -> None:
-    """Draws a control's command and servo, and its limits where they are known.
+    """Draws a control's command and servo; its limits, where known, in words and where the curve comes near.
 
     Args:
         axes: to draw on.
@@ -79,11 +80,17 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
         limits: least and largest value in radians, by field.
     """
     controls = log[CONTROLS]
-    stroke.ACTUAL.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[field])
-    stroke.COMMANDED.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[f"{field}_command"])
-    for limit in limits.get(field, ()):
-        stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, DEGREES_PER_RADIAN * limit))
-    _finish(axes, log, TITLES[field], least_span=2.0)
+    stroke.SERVO_COMMAND.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[f"{field}_command"])
+    stroke.SERVO.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[field])
+    shown = [DEGREES_PER_RADIAN * limit for limit in limits.get(field, ())]
+    known = f", limits {shown[0]:.1f} and {shown[1]:.1f}" if shown else ""
+    _finish(axes, log, TITLES[field] + known, least_span=2.0)
+    span = axes.get_ylim()
+    for limit in shown:
+        stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, limit))
+    # A limit far away is said in words; it shall not flatten the curve.
+    axes.set_ylim(span)
+    palette.legend_above(axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")])
 
 
 def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
@@ -106,16 +113,18 @@ def draw_navigation_error(axes: Axes, log: FlightLog, fields: Sequence[str], tit
 
 def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
     """Returns what the strokes of the panels mean, as far as the log has them."""
-    entries: list[Line2D | Patch] = []
+    entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
-        entries.append(stroke.COMMANDED.entry("commanded"))
-    if ESTIMATE.name in log.series:
-        entries.append(stroke.ESTIMATED.entry("estimated (what the vehicle believes)"))
-    entries.append(stroke.ACTUAL.entry("actual"))
+        entries.insert(0, stroke.COMMANDED.entry("commanded"))
     if LIBRARY_ATTACHMENT in log.attachments:
         bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
+
+
+def _state_entries(log: FlightLog) -> list[Line2D]:
+    believed = [stroke.ESTIMATED.entry("estimated (what the vehicle believes)")]
+    return [*(believed if ESTIMATE.name in log.series else []), stroke.ACTUAL.entry("actual")]
 
 
 def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:

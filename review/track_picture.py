@@ -1,15 +1,18 @@
 """The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
 
-from math import cos, degrees, sin
+from math import cos, sin
 
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from matplotlib.markers import MarkerStyle
 from matplotlib.offsetbox import AnchoredOffsetbox, DrawingArea, HPacker, TextArea
 from matplotlib.patches import Circle, FancyArrowPatch
+from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
+from matplotlib.transforms import Affine2D
 
 from flight.log import (
     ESTIMATE,
@@ -37,6 +40,12 @@ MOST_TIMES = 12
 # Length in points.
 WIND_ARROW = 30.0
 
+# Where legend and wind stand, as a share of the plan view's height.
+BELOW = -0.08
+
+# Points north.
+DART = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
+
 
 def draw_track(axes: Axes, log: FlightLog) -> None:
     """Draws the plan view of a flight: north up, east right, one metre as long as the other.
@@ -50,8 +59,8 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
     axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
     axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
     axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
-    handles = _draw_plans(axes, log) + _draw_primitives(axes, log)
-    _draw_start(axes, pose_at(log, 0.0))
+    handles = _draw_primitives(axes, log) + _draw_plans(axes, log)
+    _draw_ends(axes, log)
     _draw_times(axes, log)
     goal = goal_of_flight(log)
     if goal is not None:
@@ -66,7 +75,7 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
         framealpha=0.85,
         edgecolor="none",
         loc="upper left",
-        bbox_to_anchor=(0.0, -0.08),
+        bbox_to_anchor=(0.0, BELOW),
         ncols=3,
         borderaxespad=0.0,
         handlelength=2.6,
@@ -98,27 +107,33 @@ def _true_track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"
     return np.stack([np.interp(time, truth.time, truth[name]) for name in ("east", "north")])
 
 
-def _draw_start(axes: Axes, pose: SE2) -> None:
-    axes.plot(
-        pose.y,
-        pose.x,
-        # A triangle points up, that is north; markers turn counter-clockwise.
-        marker=(3, 0, -degrees(pose.heading)),
-        markersize=13,
-        color=palette.INK,
-        markeredgecolor="white",
-        zorder=7,
-    )
-    _note(axes, pose, "start", backwards=True)
+def _draw_ends(axes: Axes, log: FlightLog) -> None:
+    """Marks start and end by darts that point along the heading, the start's filled."""
+    for time, name, fill in ((0.0, "start", palette.INK), (log.duration, "end", "white")):
+        pose = pose_at(log, time)
+        # Markers point up, that is north, and turn counter-clockwise.
+        marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
+        axes.plot(
+            pose.y,
+            pose.x,
+            marker=marker,
+            markersize=13,
+            markerfacecolor=fill,
+            markeredgecolor=palette.INK if fill == "white" else "white",
+            linestyle="none",
+            zorder=7,
+        )
+        _note(axes, pose, name, away=-1.0 if time == 0.0 else 1.0, along=True)
 
 
-def _note(axes: Axes, pose: SE2, text: str, *, backwards: bool = False) -> None:
-    """Writes a few words beside a pose: to its right, or behind it."""
-    away = (-sin(pose.heading), -cos(pose.heading)) if backwards else (cos(pose.heading), -sin(pose.heading))
+def _note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
+    """Writes a few words beside a pose: away to its right, or along its heading."""
+    east, north = sin(pose.heading), cos(pose.heading)
+    x, y = (east, north) if along else (north, -east)
     axes.annotate(
         text,
         (pose.y, pose.x),
-        xytext=(14 * away[0], 14 * away[1]),
+        xytext=(16 * away * x, 14 * away * y),
         textcoords="offset points",
         ha="center",
         va="center",
@@ -132,7 +147,7 @@ def _note(axes: Axes, pose: SE2, text: str, *, backwards: bool = False) -> None:
 def _draw_times(axes: Axes, log: FlightLog) -> None:
     """Marks round times along the track, so that it can be read together with the time histories."""
     step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
-    for time in np.arange(step, log.duration, step):
+    for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
         _note(axes, pose, f"{time:.0f} s")
@@ -206,4 +221,13 @@ def _draw_wind(axes: Axes, log: FlightLog) -> None:
     )
     words = TextArea(f"mean wind\n{speed:.1f} m/s", textprops={"fontsize": palette.SMALL_TEXT, "ha": "left"})
     packed = HPacker(children=[canvas, words], align="center", pad=2, sep=6)
-    axes.add_artist(AnchoredOffsetbox("upper right", child=packed, frameon=False, pad=0.2))
+    box = AnchoredOffsetbox(
+        "upper right",
+        child=packed,
+        frameon=False,
+        pad=0.0,
+        borderpad=0.0,
+        bbox_to_anchor=(1.0, BELOW),
+        bbox_transform=axes.transAxes,
+    )
+    axes.add_artist(box)

@@ -28,6 +28,7 @@ class Gains:
         yaw_rate: pedal per yaw rate error, s.
         yaw_rate_integral: pedal per heading error, rad/rad.
         yaw_ahead: pedal per commanded yaw acceleration, s2.
+        torque_ahead: pedal per collective of the height feedback, against the main rotor's torque, rad/rad.
         height: descent per height error, 1/s.
         descent: collective per descent error, rad s/m.
         descent_integral: collective per integral of descent error, rad/m.
@@ -36,16 +37,17 @@ class Gains:
     """
 
     velocity: float = 1.0
-    velocity_integral: float = 0.25
+    velocity_integral: float = 0.4
     lead: float = 0.12
     attitude: float = 0.35
     rate_ahead: float = 0.12
-    yaw_rate: float = 0.06
-    yaw_rate_integral: float = 0.06
-    yaw_ahead: float = 0.013
-    height: float = 0.5
-    descent: float = 0.02
-    descent_integral: float = 0.01
+    yaw_rate: float = 0.12
+    yaw_rate_integral: float = 0.3
+    yaw_ahead: float = 0.0112
+    torque_ahead: float = 1.05
+    height: float = 0.7
+    descent: float = 0.035
+    descent_integral: float = 0.02
     tilt_limit: float = 0.35
     forgetting: float = 60.0
 
@@ -118,6 +120,8 @@ class Controller:
         tilt_roll = _clip((side.rate + acceleration[1] + coupling_side) / gravity, limit)
         roll_error = trim.roll + tilt_roll + gains.lead * roll_rate - estimate.roll
         pitch_error = trim.pitch + tilt_pitch + gains.lead * pitch_rate - estimate.pitch
+        collective = self._height_feedback(estimate)
+        pedal = self._yaw_feedback(estimate, reference)
         return Controls(
             lateral=trim.lateral
             + self._notches[0].step(gains.attitude * roll_error)
@@ -125,8 +129,8 @@ class Controller:
             longitudinal=trim.longitudinal
             + self._notches[1].step(gains.attitude * pitch_error)
             + gains.rate_ahead * pitch_rate,
-            collective=trim.collective + self._height_feedback(estimate),
-            pedal=trim.pedal + self._yaw_feedback(estimate, reference) + gains.yaw_ahead * yaw.rate,
+            collective=trim.collective + collective,
+            pedal=trim.pedal + pedal + gains.yaw_ahead * yaw.rate + gains.torque_ahead * collective,
         )
 
     def _velocity_feedback(self, estimate: Motion, reference: Reference) -> tuple[float, float]:

@@ -101,7 +101,7 @@ def balance(parameters: Parameters, unknowns: ca.SX, velocity: ca.SX) -> tuple[c
     body_level = rotation_body_level(roll, pitch)
     velocity_body = body_level @ ca.vertcat(velocity[0], velocity[1], 0)
     rates = body_level @ ca.vertcat(0, 0, velocity[2])
-    air = Air(*ca.vertsplit(velocity_body), *ca.vertsplit(rates))
+    air = rotor.still_air(velocity_body, rates)
     acceleration, angular = accelerations(parameters, state, air, down_body=body_level[:, 2])
     flapping = rotor.flapping_targets(parameters, state, air)
     main, tail = rotor.inflow_targets(parameters, state, air)
@@ -160,7 +160,7 @@ def state_matrix(parameters: Parameters, equilibrium: Equilibrium) -> ca.DM:
     held = equilibrium.rotor_state
     flapping = (states[8], states[9], states[10], states[11])
     state = RotorState(*(ca.SX(value) for value in held[:4]), *flapping, ca.SX(held[8]), ca.SX(held[9]))
-    air = Air(*(states[i] for i in range(6)))
+    air = rotor.still_air(states[:3], states[3:6])
     state = rotor.settle_inflow(parameters, state, air, iterations=_CONVERGED)
     down = rotation_body_level(roll, pitch)[:, 2]
     linear, angular = accelerations(parameters, state, air, down_body=down)

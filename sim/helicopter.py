@@ -231,8 +231,9 @@ def _plant_function(parameters: Parameters, step: float) -> ca.Function:
     remembered, inputs = ca.SX.sym("rotor_state", 10), ca.SX.sym("inputs", 10)
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - inputs[4:7])
-    air_rates = _FLIP @ velocity[3:] + rotation.T @ inputs[7:]
-    air = Air(*ca.vertsplit(air_velocity), *ca.vertsplit(air_rates))
+    rates = _FLIP @ velocity[3:]
+    air_rates = rates + rotation.T @ inputs[7:]
+    air = Air(*ca.vertsplit(air_velocity), *ca.vertsplit(air_rates), rates[0], rates[1])
     state = RotorState(*ca.vertsplit(remembered))
     state = rotor.advance(parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS)
     load = rotor.loads(parameters, state, air)

@@ -19,7 +19,11 @@ _PROFILE_POWER_GROWTH = 4.6
 
 
 class Air(NamedTuple):
-    """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included."""
+    """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included.
+
+    Disc and bar are gyroscopes: they answer to the body's own rates, `roll_rate` and `pitch_rate` in rad/s. A gust
+    rate reaches them through lift only, as an angle of rate over rotor speed, which is neglected.
+    """
 
     u: ca.SX
     v: ca.SX
@@ -27,6 +31,13 @@ class Air(NamedTuple):
     p: ca.SX
     q: ca.SX
     r: ca.SX
+    roll_rate: ca.SX
+    pitch_rate: ca.SX
+
+
+def still_air(velocity: ca.SX, rates: ca.SX) -> Air:
+    """Returns motion through still air from body velocity and body rates, shapes (3, 1)."""
+    return Air(*ca.vertsplit(velocity), *ca.vertsplit(rates), rates[0], rates[1])
 
 
 class RotorState(NamedTuple):
@@ -133,21 +144,21 @@ def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Fla
     back_per_speed = rotor.flap_back * ((8.0 / 3.0) * state.collective - 2.0 * state.inflow / tip) / tip
     return Flapping(
         disc_back=(
-            -rotor.flapping_time * air.q
+            -rotor.flapping_time * air.pitch_rate
             + rotor.coupling_back_from_right * state.disc_right
             + state.longitudinal
             + bar.mixing * state.bar_back
             + back_per_speed * air.u
         ),
         disc_right=(
-            -rotor.flapping_time * air.p
+            -rotor.flapping_time * air.roll_rate
             + rotor.coupling_right_from_back * state.disc_back
             + state.lateral
             + bar.mixing * state.bar_right
             - back_per_speed * air.v
         ),
-        bar_back=-bar.time * air.q + bar.gain_back * state.longitudinal,
-        bar_right=-bar.time * air.p + bar.gain_right * state.lateral,
+        bar_back=-bar.time * air.pitch_rate + bar.gain_back * state.longitudinal,
+        bar_right=-bar.time * air.roll_rate + bar.gain_right * state.lateral,
     )
 
 

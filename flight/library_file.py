@@ -3,9 +3,9 @@
 import hashlib
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any
 
-from pydantic import Field, FiniteFloat, JsonValue, PositiveInt, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, JsonValue, PositiveInt, WithJsonSchema
 
 from .conditions import Conditions, TrimErrorKind
 from .file_model import FileModel, parse_json, read_text
@@ -98,10 +98,18 @@ class _Conditions(FileModel):
     coasting_range: tuple[FiniteFloat, FiniteFloat] | None = None
 
 
+def _known_schema(schema: str) -> str:
+    if schema != SCHEMA:
+        raise ValueError(f"this program reads {SCHEMA}, the file is {schema}; another version may read it")
+    return schema
+
+
 class LibraryFile(FileModel):
     """A motion-primitive library, in SI units."""
 
-    schema_name: Literal["maneuver-library/1"] = Field(alias="schema")
+    schema_name: Annotated[str, AfterValidator(_known_schema), WithJsonSchema({"const": SCHEMA})] = Field(
+        alias="schema"
+    )
     name: str
     description: str
     vehicle: str
@@ -109,17 +117,6 @@ class LibraryFile(FileModel):
     provenance: dict[str, JsonValue]
     trims: list[_Trim] = Field(min_length=1)
     maneuvers: list[_Maneuver]
-
-    @model_validator(mode="before")
-    @classmethod
-    def _refuse_newer(cls, content: object) -> object:
-        if isinstance(content, dict):
-            schema = content.get("schema")
-            if isinstance(schema, str) and schema != SCHEMA and schema.startswith("maneuver-library/"):
-                raise ValueError(
-                    f"schema: this program reads {SCHEMA}, the file is {schema}; a newer version may read it"
-                )
-        return content
 
 
 def read_library(path: Path) -> Library:

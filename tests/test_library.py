@@ -31,7 +31,8 @@ numbers = st.floats(allow_nan=False, allow_infinity=False)
 def test_numbers_round_trip_to_the_last_bit(forward: float, side: float, yaw_rate: float) -> None:
     library = synthetic_library()
     trim = replace(library.trims[0], velocity=Twist(forward, side, yaw_rate))
-    changed = replace(library, trims=(trim, *library.trims[1:]))
+    conditions = replace(library.conditions, coasting_range=(abs(side), abs(yaw_rate)))
+    changed = replace(library, trims=(trim, *library.trims[1:]), conditions=conditions)
     assert parse_library(library_text(changed), "text") == changed
 
 

@@ -25,6 +25,9 @@ from .tracking import VELOCITIES, navigation_error, tracking_error
 Column = Float[np.ndarray, "n"]
 Track = Float[np.ndarray, "m 2"]
 
+# Metres; a tolerance of 0 means equality, and this is what equality means.
+EQUALITY = 1e-6
+
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveCount:
@@ -79,19 +82,14 @@ class Arrival:
     Attributes:
         goal: position and tolerance.
         closest: smallest distance in metres.
-        time: of the smallest distance, seconds.
         end: distance at the end of the log, metres.
+        time: seconds after which the track was first within the tolerance; None where it never was.
     """
 
     goal: Goal
     closest: float
-    time: float
     end: float
-
-    @property
-    def reached(self) -> bool:
-        """Whether the track came within the tolerance."""
-        return self.closest <= self.goal.tolerance
+    time: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -144,6 +142,7 @@ def summarise(log: FlightLog) -> Summary:
     header = log.header
     flown = primitives_flown(log)
     names = trim_names(log)
+    goal = goal_of_flight(log)
     truth = log[TRUTH]
     return Summary(
         kind=header.kind,
@@ -165,7 +164,7 @@ def summarise(log: FlightLog) -> Summary:
         navigation=_navigation(log) if ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log),
         plans=len(plans_of_flight(log)) or None,
-        arrival=_arrival(log),
+        arrival=None if goal is None else arrival(log, goal),
     )
 
 
@@ -217,16 +216,22 @@ def _navigation(log: FlightLog) -> NavigationError:
     )
 
 
-def _arrival(log: FlightLog) -> Arrival | None:
-    goal = goal_of_flight(log)
-    if goal is None:
-        return None
+def arrival(log: FlightLog, goal: Goal) -> Arrival:
+    """Returns how the true track, as a line between its samples, met a goal.
+
+    Raises:
+        MissingTopicError: the log has no truth.
+    """
     truth = log[TRUTH]
     track = np.column_stack([truth["north"], truth["east"]])
     distances, times = _distances(track, truth.time, np.array(goal.position))
-    closest = int(np.argmin(distances))
-    end = hypot(*(track[-1] - goal.position))
-    return Arrival(goal, float(distances[closest]), float(times[closest]), end)
+    within = np.flatnonzero(distances <= max(goal.tolerance, EQUALITY))
+    return Arrival(
+        goal=goal,
+        closest=float(distances.min()),
+        end=hypot(*(track[-1] - goal.position)),
+        time=float(times[within[0]]) if len(within) else None,
+    )
 
 
 def _distances(track: Track, time: Column, point: Float[np.ndarray, "2"]) -> tuple[Column, Column]:

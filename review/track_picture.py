@@ -117,9 +117,9 @@ def _draw_ends(axes: Axes, log: FlightLog) -> None:
             pose.y,
             pose.x,
             marker=marker,
-            markersize=13,
+            markersize=14,
             markerfacecolor=fill,
-            markeredgecolor=palette.INK if fill == "white" else "white",
+            markeredgecolor=palette.INK,
             linestyle="none",
             zorder=7,
         )

@@ -1,0 +1,107 @@
+"""The maneuver automaton as a graph: trims placed by yaw rate and forward speed, maneuvers as arrows."""
+
+from collections.abc import Sequence
+from math import degrees, sqrt
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import FancyArrowPatch
+
+from flight.library import Library
+from flight.trim import Trim
+
+from . import palette
+
+# How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
+BOW = 0.24
+# Radius of a trim's circle in points.
+RADIUS = 13.0
+
+Place = tuple[float, float]
+
+
+def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
+    """Draws trims and maneuvers.
+
+    Args:
+        axes: to draw on.
+        library: the automaton.
+        tall: height of the graph over half its width.
+    """
+    places = _places(library.trims, tall)
+    colors = palette.trim_colors(places)
+    axes.set_aspect("equal", adjustable="datalim")
+    for maneuver in library.maneuvers:
+        _arrow(axes, (places[maneuver.from_trim], places[maneuver.to_trim]), str(maneuver.id))
+    for trim in library.trims:
+        x, y = places[trim.id]
+        axes.plot(x, y, "o", markersize=2 * RADIUS, color=colors[trim.id], markeredgecolor="white", zorder=4)
+        axes.text(x, y, str(trim.id), ha="center", va="center", color="white", fontweight="bold", zorder=5)
+        axes.annotate(
+            trim.name,
+            (x, y),
+            xytext=(0, RADIUS + 4 if y == tall else -RADIUS - 4),
+            textcoords="offset points",
+            ha="center",
+            va="bottom" if y == tall else "top",
+            fontsize=palette.TEXT_SIZE,
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
+            zorder=6,
+        )
+    _label_axes(axes, library.trims, places)
+
+
+def _places(trims: Sequence[Trim], tall: float) -> dict[int, Place]:
+    """Returns where trims stand; cube roots of the yaw rates keep slow turns clear of straight flight."""
+    turning = max(abs(trim.velocity.yaw_rate) for trim in trims) or 1.0
+    speeds = [trim.velocity.forward for trim in trims]
+    slowest, span = min(speeds), (max(speeds) - min(speeds)) or 1.0
+    return {
+        trim.id: (
+            float(np.cbrt(trim.velocity.yaw_rate / turning)),
+            tall * sqrt((trim.velocity.forward - slowest) / span),
+        )
+        for trim in trims
+    }
+
+
+def _arrow(axes: Axes, ends: tuple[Place, Place], label: str) -> None:
+    axes.add_patch(
+        FancyArrowPatch(
+            *ends,
+            connectionstyle=f"arc3,rad={BOW}",
+            arrowstyle="-|>",
+            mutation_scale=10,
+            shrinkA=RADIUS + 1,
+            shrinkB=RADIUS + 1,
+            color=palette.INK,
+            linewidth=1.0,
+            alpha=0.8,
+            zorder=2,
+        )
+    )
+    (x, y), (along, across) = ends[0], np.subtract(ends[1], ends[0])
+    # The middle of the arrow's quadratic curve lies half of the bow aside of the chord.
+    axes.text(
+        x + 0.5 * along + 0.5 * BOW * across,
+        y + 0.5 * across - 0.5 * BOW * along,
+        label,
+        ha="center",
+        va="center",
+        fontsize=palette.SMALL_TEXT,
+        color=palette.INK,
+        bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
+        zorder=3,
+    )
+
+
+def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> None:
+    """Writes the true values at the places of the trims."""
+    across = {places[trim.id][0]: f"{degrees(trim.velocity.yaw_rate):.3g}" for trim in trims}
+    up = {places[trim.id][1]: f"{trim.velocity.forward:.3g}" for trim in trims}
+    axes.set_xticks(list(across), list(across.values()))
+    axes.set_yticks(list(up), list(up.values()))
+    axes.set_xlabel("yaw rate, deg/s (right turn positive)", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("forward speed, m/s", fontsize=palette.TEXT_SIZE)
+    palette.dress(axes)
+    axes.margins(0.14, 0.14)

@@ -1,6 +1,6 @@
 """From flight logs to a motion-primitive library; reads nothing but the logs."""
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -52,7 +52,13 @@ def evidence(log: FlightLog, *, name: str, sha256: str) -> FlightEvidence:
         raise FlightError(f"{name}: {error}") from None
 
 
-def identify(flights: Iterable[FlightEvidence], *, name: str, confidence: float = 0.95) -> Library:
+def identify(
+    flights: Iterable[FlightEvidence],
+    *,
+    name: str,
+    confidence: float = 0.95,
+    campaign: Mapping[str, Any] | None = None,
+) -> Library:
     """Returns the library that the flights show.
 
     Values are commanded velocities for trims and means for maneuvers; errors are the largest deviations,
@@ -62,6 +68,7 @@ def identify(flights: Iterable[FlightEvidence], *, name: str, confidence: float 
         flights: one for each log.
         name: of the library.
         confidence: of the coverage that is claimed for each primitive.
+        campaign: what is known of how the flights were ordered, for the provenance; plain JSON values.
 
     Raises:
         InconsistentLogsError: there are none, or they differ in vehicle, wind or what was to be flown.
@@ -97,7 +104,7 @@ def identify(flights: Iterable[FlightEvidence], *, name: str, confidence: float 
             trim_error_kind="instantaneous",
             coasting_range=_coasting_range(ordered),
         ),
-        provenance=_provenance(ordered, confidence),
+        provenance=_provenance(ordered, confidence, campaign),
     )
 
 
@@ -145,7 +152,9 @@ def _coasting_range(flights: list[FlightEvidence]) -> tuple[float, float]:
     return min(durations), max(durations)
 
 
-def _provenance(flights: list[FlightEvidence], confidence: float) -> dict[str, Any]:
+def _provenance(
+    flights: list[FlightEvidence], confidence: float, campaign: Mapping[str, Any] | None
+) -> dict[str, Any]:
     header = flights[0].header
     return {
         "method": "largest deviations of the true motion over flights, maneuvers by command change",
@@ -153,7 +162,7 @@ def _provenance(flights: list[FlightEvidence], confidence: float) -> dict[str, A
         "model_hash": header.model_hash,
         "code_version": header.code_version,
         "backend": header.backend,
-        "campaigns": sorted({flight.header.name for flight in flights}),
+        **({} if campaign is None else {"campaign": dict(campaign)}),
         "lost": sorted(flight.header.seed for flight in flights if flight.header.outcome != "completed"),
         "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in flights},
     }

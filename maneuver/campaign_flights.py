@@ -1,0 +1,119 @@
+"""Campaigns, flown and identified: what `fly`, `regenerate` and `demo` share."""
+
+import hashlib
+import os
+from collections.abc import Sequence as Items
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from flight.campaign import Campaign
+from flight.conditions import Conditions
+from flight.library import Library
+from flight.log_file import read_log
+from identification.identify import FlightEvidence, evidence
+from identification.schedule import schedule
+from sim.campaign import FlightFlown, fly_campaign
+from sim.specification import FlightSpecification, specify_sequence
+
+from .files import find_library
+from .progress import shown
+
+_SCHEDULE_STREAM = 0
+_FLIGHT_STREAM = 1
+
+
+@dataclass(frozen=True, slots=True)
+class CampaignFlown:
+    """What became of a campaign: its flights in the order of their names, and the library flown with."""
+
+    library: Library
+    flights: tuple[FlightFlown, ...]
+
+    @property
+    def duration(self) -> float:
+        """Seconds of flight, all together."""
+        return sum(flight.duration for flight in self.flights)
+
+
+def campaign_library(campaign: Campaign, wind: str) -> Library:
+    """Returns the library that the flights carry: trims, maneuvers, and the conditions fixed before."""
+    conditions = Conditions(
+        wind=wind,
+        altitude=campaign.altitude,
+        maneuver_end=campaign.rule(wind),
+        trim_error_kind="instantaneous",
+        coasting_range=campaign.coasting_range,
+    )
+    return replace(find_library(campaign.library), conditions=conditions)
+
+
+def specify_campaign(
+    campaign: Campaign, library: Library, *, seed: int, flights: int, wind: str
+) -> tuple[FlightSpecification, ...]:
+    """Returns what is flown; a flight's specification depends on the seed and its number alone."""
+    tours = schedule(
+        library,
+        flights=flights,
+        rng=np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_SCHEDULE_STREAM,))),
+        coasting_range=campaign.coasting_range,
+        wind=wind,
+    )
+    return tuple(
+        specify_sequence(
+            replace(tour, name=f"{campaign.name}-{number:04d}"),
+            seed=flight_seed(seed, number),
+            kind="campaign",
+            altitude=campaign.altitude,
+        )
+        for number, tour in enumerate(tours)
+    )
+
+
+def flight_seed(seed: int, number: int) -> int:
+    """Returns the seed of one flight of many, from the seed of all and the flight's number: 63 bits."""
+    words = np.random.SeedSequence(seed, spawn_key=(_FLIGHT_STREAM, number)).generate_state(1, np.uint64)
+    return int(words[0] >> np.uint64(1))
+
+
+def fly_whole_campaign(
+    campaign: Campaign,
+    *,
+    seed: int,
+    flights: int,
+    wind: str,
+    folder: Path,
+    executor: Executor,
+    force: bool,
+) -> CampaignFlown:
+    """Flies a campaign, one log a flight in the folder.
+
+    Raises:
+        FlightError: the campaign cannot be flown as asked.
+    """
+    library = campaign_library(campaign, wind)
+    specifications = specify_campaign(campaign, library, seed=seed, flights=flights, wind=wind)
+    flown = fly_campaign(specifications, library, folder=folder, executor=executor, force=force)
+    done = list(shown(flown, total=len(specifications), what=f"flying {campaign.name}"))
+    return CampaignFlown(library, tuple(sorted(done, key=lambda flight: flight.path.name)))
+
+
+def gather_evidence(paths: Items[Path], *, executor: Executor) -> list[FlightEvidence]:
+    """Reads logs and cuts them into primitives.
+
+    Raises:
+        FlightError: a log is broken or lacks something.
+    """
+    return list(shown(executor.map(_evidence_of, paths), total=len(paths), what="identifying"))
+
+
+def _evidence_of(path: Path) -> FlightEvidence:
+    log = read_log(path)
+    return evidence(log, name=str(path), sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+
+
+def default_workers() -> int:
+    """Returns the number of processors that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -1,0 +1,156 @@
+"""`maneuver fly`: a sequence, a mission or a whole campaign, flown by the simulated helicopter."""
+
+import json as json_module
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from cyclopts.types import NonNegativeInt, PositiveInt
+
+from flight.errors import FlightError
+from flight.log_file import publish_log
+from sim.campaign import fly_specification, worker_pool
+from sim.specification import specify_sequence
+
+from .campaign_flights import default_workers, fly_whole_campaign
+from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .mission_flights import MissionTask, fly_mission
+from .policies import FlownPolicy
+
+LOST = 1
+
+
+def fly(
+    *,
+    sequence: str | None = None,
+    mission: str | None = None,
+    campaign: str | None = None,
+    library: str = "gtmax-sim",
+    policy: FlownPolicy = "worst-case",
+    gamma: float = 1.0,
+    wind: str | None = None,
+    seed: NonNegativeInt = 1,
+    flights: PositiveInt | None = None,
+    out: Path | None = None,
+    workers: PositiveInt | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Flies the simulated helicopter and writes flight logs; give one of --sequence, --mission, --campaign.
+
+    A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
+    maneuver of its automaton once a flight. The exit code is 1 when a flight was lost or the goal was not
+    reached.
+
+    Examples:
+        maneuver fly --sequence figure-eight --out eight.mcap
+
+        maneuver fly --mission gtmax-1 --policy worst-case --seed 3 --out flight.mcap
+
+        maneuver fly --campaign gtmax --flights 30 --out flights
+
+    Args:
+        sequence: name or path of a sequence.
+        mission: name or path of a mission.
+        campaign: name or path of a campaign.
+        library: name or path of the library that a sequence or mission is flown with.
+        policy: planner of a mission.
+        gamma: uncertainty level of the worst-case planner, 0 to 1.
+        wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
+        seed: of all chance.
+        flights: of a campaign; the campaign's number by default.
+        out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
+        workers: processes of a campaign; one for each processor by default.
+        force: overwrite OUT.
+        json: print what was flown as JSON.
+    """
+    order = _Order(library, wind, seed, out, force)
+    match sequence, mission, campaign:
+        case str(), None, None:
+            code, result = _fly_sequence(sequence, order)
+        case None, str(), None:
+            code, result = _fly_mission(mission, order, policy, gamma)
+        case None, None, str():
+            code, result = _fly_campaign(campaign, order, flights, workers or default_workers())
+        case _:
+            raise FlightError("expected one of --sequence, --mission and --campaign, got none or several")
+    if json:
+        print(json_module.dumps(result))
+    else:
+        print("\n".join(f"{key.replace('_', ' '):<15} {value}" for key, value in result.items()))
+    return code
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """What all kinds of flight are told."""
+
+    library: str
+    wind: str | None
+    seed: int
+    out: Path | None
+    force: bool
+
+
+def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
+    walk = find_sequence(name)
+    walk = replace(walk, wind=order.wind or walk.wind)
+    library = find_library(order.library)
+    library.maneuvers_along(walk.trims)
+    path = order.out or Path(f"{walk.name}.mcap")
+    refuse_existing(path, force=order.force)
+    log = fly_specification(specify_sequence(walk, seed=order.seed), library)
+    publish_log(log, path, force=order.force)
+    outcome = log.header.outcome
+    result = {"sequence": walk.name, "outcome": outcome, "duration": round(log.duration, 2), "log": str(path)}
+    return (0 if outcome == "completed" else LOST), result
+
+
+def _fly_mission(
+    name: str, order: _Order, policy: FlownPolicy, gamma: float
+) -> tuple[int, dict[str, object]]:
+    mission = find_mission(name)
+    library = find_library(order.library)
+    path = order.out or Path(f"{mission.name}.mcap")
+    refuse_existing(path, force=order.force)
+    task = MissionTask(
+        mission=mission,
+        library=library,
+        policy=policy,
+        gamma=gamma,
+        wind=order.wind or library.conditions.wind,
+        seed=order.seed,
+        log=path,
+        force=order.force,
+    )
+    flown = fly_mission(task)
+    return (0 if flown.reached else LOST), {**asdict(flown), "log": str(path)}
+
+
+def _fly_campaign(
+    name: str, order: _Order, flights: int | None, workers: int
+) -> tuple[int, dict[str, object]]:
+    campaign = find_campaign(name)
+    folder = order.out or Path(campaign.name)
+    refuse_existing(folder, force=order.force)
+    with worker_pool(workers) as executor:
+        flown = fly_whole_campaign(
+            campaign,
+            seed=order.seed,
+            flights=flights or campaign.flights,
+            wind=order.wind or campaign.wind,
+            folder=folder,
+            executor=executor,
+            force=order.force,
+        )
+    lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
+    result: dict[str, object] = {
+        "campaign": campaign.name,
+        "flights": len(flown.flights),
+        "flight_hours": round(flown.duration / 3600, 3),
+        "timeouts": sum(flight.timeouts for flight in flown.flights),
+        "lost": lost,
+        "logs": str(folder),
+    }
+    return (LOST if lost else 0), result

@@ -1,4 +1,4 @@
-"""The vehicle as data: its shape for MuJoCo (`gtmax.xml`) and its numbers with their sources (`gtmax.toml`)."""
+"""The vehicle as data: shape for MuJoCo (`gtmax.xml`), numbers with their sources (`gtmax.toml`)."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Many flights on any executor; every log is written whole or not at all, whatever the order of the workers."""
+"""Many flights on any executor; logs are written whole or not at all, whatever the workers' order."""
 
 import multiprocessing
 import os
@@ -10,13 +10,14 @@ from pathlib import Path
 
 from flight.errors import FlightLostError
 from flight.library import Library
-from flight.log import FlightLog
+from flight.log import PRIMITIVE, FlightLog
 from flight.log_file import publish_log
 
 from .fly import SimulatedHelicopter, fly_sequence
 from .specification import FlightSpecification
 
-# Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes cores.
+# Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes
+# cores.
 _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
@@ -51,7 +52,12 @@ def fly_specification(specification: FlightSpecification, library: Library) -> F
 
 
 def fly_campaign(
-    specifications: Iterable[FlightSpecification], library: Library, *, folder: Path, executor: Executor, force: bool = False
+    specifications: Iterable[FlightSpecification],
+    library: Library,
+    *,
+    folder: Path,
+    executor: Executor,
+    force: bool = False,
 ) -> Iterator[FlightFlown]:
     """Flies every specification and writes its log to `folder/NAME.mcap`.
 
@@ -62,7 +68,8 @@ def fly_campaign(
         AlreadyExistsError: a log exists and `force` is not set.
     """
     flights = [
-        executor.submit(_fly_and_publish, specification, library, folder, force) for specification in specifications
+        executor.submit(_fly_and_publish, specification, library, folder, force)
+        for specification in specifications
     ]
     try:
         for flight in as_completed(flights):
@@ -88,9 +95,9 @@ def worker_pool(processes: int) -> Iterator[Executor]:
                 os.environ[name] = value
 
 
-def _fly_and_publish(specification: FlightSpecification, library: Library, folder: Path, force: bool) -> FlightFlown:
-    from flight.log import PRIMITIVE
-
+def _fly_and_publish(
+    specification: FlightSpecification, library: Library, folder: Path, force: bool
+) -> FlightFlown:
     log = fly_specification(specification, library)
     path = folder / f"{specification.name}.mcap"
     publish_log(log, path, force=force)

@@ -1,7 +1,7 @@
 """The flight controller: fixed gains in cascade, attitude inside, velocity, yaw rate and height outside.
 
-It sees an estimate only. Feed-forward does the maneuvers (trim controls over speed and yaw rate, acceleration and
-its rate from the reference model), feedback the gusts.
+It sees an estimate only. Feed-forward does the maneuvers (trim controls over speed and yaw rate, acceleration
+and its rate from the reference model), feedback the gusts.
 """
 
 from dataclasses import dataclass
@@ -22,9 +22,9 @@ class Gains:
     Attributes:
         velocity: acceleration per velocity error, 1/s.
         velocity_integral: per integral of velocity error, 1/s2.
-        lead: what the attitude loop lags behind, made good in the acceleration command, s.
+        lead: time that the attitude command runs ahead of the reference, s.
         attitude: cyclic per attitude error, rad/rad.
-        rate_ahead: cyclic per commanded body rate, the inverse of rotor and bar at low frequency, s.
+        rate_ahead: cyclic per commanded body rate, near the inverse of rotor and bar at low frequency, s.
         yaw_rate: pedal per yaw rate error, s.
         yaw_rate_integral: pedal per heading error, rad/rad.
         yaw_ahead: pedal per commanded yaw acceleration, s2.
@@ -38,9 +38,9 @@ class Gains:
 
     velocity: float = 1.0
     velocity_integral: float = 0.4
-    lead: float = 0.12
+    lead: float = 0.04
     attitude: float = 0.35
-    rate_ahead: float = 0.12
+    rate_ahead: float = 0.11
     yaw_rate: float = 0.12
     yaw_rate_integral: float = 0.3
     yaw_ahead: float = 0.0112
@@ -88,14 +88,17 @@ class Controller:
         gains: all feedback and feed-forward gains.
     """
 
-    def __init__(self, parameters: Parameters, *, height: float, step: float, gains: Gains | None = None) -> None:
+    def __init__(
+        self, parameters: Parameters, *, height: float, step: float, gains: Gains | None = None
+    ) -> None:
         self._gains = gains or Gains()
         self._trims = trim_table(parameters)
         self._gravity = parameters.environment.gravity
         self._height, self._step = height, step
         self._notches = (_Notch(_ROLL_MODE, step), _Notch(_PITCH_MODE, step))
         self._keep = exp(-step / self._gains.forgetting)
-        # Integrals: acceleration north and east (what wind asks for stays put in the world), pedal, collective.
+        # Integrals: acceleration north and east (what wind asks for stays put in the world), pedal,
+        # collective.
         self._north = self._east = self._pedal = self._collective = 0.0
 
     def turn(self, angle: float) -> None:

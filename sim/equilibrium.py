@@ -1,8 +1,9 @@
-"""Steady level flight, straight or turning: the controls and attitude that hold a trim velocity in still air."""
+"""Steady level flight, straight or turning: controls and attitude that hold a trim in still air."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import casadi as ca
+
 from flight.errors import FlightError
 from flight.se2 import Twist
 
@@ -19,12 +20,12 @@ _STRIDE = (2.5, 2.5, 0.15)
 
 
 class NoEquilibriumError(FlightError):
-    """No steady flight was found at a velocity."""
+    """No steady flight is possible at a velocity, or none was found."""
 
-    def __init__(self, velocity: Twist, residual: float) -> None:
+    def __init__(self, velocity: Twist, reason: str) -> None:
         super().__init__(
-            f"no equilibrium found at forward {velocity.forward:g} m/s, side {velocity.side:g} m/s, "
-            f"yaw rate {velocity.yaw_rate:g} rad/s: residual {residual:.1e}, expected at most {RESIDUAL:.0e}"
+            f"no equilibrium at forward {velocity.forward:g} m/s, side {velocity.side:g} m/s, "
+            f"yaw rate {velocity.yaw_rate:g} rad/s: {reason}"
         )
 
 
@@ -60,6 +61,7 @@ class EquilibriumFinder:
 
     def __init__(self, parameters: Parameters) -> None:
         """Builds the balance of forces and its root finder."""
+        self._servos = parameters.servos
         unknowns, velocity = ca.SX.sym("unknowns", 12), ca.SX.sym("velocity", 3)
         residual, power = balance(parameters, unknowns, velocity)
         self._balance = ca.Function("balance", [unknowns, velocity], [residual, power])
@@ -70,19 +72,41 @@ class EquilibriumFinder:
         """Returns the equilibrium at a heading-frame velocity, reached in strides from hover.
 
         Raises:
-            NoEquilibriumError: the balance was not met.
+            NoEquilibriumError: the balance was not met, or not within the servos' travel.
         """
         wanted = (velocity.forward, velocity.side, velocity.yaw_rate)
         strides = 1 + int(max(abs(part) / stride for part, stride in zip(wanted, _STRIDE, strict=True)))
         unknowns = ca.DM(_HOVER_GUESS)
         for stride in range(strides + 1):
             unknowns = self._solve(unknowns, ca.DM(wanted) * (stride / strides))
-        residual, power = self._balance(unknowns, ca.DM(wanted))
-        worst = float(ca.norm_inf(residual))
-        if not worst <= RESIDUAL:
-            raise NoEquilibriumError(velocity, worst)
         roll, pitch, *state = (float(value) for value in unknowns.elements())
-        return Equilibrium(velocity, roll, pitch, state[0], state[1], state[2], state[3], tuple(state), float(power))
+        found = Equilibrium(velocity, roll, pitch, state[0], state[1], state[2], state[3], tuple(state), 0.0)
+        worst, power = self.residual(found)
+        if not worst <= RESIDUAL:
+            raise NoEquilibriumError(velocity, f"residual {worst:.1e}, expected at most {RESIDUAL:.0e}")
+        self._refuse_beyond_travel(found)
+        return replace(found, power=power)
+
+    def _refuse_beyond_travel(self, found: Equilibrium) -> None:
+        servos = self._servos
+        cyclic = servos.cyclic_limit
+        for name, value, low, high in (
+            ("lateral cyclic", found.lateral, -cyclic, cyclic),
+            ("longitudinal cyclic", found.longitudinal, -cyclic, cyclic),
+            ("collective", found.collective, servos.collective_low, servos.collective_high),
+            ("pedal", found.pedal, servos.pedal_low, servos.pedal_high),
+        ):
+            if not low <= value <= high:
+                reason = f"{name} pitch {value:.3f} rad is beyond its travel, {low:g} to {high:g} rad"
+                raise NoEquilibriumError(found.velocity, reason)
+
+    def residual(self, equilibrium: Equilibrium) -> tuple[float, float]:
+        """Returns the largest imbalance of a state said to be balanced, and its power in W."""
+        velocity = equilibrium.velocity
+        unknowns = ca.DM([equilibrium.roll, equilibrium.pitch, *equilibrium.rotor_state])
+        wanted = ca.DM([velocity.forward, velocity.side, velocity.yaw_rate])
+        residual, power = self._balance(unknowns, wanted)
+        return float(ca.norm_inf(residual)), float(power)
 
 
 def balance(parameters: Parameters, unknowns: ca.SX, velocity: ca.SX) -> tuple[ca.SX, ca.SX]:
@@ -94,7 +118,8 @@ def balance(parameters: Parameters, unknowns: ca.SX, velocity: ca.SX) -> tuple[c
         velocity: forward, side (m/s) and yaw rate (rad/s) in the heading frame, shape (3, 1).
 
     Returns:
-        What must vanish, shape (12, 1): accelerations, angular accelerations, flapping and inflow; and the power.
+        What must vanish, shape (12, 1): accelerations, angular accelerations, flapping and inflow; and the
+        power.
     """
     roll, pitch = unknowns[0], unknowns[1]
     state = RotorState(*(unknowns[2 + i] for i in range(10)))
@@ -142,53 +167,4 @@ def rotation_body_level(roll: ca.SX, pitch: ca.SX) -> ca.SX:
         ca.horzcat(cp, 0, -sp),
         ca.horzcat(sr * sp, cr, sr * cp),
         ca.horzcat(cr * sp, -sr, cr * cp),
-    )
-
-
-# Iterations after which the inflow has converged to rounding, for derivatives through it.
-_CONVERGED = 60
-
-
-def state_matrix(parameters: Parameters, equilibrium: Equilibrium) -> ca.DM:
-    """Linearises the motion about an equilibrium with the controls held; the inflow follows at once.
-
-    Returns:
-        The matrix of the states u, v, w, p, q, r, roll, pitch, disc back, disc right, bar back, bar right.
-    """
-    states = ca.SX.sym("states", 12)
-    roll, pitch = states[6], states[7]
-    held = equilibrium.rotor_state
-    flapping = (states[8], states[9], states[10], states[11])
-    state = RotorState(*(ca.SX(value) for value in held[:4]), *flapping, ca.SX(held[8]), ca.SX(held[9]))
-    air = rotor.still_air(states[:3], states[3:6])
-    state = rotor.settle_inflow(parameters, state, air, iterations=_CONVERGED)
-    down = rotation_body_level(roll, pitch)[:, 2]
-    linear, angular = accelerations(parameters, state, air, down_body=down)
-    roll_rate = air.p + (air.q * ca.sin(roll) + air.r * ca.cos(roll)) * ca.tan(pitch)
-    pitch_rate = air.q * ca.cos(roll) - air.r * ca.sin(roll)
-    target = rotor.flapping_targets(parameters, state, air)
-    disc, bar = parameters.main_rotor.flapping_time, parameters.stabiliser_bar.time
-    rates = ca.vertcat(
-        linear,
-        angular,
-        roll_rate,
-        pitch_rate,
-        (target.disc_back - state.disc_back) / disc,
-        (target.disc_right - state.disc_right) / disc,
-        (target.bar_back - state.bar_back) / bar,
-        (target.bar_right - state.bar_right) / bar,
-    )
-    jacobian = ca.Function("state_matrix", [states], [ca.jacobian(rates, states)])
-    return jacobian(_flight_states(equilibrium))
-
-
-def _flight_states(equilibrium: Equilibrium) -> ca.DM:
-    body_level = rotation_body_level(ca.DM(equilibrium.roll), ca.DM(equilibrium.pitch))
-    velocity = equilibrium.velocity
-    return ca.vertcat(
-        body_level @ ca.DM([velocity.forward, velocity.side, 0.0]),
-        body_level @ ca.DM([0.0, 0.0, velocity.yaw_rate]),
-        equilibrium.roll,
-        equilibrium.pitch,
-        ca.DM(equilibrium.rotor_state[4:8]),
     )

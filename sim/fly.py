@@ -7,8 +7,8 @@ from enum import IntEnum
 from importlib.metadata import PackageNotFoundError, version
 from math import cos, sin
 
-import casadi
 import numpy as np
+
 from flight.errors import FlightError, FlightLostError
 from flight.library import Library
 from flight.library_file import library_text
@@ -21,7 +21,7 @@ from flight.vehicle import Leg, Vehicle
 
 from .controller import Controller
 from .equilibrium import EquilibriumFinder
-from .helicopter import Helicopter, HelicopterState, move_in_plane
+from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import Channel, ManeuverGenerator, Reference
 from .motion import Motion
 from .navigation import GPS_AIDED, IDEAL, Navigation
@@ -37,7 +37,7 @@ CONTROL_PERIOD = 1.0 / CONTROL_RATE
 INITIAL_STATE_ATTACHMENT = "initial_state.json"
 """The helicopter's state at time 0; with the logged commands and wind it reproduces the true motion."""
 
-_BACKEND = f"casadi-vm-{casadi.__version__}"
+_BACKEND = f"casadi-vm-{version('casadi')}"
 # Motion is logged, and the maneuver-end rule applied, at every second control period.
 _PERIODS_A_SAMPLE = 2
 
@@ -116,7 +116,9 @@ class SimulatedHelicopter:
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
         self._truth = self._helicopter.motion()
         self._estimate = self._navigation.step(self._truth)
-        self._reference = Reference(*(Channel(v, 0.0, 0.0) for v in (target.forward, target.side, target.yaw_rate)))
+        self._reference = Reference(
+            *(Channel(v, 0.0, 0.0) for v in (target.forward, target.side, target.yaw_rate))
+        )
         recorder, self._recorder = self._recorder, Recorder(height=specification.altitude)
         for _ in range(round(specification.settling_time / CONTROL_PERIOD)):
             self._advance()
@@ -171,7 +173,9 @@ class SimulatedHelicopter:
             FlightLostError: the flight ended in the ground or diverged.
         """
         if maneuver.from_trim != self._trim.id:
-            raise ValueError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; trim {self._trim.id} is held")
+            raise ValueError(
+                f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; trim {self._trim.id} is held"
+            )
         self._trim = self._library.trim(maneuver.to_trim)
         self._target = self._trim.velocity
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
@@ -222,7 +226,8 @@ class SimulatedHelicopter:
         controls = self._controller.step(self._estimate, self._reference)
         c, s = cos(truth.heading), sin(truth.heading)
         wind = self._wind.step(
-            velocity_north=c * truth.forward - s * truth.side, velocity_east=s * truth.forward + c * truth.side
+            velocity_north=c * truth.forward - s * truth.side,
+            velocity_east=s * truth.forward + c * truth.side,
         )
         self._recorder.add_period(
             self.time, controls=controls, servos=self._helicopter.servo_positions(), wind=wind
@@ -244,7 +249,12 @@ class SimulatedHelicopter:
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
         self._recorder.add_primitive(
-            self.time, kind=kind, number=number, from_trim=from_trim, to_trim=self._trim, timed_out=self._timed_out
+            self.time,
+            kind=kind,
+            number=number,
+            from_trim=from_trim,
+            to_trim=self._trim,
+            timed_out=self._timed_out,
         )
         self._timed_out = False
 
@@ -279,27 +289,6 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
         legs.append(vehicle.perform(maneuver))
         legs.append(vehicle.coast(coasting_time))
     return tuple(legs)
-
-
-def replay(log: FlightLog, *, step: float) -> np.ndarray:
-    """Flies the logged servo commands in the logged wind from the logged start, without controller or navigation.
-
-    Returns:
-        True motion at the start of every control period, shape (n, 13), columns as in `/truth`.
-    """
-    from flight.log import CONTROLS, WIND
-
-    from .motion import Controls, Wind
-
-    helicopter = Helicopter(read_parameters(), step=step)
-    state = {key: value if key == "heading" else tuple(value) for key, value in json.loads(log.attachments[INITIAL_STATE_ATTACHMENT]).items()}
-    helicopter.restore(HelicopterState(**state))
-    rows = []
-    columns = [log[CONTROLS][f"{name}_command"] for name in Controls._fields]
-    for command, wind in zip(np.stack(columns, axis=1).tolist(), log[WIND].values.tolist(), strict=True):
-        rows.append(helicopter.motion())
-        helicopter.advance(Controls._make(command), Wind._make(wind), steps=round(CONTROL_PERIOD / step))
-    return np.array(rows)
 
 
 def _thin(track: list[tuple[float, float, float, float]]) -> np.ndarray:

@@ -1,7 +1,8 @@
 """The helicopter as a free body in MuJoCo, moved by the loads of `rotor`; the only file that talks to MuJoCo.
 
-MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. Turning half a turn about the first
-axis leads from either to the project's axes and back, so vectors change the sign of their last two components.
+MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. Turning half a turn about the
+first axis leads from either to the project's axes and back, so vectors change the sign of their last two
+components.
 """
 
 from collections.abc import Sequence
@@ -9,13 +10,15 @@ from dataclasses import dataclass
 from math import cos, isfinite, pi, remainder, sin
 
 import casadi as ca
-import models
 import mujoco
 import numpy as np
+
+import models
 from flight.errors import FlightLostError
 from flight.se2 import SE2
 
 from . import rotor
+from .bound_function import BoundFunction
 from .equilibrium import Equilibrium
 from .motion import Controls, Motion, Wind
 from .parameters import Parameters
@@ -70,19 +73,17 @@ class Helicopter:
         self._current = 0
         self._observation = np.zeros(13)
         plant = _plant_function(parameters, step)
-        self._advance = (self._bind(plant, 0, 1), self._bind(plant, 1, 0))
-        self._observe = _bind_observation(self._data, self._observation)
-        self._buffers: list[object] = [*self._advance, self._observe]
-
-    def _bind(self, plant: ca.Function, source: int, target: int) -> tuple[object, object]:
-        buffer, evaluate = plant.buffer()
-        data = self._data
-        arguments = (data.qpos, data.qvel, self._rotor_states[source], self._inputs)
-        for i, argument in enumerate(arguments):
-            buffer.set_arg(i, memoryview(argument))
-        buffer.set_res(0, memoryview(data.xfrc_applied[_BODY]))
-        buffer.set_res(1, memoryview(self._rotor_states[target]))
-        return buffer, evaluate
+        data, states = self._data, self._rotor_states
+        # Two states in turn, because input and output must not be the same array.
+        self._plants = tuple(
+            BoundFunction(
+                plant,
+                (data.qpos, data.qvel, states[source], self._inputs),
+                (data.xfrc_applied[_BODY], states[1 - source]),
+            )
+            for source in (0, 1)
+        )
+        self._observe = BoundFunction(_observation_function(), (data.qpos, data.qvel), (self._observation,))
 
     @property
     def time(self) -> float:
@@ -98,7 +99,9 @@ class Helicopter:
             HelicopterState(
                 position=(0.0, 0.0, -altitude),
                 quaternion=_multiply(
-                    _multiply((cos(half_yaw), 0.0, 0.0, sin(half_yaw)), (cos(half_pitch), 0.0, sin(half_pitch), 0.0)),
+                    _multiply(
+                        (cos(half_yaw), 0.0, 0.0, sin(half_yaw)), (cos(half_pitch), 0.0, sin(half_pitch), 0.0)
+                    ),
                     (cos(half_roll), sin(half_roll), 0.0, 0.0),
                 ),
                 velocity=(
@@ -149,14 +152,15 @@ class Helicopter:
         self._inputs[4:] = wind
         model, data, step = self._model, self._data, mujoco.mj_step
         for _ in range(steps):
-            self._advance[self._current][1]()  # type: ignore[operator]
+            self._plants[self._current].evaluate()
             self._current = 1 - self._current
             step(model, data)
             self._steps += 1
-            if self._warnings.any() or not isfinite(data.qpos[2] + data.qvel[3]):
+            height = data.qpos[2]
+            if self._warnings.any() or not isfinite(height + data.qvel[3]):
                 raise FlightLostError(self.time, "the motion diverged")
-        if data.qpos[2] < _GROUND_HEIGHT:
-            raise FlightLostError(self.time, "the helicopter met the ground")
+            if height < _GROUND_HEIGHT:
+                raise FlightLostError(self.time, "the helicopter met the ground")
 
     def servo_positions(self) -> Controls:
         """Returns where the servos are."""
@@ -164,7 +168,7 @@ class Helicopter:
 
     def motion(self) -> Motion:
         """Returns the true motion."""
-        self._observe[1]()  # type: ignore[operator]
+        self._observe.evaluate()
         values = self._observation.tolist()
         self._heading += remainder(values[8] - self._heading, 2.0 * pi)
         values[8] = self._heading
@@ -191,7 +195,14 @@ def _load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
     body, numbers = spec.body("helicopter"), parameters.body
     body.mass = numbers.mass
     # Half a turn about the first axis changes the sign of the product of inertia.
-    body.fullinertia = [numbers.inertia_xx, numbers.inertia_yy, numbers.inertia_zz, 0.0, numbers.inertia_xz, 0.0]
+    body.fullinertia = [
+        numbers.inertia_xx,
+        numbers.inertia_yy,
+        numbers.inertia_zz,
+        0.0,
+        numbers.inertia_xz,
+        0.0,
+    ]
     spec.option.timestep = step
     spec.option.gravity = [0.0, 0.0, -parameters.environment.gravity]
     return spec.compile()
@@ -233,16 +244,20 @@ def _plant_function(parameters: Parameters, step: float) -> ca.Function:
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - inputs[4:7])
     rates = _FLIP @ velocity[3:]
     air_rates = rates + rotation.T @ inputs[7:]
-    air = Air(*ca.vertsplit(air_velocity), *ca.vertsplit(air_rates), rates[0], rates[1])
+    u, v, w = ca.vertsplit(air_velocity)
+    p, q, r = ca.vertsplit(air_rates)
+    air = Air(u, v, w, p, q, r, roll_rate=rates[0], pitch_rate=rates[1])
     state = RotorState(*ca.vertsplit(remembered))
-    state = rotor.advance(parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS)
+    state = rotor.advance(
+        parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS
+    )
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
     return ca.Function("plant", [position, velocity, remembered, inputs], [wrench, ca.vertcat(*state)])
 
 
-def _bind_observation(data: mujoco.MjData, result: np.ndarray) -> tuple[object, object]:
-    """Builds and binds the translation of MuJoCo's state into `Motion`."""
+def _observation_function() -> ca.Function:
+    """Builds the translation of MuJoCo's state into `Motion`."""
     position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
     rotation = _rotation_world_body(position[3:7])
     roll = ca.atan2(rotation[2, 1], rotation[2, 2])
@@ -253,8 +268,4 @@ def _bind_observation(data: mujoco.MjData, result: np.ndarray) -> tuple[object, 
     side = -ca.sin(heading) * world[0] + ca.cos(heading) * world[1]
     yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
     motion = ca.vertcat(_FLIP @ position[:3], forward, side, world[2], roll, pitch, heading, rates, yaw_rate)
-    buffer, evaluate = ca.Function("observe", [position, velocity], [motion]).buffer()
-    buffer.set_arg(0, memoryview(data.qpos))
-    buffer.set_arg(1, memoryview(data.qvel))
-    buffer.set_res(0, memoryview(result))
-    return buffer, evaluate
+    return ca.Function("observe", [position, velocity], [motion])

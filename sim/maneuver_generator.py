@@ -1,8 +1,8 @@
 """The maneuver generator: it turns a change of trim into a smooth command of velocity and yaw rate.
 
-A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves like a
-second order linear dynamic system, whose settling time is ideally constant" (2.6.2); the figures agree with the
-durations and displacements of its Table 10. There is no memory of position or heading.
+A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves
+like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2); the figures agree
+with the durations and displacements of its Table 10. There is no memory of position or heading.
 """
 
 from dataclasses import dataclass
@@ -85,5 +85,7 @@ class ManeuverGenerator:
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
         return Reference(
-            self._forward.step(target.forward), self._side.step(target.side), self._yaw_rate.step(target.yaw_rate)
+            self._forward.step(target.forward),
+            self._side.step(target.side),
+            self._yaw_rate.step(target.yaw_rate),
         )

@@ -8,8 +8,8 @@ from flight.se2 import SE2, Twist
 class Motion(NamedTuple):
     """Where the vehicle is and how it moves, at one instant.
 
-    World north-east-down, angles clockwise seen along the axis. A tuple, not a dataclass: one is made at every
-    control step.
+    World north-east-down, angles clockwise seen along the axis. A tuple, not a dataclass: one is made at
+    every control step.
 
     Attributes:
         north: m.

@@ -1,8 +1,9 @@
 """What the vehicle believes: truth through a declared error model, in the place of a navigation filter.
 
-The errors are those of a GPS-aided inertial system with magnetometer: position and velocity with white and slowly
-wandering parts, a position bias that walks at random, attitude and heading that wander, noisy body rates, and a delay
-of the whole estimate. Wandering errors are Gauss-Markov: a standard deviation and a correlation time.
+The errors are those of a GPS-aided inertial system with magnetometer: position and velocity with white and
+slowly wandering parts, a position bias that walks at random, attitude and heading that wander, noisy body
+rates, and a delay of the whole estimate. Wandering errors are Gauss-Markov: a standard deviation and a
+correlation time.
 """
 
 from collections import deque
@@ -10,11 +11,11 @@ from dataclasses import dataclass
 from math import cos, exp, radians, sin, sqrt
 
 import numpy as np
+
 from flight.se2 import SE2
 
 from .motion import Motion
 
-_CHANNELS = 13
 _BLOCK = 512
 
 
@@ -55,8 +56,8 @@ class NavigationErrors:
     delay_periods: int
 
 
-# A differential receiver, a tactical inertial unit and a magnetometer, after a filter; chosen, no data sheet of the
-# GT-Max's could be read. The delay is that of computing and passing on.
+# A differential receiver, a tactical inertial unit and a magnetometer, after a filter; chosen, no data sheet
+# of the GT-Max's could be read. The delay is that of computing and passing on.
 GPS_AIDED = NavigationErrors(
     position_noise=0.01,
     position_wander=Wander(0.05, 60.0),

@@ -8,10 +8,11 @@ from functools import cache
 from pathlib import Path
 from typing import Annotated, ClassVar
 
+from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+
 import models
 from flight.errors import BadFileError
 from flight.file_model import first_problem, read_text
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]

@@ -1,8 +1,8 @@
-"""Every load on the helicopter as one set of CasADi expressions; stepping, trim and linearisation use the same.
+"""Every load on the helicopter as one set of CasADi expressions, for stepping, trim and linearisation.
 
-Body axes forward-right-down at the centre of mass. Minimum-complexity rotor after Heffley and Mnich (NASA CR 177476)
-for thrust and inflow, first-order flapping with stabiliser bar after Mettler, Tischler and Kanade (2000).
-The main rotor turns clockwise seen from above.
+Body axes forward-right-down at the centre of mass. Minimum-complexity rotor after Heffley and Mnich (NASA CR
+177476) for thrust and inflow, first-order flapping with stabiliser bar after Mettler, Tischler and Kanade
+(2000). The main rotor turns clockwise seen from above.
 """
 
 from math import pi
@@ -21,8 +21,8 @@ _PROFILE_POWER_GROWTH = 4.6
 class Air(NamedTuple):
     """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included.
 
-    Disc and bar are gyroscopes: they answer to the body's own rates, `roll_rate` and `pitch_rate` in rad/s. A gust
-    rate reaches them through lift only, as an angle of rate over rotor speed, which is neglected.
+    Disc and bar are gyroscopes: they answer to the body's own rates, `roll_rate` and `pitch_rate` in rad/s. A
+    gust rate reaches them through lift only, as an angle of rate over rotor speed, which is neglected.
     """
 
     u: ca.SX
@@ -37,7 +37,9 @@ class Air(NamedTuple):
 
 def still_air(velocity: ca.SX, rates: ca.SX) -> Air:
     """Returns motion through still air from body velocity and body rates, shapes (3, 1)."""
-    return Air(*ca.vertsplit(velocity), *ca.vertsplit(rates), rates[0], rates[1])
+    u, v, w = ca.vertsplit(velocity)
+    p, q, r = ca.vertsplit(rates)
+    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q)
 
 
 class RotorState(NamedTuple):
@@ -89,7 +91,13 @@ def _thrust(rotor: MainRotor | TailRotor, density: float, axial_at_blade: ca.SX,
 
 
 def _momentum_inflow(
-    rotor: MainRotor | TailRotor, density: float, *, thrust: ca.SX, in_plane_squared: ca.SX, axial: ca.SX, inflow: ca.SX
+    rotor: MainRotor | TailRotor,
+    density: float,
+    *,
+    thrust: ca.SX,
+    in_plane_squared: ca.SX,
+    axial: ca.SX,
+    inflow: ca.SX,
 ) -> ca.SX:
     """Returns the inflow that momentum theory gives for a thrust (Heffley and Mnich)."""
     half_speed_squared = (in_plane_squared + axial * (axial - 2.0 * inflow)) / 2.0
@@ -121,7 +129,9 @@ def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple
     ):
         thrust = _thrust(rotor, density, at_blade, inflow)
         targets.append(
-            _momentum_inflow(rotor, density, thrust=thrust, in_plane_squared=in_plane, axial=axial, inflow=inflow)
+            _momentum_inflow(
+                rotor, density, thrust=thrust, in_plane_squared=in_plane, axial=axial, inflow=inflow
+            )
         )
     return targets[0], targets[1]
 
@@ -130,7 +140,9 @@ def settle_inflow(parameters: Parameters, state: RotorState, air: Air, *, iterat
     """Moves the inflow towards the balance of blade and momentum theory by relaxed iterations."""
     for _ in range(iterations):
         main, tail = inflow_targets(parameters, state, air)
-        state = state._replace(inflow=(state.inflow + main) / 2.0, tail_inflow=(state.tail_inflow + tail) / 2.0)
+        state = state._replace(
+            inflow=(state.inflow + main) / 2.0, tail_inflow=(state.tail_inflow + tail) / 2.0
+        )
     return state
 
 
@@ -170,7 +182,9 @@ def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Lo
     in_plane_x = -parameters.body.mass * rotor.drag_forward * air.u
     in_plane_y = -parameters.body.mass * rotor.drag_side * air.v
     stiffness = rotor.hub_spring + thrust * rotor.hub_height
-    force = ca.vertcat(-thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust)
+    force = ca.vertcat(
+        -thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust
+    )
     moment = ca.vertcat(stiffness * state.disc_right, stiffness * state.disc_back, -power / rotor.speed)
     return Loads(force, moment, power)
 
@@ -214,21 +228,31 @@ def loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
     )
 
 
-def _servo(parameters: Parameters, position: ca.SX, command: ca.SX, step: float, *, limits: tuple[float, float, float]) -> ca.SX:
+def _servo(
+    parameters: Parameters,
+    position: ca.SX,
+    command: ca.SX,
+    step: float,
+    *,
+    limits: tuple[float, float, float],
+) -> ca.SX:
     """Steps a first-order servo exactly for a held command, then holds its rate and travel."""
     low, high, rate = limits
     travel = (1.0 - ca.exp(-parameters.servos.bandwidth * step)) * (command - position)
     return ca.fmin(high, ca.fmax(low, position + ca.fmin(rate * step, ca.fmax(-rate * step, travel))))
 
 
-def advance(parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int) -> RotorState:
+def advance(
+    parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int
+) -> RotorState:
     """Steps servos, flapping, bar (each exactly for held inputs) and inflow.
 
     Args:
         parameters: The vehicle.
         state: The rotor state before the step.
         air: Motion through the air, held through the step.
-        command: Servo commands (lateral, longitudinal, collective, pedal) in rad of blade pitch, shape (4, 1).
+        command: Servo commands (lateral, longitudinal, collective, pedal) in rad of blade pitch, shape (4,
+            1).
         step: Length of the step in s.
         iterations: Relaxed inflow iterations, warm started.
     """
@@ -238,10 +262,18 @@ def advance(parameters: Parameters, state: RotorState, air: Air, *, command: ca.
         lateral=_servo(parameters, state.lateral, command[0], step, limits=cyclic),
         longitudinal=_servo(parameters, state.longitudinal, command[1], step, limits=cyclic),
         collective=_servo(
-            parameters, state.collective, command[2], step, limits=(servos.collective_low, servos.collective_high, servos.rate)
+            parameters,
+            state.collective,
+            command[2],
+            step,
+            limits=(servos.collective_low, servos.collective_high, servos.rate),
         ),
         pedal=_servo(
-            parameters, state.pedal, command[3], step, limits=(servos.pedal_low, servos.pedal_high, servos.pedal_rate)
+            parameters,
+            state.pedal,
+            command[3],
+            step,
+            limits=(servos.pedal_low, servos.pedal_high, servos.pedal_rate),
         ),
     )
     target = flapping_targets(parameters, state, air)

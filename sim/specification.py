@@ -1,9 +1,10 @@
 """What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
 
+from pydantic import Field, FiniteFloat
+
 from flight.file_model import FileModel, parse_json
 from flight.se2 import SE2
 from flight.sequence import Sequence
-from pydantic import Field, FiniteFloat
 
 DEFAULT_ALTITUDE = 30.0
 
@@ -67,7 +68,12 @@ class FlightSpecification(FileModel):
 
 
 def specify_sequence(
-    sequence: Sequence, *, seed: int, kind: str = "sequence", altitude: float = DEFAULT_ALTITUDE, ideal_navigation: bool = False
+    sequence: Sequence,
+    *,
+    seed: int,
+    kind: str = "sequence",
+    altitude: float = DEFAULT_ALTITUDE,
+    ideal_navigation: bool = False,
 ) -> FlightSpecification:
     """Returns the flight that follows a sequence."""
     return FlightSpecification(

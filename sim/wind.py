@@ -1,15 +1,16 @@
 """Mean wind and Dryden turbulence of MIL-F-8785C at low altitude, discretised exactly.
 
-Turbulence axes are fixed to the world: x into the wind (the way the vehicle flies through the air when it hovers),
-y to the right of it, z down. The spectra are those of the standard with the airspeed of the moment; a floor stands in
-for hover, where a frozen field would never pass. The exact step holds for any airspeed and any step, so the airspeed
-may change at every one.
+Turbulence axes are fixed to the world: x into the wind (the way the vehicle flies through the air when it
+hovers), y to the right of it, z down. The spectra are those of the standard with the airspeed of the moment;
+a floor stands in for hover, where a frozen field would never pass. The exact step holds for any airspeed and
+any step, so the airspeed may change at every one.
 """
 
 from dataclasses import dataclass
 from math import cos, exp, hypot, pi, sin, sqrt
 
 import numpy as np
+
 from flight.errors import FlightError
 
 from .motion import Wind
@@ -39,9 +40,10 @@ class WindClass:
     mean_wind: float
 
 
-# The standard ties turbulence to the wind at 20 ft: 15, 30, 45 kt are light, moderate, severe. The mean wind flown is
-# a third of it, chosen: at 30 m over open ground it would be 1.3 times, and a vehicle held to ground velocities of
-# 1 and 3 m/s would mostly be flying sideways through the air. `gtmax` has the size of the thesis's Table 9.
+# The standard ties turbulence to the wind at 20 ft: 15, 30, 45 kt are light, moderate, severe. The mean wind
+# flown is a third of it, chosen: at 30 m over open ground it would be 1.3 times, and a vehicle held to ground
+# velocities of 1 and 3 m/s would mostly be flying sideways through the air. `gtmax` has the size of the
+# thesis's Table 9.
 WIND_CLASSES = {
     wind.name: wind
     for wind in (
@@ -95,7 +97,7 @@ class Dryden:
     def sigma_roll_rate(self) -> float:
         """Standard deviation of the gust roll rate in rad/s; the integral of the standard's spectrum."""
         shape = 0.8 * pi**2 / (8.0 * self.span) * (pi / (4.0 * self.span)) ** (1.0 / 3.0)
-        return self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0)
+        return float(self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0))
 
 
 def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
@@ -132,7 +134,7 @@ class _Longitudinal:
 
 
 class _Lateral:
-    """Unit gust with the spectrum of the standard's v and w; states are scaled by the root of the time constant."""
+    """Unit gust with the spectrum of the standard's v and w."""
 
     def __init__(self, noise: tuple[float, float]) -> None:
         # The stationary law: variances 1/2 and 1/4, covariance 1/4.
@@ -184,7 +186,14 @@ class DrydenWind:
     """
 
     def __init__(
-        self, wind: WindClass, *, height: float, span: float, direction: float | None, step: float, rng: np.random.Generator
+        self,
+        wind: WindClass,
+        *,
+        height: float,
+        span: float,
+        direction: float | None,
+        step: float,
+        rng: np.random.Generator,
     ) -> None:
         self._model = dryden(wind.wind_at_20_ft, height=height, span=span)
         drawn = float(rng.uniform(-pi, pi))
@@ -241,9 +250,7 @@ class DrydenWind:
         q = self._w_slope.step(travelled / long, w) / long
         r = -self._v_slope.step(travelled / short, v) / short
         c, s = self._axes
-        return Wind(
-            mean.north + c * u - s * v, mean.east + s * u + c * v, w, c * p - s * q, s * p + c * q, r
-        )
+        return Wind(mean.north + c * u - s * v, mean.east + s * u + c * v, w, c * p - s * q, s * p + c * q, r)
 
     def _next_noise(self) -> list[float]:
         if self._row == _BLOCK:

@@ -1,0 +1,39 @@
+"""A logged flight flown again from its servo commands and wind: no force is prescribed motion."""
+
+import json
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.log import CONTROLS, SPECIFICATION_ATTACHMENT, WIND, FlightLog
+
+from .fly import CONTROL_PERIOD, INITIAL_STATE_ATTACHMENT
+from .helicopter import Helicopter, HelicopterState
+from .motion import Controls, Wind
+from .parameters import read_parameters
+from .specification import parse_specification
+
+
+def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
+    """Flies the logged servo commands in the logged wind, without controller or navigation.
+
+    Returns:
+        True motion at the start of every control period, columns as in `/truth`.
+
+    Raises:
+        FlightLostError: the flight ended in the ground or diverged.
+    """
+    text = log.attachments[SPECIFICATION_ATTACHMENT]
+    step = parse_specification(text, SPECIFICATION_ATTACHMENT).step
+    helicopter = Helicopter(read_parameters(), step=step)
+    state = json.loads(log.attachments[INITIAL_STATE_ATTACHMENT])
+    heading = state.pop("heading")
+    helicopter.restore(
+        HelicopterState(**{name: tuple(part) for name, part in state.items()}, heading=heading)
+    )
+    columns = [log[CONTROLS][f"{name}_command"] for name in Controls._fields]
+    rows = []
+    for command, wind in zip(np.stack(columns, axis=1).tolist(), log[WIND].values.tolist(), strict=True):
+        rows.append(helicopter.motion())
+        helicopter.advance(Controls._make(command), Wind._make(wind), steps=round(CONTROL_PERIOD / step))
+    return np.array(rows)

@@ -46,9 +46,14 @@ class _Part(BaseModel):
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
 
+class _Settings(_Part):
+    final_tolerance: NonNegativeFloat | None = None
+
+
 class _Mission(_Part):
     goal: tuple[FiniteFloat, FiniteFloat]
     tolerance: NonNegativeFloat
+    settings: _Settings = _Settings()
 
 
 class _Scenario(_Part):
@@ -70,7 +75,10 @@ def goal_of_flight(log: FlightLog) -> Goal | None:
         BadFileError: the attachment is there, but broken.
     """
     mission = _attachment(log, MISSION_ATTACHMENT, TypeAdapter(_Mission))
-    return None if mission is None else Goal(mission.goal, mission.tolerance)
+    if mission is None:
+        return None
+    # What the loop was closed with comes before what the mission's file says.
+    return Goal(mission.goal, mission.settings.final_tolerance or mission.tolerance)
 
 
 def plans_of_flight(log: FlightLog) -> tuple[PlanOfFlight, ...]:

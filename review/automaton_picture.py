@@ -14,6 +14,8 @@ from . import palette
 
 # How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
 BOW = 0.24
+# Where along an arrow its number stands; before the middle, where many arrows meet.
+LABEL = 0.32
 # Radius of a trim's circle in points.
 RADIUS = 13.0
 
@@ -38,13 +40,14 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
         axes.plot(x, y, "o", markersize=2 * RADIUS, color=colors[trim.id], markeredgecolor="white", zorder=4)
         axes.text(x, y, str(trim.id), ha="center", va="center", color="white", fontweight="bold", zorder=5)
         axes.annotate(
-            trim.name,
+            trim.name.replace(" ", "\n", 1),
             (x, y),
             xytext=(0, RADIUS + 4 if y == tall else -RADIUS - 4),
             textcoords="offset points",
             ha="center",
             va="bottom" if y == tall else "top",
             fontsize=palette.TEXT_SIZE,
+            linespacing=0.95,
             bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.6},
             zorder=6,
         )
@@ -81,17 +84,18 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str) -> None:
         )
     )
     (x, y), (along, across) = ends[0], np.subtract(ends[1], ends[0])
-    # The middle of the arrow's quadratic curve lies half of the bow aside of the chord.
+    # The arrow is a quadratic curve; its control point stands the bow aside of the chord's middle.
+    aside = 2 * LABEL * (1 - LABEL) * BOW
     axes.text(
-        x + 0.5 * along + 0.5 * BOW * across,
-        y + 0.5 * across - 0.5 * BOW * along,
+        x + LABEL * along + aside * across,
+        y + LABEL * across - aside * along,
         label,
         ha="center",
         va="center",
         fontsize=palette.SMALL_TEXT,
         color=palette.INK,
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
-        zorder=3,
+        zorder=7,
     )
 
 

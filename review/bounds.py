@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flight.library import Library
-from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
+from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
 from flight.se2 import SE2
 
+from .stretches import stretches_flown
 from .tracking import VELOCITIES
 
 # Bounds of a library are observed extremes; rounding in their sums is not a departure.
@@ -65,8 +66,8 @@ def bounds_kept(log: FlightLog) -> Bounds | None:
     if LIBRARY_ATTACHMENT not in log.attachments:
         return None
     library = log.library()
-    flown = primitives_flown(log)
-    coasts = [part for part in flown if part.kind is PrimitiveKind.COAST and part.end > part.start]
+    flown = stretches_flown(log)
+    coasts = [part for part in flown if part.kind is PrimitiveKind.COAST]
     # The last primitive was ended by the end of the log; that is no end of a maneuver.
     maneuvers = [part for part in flown[:-1] if part.kind is PrimitiveKind.MANEUVER]
     found = [_coast_departure(log, library, part) for part in coasts]

@@ -51,7 +51,7 @@ def headline(axes: Axes, text: str) -> None:
 
 def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
     """Puts a legend in one row above a panel's right edge."""
-    axes.legend(
+    legend = axes.legend(
         handles=entries,
         loc="lower right",
         bbox_to_anchor=(1.0, 0.99),
@@ -62,3 +62,5 @@ def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
         borderpad=0.2,
         columnspacing=1.2,
     )
+    # It stands in the headline's room, and needs no other.
+    legend.set_in_layout(False)

@@ -3,10 +3,11 @@
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from flight.log import FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
+from flight.log import FlightLog, PrimitiveFlown, PrimitiveKind
 
 from . import palette
 from .bounds import bounds_kept
+from .stretches import stretches_flown
 from .summary import trim_names
 
 # Inches that a letter takes in the lane.
@@ -15,7 +16,7 @@ LETTER = 0.068
 
 def trim_palette(log: FlightLog) -> dict[int, str]:
     """Returns a colour for each trim of the library, or of the flight where no library is attached."""
-    flown = {part.to_trim for part in primitives_flown(log)}
+    flown = {part.to_trim for part in stretches_flown(log)}
     return palette.trim_colors(flown | set(trim_names(log)))
 
 
@@ -38,7 +39,7 @@ def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:
     axes.tick_params(bottom=False, labelbottom=False)
     axes.set_xlim(0.0, log.duration)
     colors, names, left_bounds = trim_palette(log), trim_names(log), _departures(log)
-    for part in primitives_flown(log):
+    for part in stretches_flown(log):
         inches = (part.end - part.start) / log.duration * width
         if part.kind is PrimitiveKind.COAST:
             _block(axes, part, 0.0, colors[part.id])
@@ -54,7 +55,7 @@ def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:
 def shade_primitives(axes: Axes, log: FlightLog) -> None:
     """Tints a panel by the trim held; maneuvers stay white."""
     colors = trim_palette(log)
-    for part in primitives_flown(log):
+    for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:
             axes.axvspan(part.start, part.end, color=colors[part.id], alpha=0.10, linewidth=0, zorder=0)
 

@@ -15,11 +15,11 @@ from flight.log import (
     FlightLog,
     PrimitiveFlown,
     PrimitiveKind,
-    primitives_flown,
 )
 
 from .attachments import Goal, goal_of_flight, plans_of_flight
 from .bounds import Bounds, bounds_kept
+from .stretches import stretches_flown
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
@@ -140,7 +140,7 @@ def summarise(log: FlightLog) -> Summary:
         FlightError: the log lacks truth or primitives, or an attachment is broken.
     """
     header = log.header
-    flown = primitives_flown(log)
+    flown = stretches_flown(log)
     names = trim_names(log)
     goal = goal_of_flight(log)
     truth = log[TRUTH]

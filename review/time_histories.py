@@ -17,11 +17,11 @@ from flight.log import (
     WIND,
     FlightLog,
     PrimitiveKind,
-    primitives_flown,
 )
 
 from . import palette, stroke
 from .primitive_lane import shade_primitives, trim_palette
+from .stretches import stretches_flown
 from .tracking import navigation_error
 
 DEGREES_PER_RADIAN = degrees(1.0)
@@ -137,7 +137,7 @@ def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
     if LIBRARY_ATTACHMENT not in log.attachments:
         return
     library, colors, scale = log.library(), trim_palette(log), _scale(field)
-    for part in primitives_flown(log):
+    for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:
             trim = library.trim(part.id)
             nominal, error = getattr(trim.velocity, field), abs(getattr(trim.error, field))

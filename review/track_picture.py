@@ -22,7 +22,6 @@ from flight.log import (
     FlightLog,
     PrimitiveFlown,
     PrimitiveKind,
-    primitives_flown,
 )
 from flight.se2 import SE2
 
@@ -31,6 +30,7 @@ from .attachments import Goal, goal_of_flight, plans_of_flight
 from .bounds import pose_at
 from .planned_track import planned_track
 from .primitive_lane import trim_label, trim_palette
+from .stretches import stretches_flown
 from .summary import trim_names
 
 # Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
@@ -83,7 +83,7 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
 
 
 def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
-    flown = primitives_flown(log)
+    flown = stretches_flown(log)
     colors = trim_palette(log)
     for part in flown:
         track = _true_track(log, part)
@@ -111,22 +111,27 @@ def _draw_ends(axes: Axes, log: FlightLog) -> None:
     """Marks start and end by darts that point along the heading, the start's filled."""
     for time, name, fill in ((0.0, "start", palette.INK), (log.duration, "end", "white")):
         pose = pose_at(log, time)
-        # Markers point up, that is north, and turn counter-clockwise.
-        marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
-        axes.plot(
-            pose.y,
-            pose.x,
-            marker=marker,
-            markersize=14,
-            markerfacecolor=fill,
-            markeredgecolor=palette.INK,
-            linestyle="none",
-            zorder=7,
-        )
-        _note(axes, pose, name, away=-1.0 if time == 0.0 else 1.0, along=True)
+        dart(axes, pose, fill=fill)
+        note(axes, pose, name, away=-1.0 if time == 0.0 else 1.0, along=True)
 
 
-def _note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
+def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
+    """Draws a dart at a pose, along its heading."""
+    # Markers point up, that is north, and turn counter-clockwise.
+    marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
+    axes.plot(
+        pose.y,
+        pose.x,
+        marker=marker,
+        markersize=14,
+        markerfacecolor=fill,
+        markeredgecolor=palette.INK,
+        linestyle="none",
+        zorder=7,
+    )
+
+
+def note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
     """Writes a few words beside a pose: away to its right, or along its heading."""
     east, north = sin(pose.heading), cos(pose.heading)
     x, y = (east, north) if along else (north, -east)
@@ -150,7 +155,7 @@ def _draw_times(axes: Axes, log: FlightLog) -> None:
     for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
-        _note(axes, pose, f"{time:.0f} s")
+        note(axes, pose, f"{time:.0f} s")
 
 
 def _draw_goal(axes: Axes, goal: Goal) -> Line2D:
@@ -170,7 +175,7 @@ def _draw_goal(axes: Axes, goal: Goal) -> Line2D:
         markersize=9,
         markeredgewidth=2,
         linestyle="none",
-        label=f"goal, within {goal.tolerance:g} m",
+        label=f"goal, within {goal.tolerance:.3g} m",
     )
 
 

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from flight.errors import FlightLostError
+from flight.errors import AlreadyExistsError, FlightLostError
 from flight.library import Library
 from flight.log import PRIMITIVE, FlightLog
 from flight.log_file import publish_log
@@ -98,8 +98,10 @@ def worker_pool(processes: int) -> Iterator[Executor]:
 def _fly_and_publish(
     specification: FlightSpecification, library: Library, folder: Path, force: bool
 ) -> FlightFlown:
-    log = fly_specification(specification, library)
     path = folder / f"{specification.name}.mcap"
+    if path.exists() and not force:
+        raise AlreadyExistsError(path)
+    log = fly_specification(specification, library)
     publish_log(log, path, force=force)
     return FlightFlown(
         specification=specification,

@@ -237,8 +237,7 @@ class SimulatedHelicopter:
         except FlightLostError as error:
             self._outcome = str(error)
             raise
-        finally:
-            self._periods += 1
+        self._periods += 1
         self._truth = self._helicopter.motion()
         self._estimate = self._navigation.step(self._truth)
 

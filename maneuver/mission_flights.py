@@ -4,12 +4,14 @@ import json
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
+from typing import Literal
 
 from flight.library import Library
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
 from flight.mission import Mission
 from flight.plan import plan_content
+from planner.automaton_vehicle import AutomatonVehicle
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.receding_horizon import Flown, Settings, fly
@@ -18,6 +20,8 @@ from sim.fly import SimulatedHelicopter
 from sim.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
 
 from .policies import FlownPolicy
+
+Plant = Literal["helicopter"] | float
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,7 @@ class MissionTask:
         library: planned with, and flown with.
         policy: which planner.
         gamma: uncertainty level of the worst-case planner.
+        plant: what flies: `helicopter`, or the automaton at the true gamma given here.
         wind: wind class.
         seed: of all chance.
         settings: how the loop is closed.
@@ -42,6 +47,7 @@ class MissionTask:
     gamma: float
     wind: str
     seed: int
+    plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
     log: Path | None = None
     force: bool = False
@@ -57,7 +63,7 @@ class MissionResult:
     seed: int
     reached: bool
     flown_time: float
-    predicted_time: float
+    predicted_time: float | None
     closest: float
     activations: int
     failures: int
@@ -66,10 +72,13 @@ class MissionResult:
 
 
 def fly_mission(task: MissionTask) -> MissionResult:
-    """Flies a mission once, and keeps its log where one is wanted."""
-    flown, log = fly_mission_with_log(task)
-    if task.log is not None:
-        publish_log(log, task.log, force=task.force)
+    """Flies a mission once, and keeps the helicopter's log where one is wanted."""
+    if task.plant == "helicopter":
+        flown, log = fly_helicopter(task)
+        if task.log is not None:
+            publish_log(log, task.log, force=task.force)
+    else:
+        flown = fly_automaton(task, task.plant)
     return MissionResult(
         mission=task.mission.name,
         policy=task.policy,
@@ -77,7 +86,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         seed=task.seed,
         reached=flown.reached,
         flown_time=flown.flown_time,
-        predicted_time=flown.predicted_time,
+        predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest,
         activations=flown.activations,
         failures=flown.failures,
@@ -86,8 +95,16 @@ def fly_mission(task: MissionTask) -> MissionResult:
     )
 
 
-def fly_mission_with_log(task: MissionTask) -> tuple[Flown, FlightLog]:
-    """Flies a mission once, and returns what it came to with its log."""
+def fly_automaton(task: MissionTask, true_gamma: float) -> Flown:
+    """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
+    mission = task.mission
+    vehicle = AutomatonVehicle(task.library, start=mission.start, trim=mission.start_trim, gamma=true_gamma)
+    planner = planner_of(task.policy, task.library, gamma=task.gamma)
+    return fly(vehicle, mission, planner=planner, library=task.library, settings=task.settings)
+
+
+def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
+    """Flies a mission by the simulated helicopter, and returns what it came to with its log."""
     mission = task.mission
     task.library.trim(mission.start_trim)
     specification = FlightSpecification(
@@ -129,8 +146,3 @@ def _plans_json(flown: Flown) -> bytes:
         for time, plan in zip(flown.times, flown.plans, strict=True)
     ]
     return json.dumps(plans, indent=1).encode()
-
-
-def seconds(value: float) -> str:
-    """Returns a time for people; a dash where there is none."""
-    return f"{value:.2f} s" if isfinite(value) else "-"

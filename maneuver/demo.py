@@ -1,0 +1,156 @@
+"""`maneuver demo`: the whole way, small."""
+
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated
+
+from cyclopts import Parameter
+from cyclopts.types import NonNegativeInt, PositiveInt
+from rich.console import Console
+
+from flight.library import Library
+from flight.log_file import read_log
+from flight.mission import Mission
+from flight.plan import Plan
+from identification.identify import identify
+from review.demo_picture import PlanFlown, demo_picture
+from review.library_picture import library_picture
+from review.pictures import publish_picture, write_pictures
+from sim.campaign import worker_pool
+
+from .campaign_flights import default_workers, flight_seed, fly_whole_campaign, gather_evidence
+from .files import find_campaign, find_mission, refuse_existing
+from .identify import publish_library
+from .mission_flights import MissionResult, MissionTask, fly_mission, planner_of
+from .policies import FLOWN_POLICIES
+from .progress import shown
+
+CAMPAIGN = "gtmax"
+MISSION = "gtmax-2"
+GAMMA = 1.0
+
+
+def demo(
+    *,
+    out: Path = Path("demo"),
+    flights: PositiveInt = 12,
+    repeats: PositiveInt = 4,
+    seed: NonNegativeInt = 1,
+    workers: PositiveInt | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Goes the whole way in about a minute: fly, identify, plan, fly the plans, review.
+
+    A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
+    plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.
+
+    Examples:
+        maneuver demo
+
+        maneuver demo --flights 30 --out more
+
+    Args:
+        out: folder for everything that is made.
+        flights: identification flights.
+        repeats: flights of each plan.
+        seed: of all chance.
+        workers: processes; one for each processor by default.
+        force: write into a folder that has something in it.
+    """
+    refuse_existing(out, force=force)
+    console = Console(highlight=False)
+    mission = find_mission(MISSION)
+    with worker_pool(workers or default_workers()) as executor:
+        way = _Way(out, seed, force, executor)
+        with _step(console, f"fly       {flights} flights of the campaign {CAMPAIGN}, in its wind"):
+            logs = way.fly(flights)
+        with _step(console, "identify  a library with uncertainties from their logs"):
+            library = way.identify(logs)
+        with _step(console, f"plan      mission {MISSION}, nominal and for the worst case"):
+            plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in FLOWN_POLICIES]
+        with _step(console, f"fly       each plan {repeats} times, re-planned on the way"):
+            results = way.fly_plans(mission, library, repeats)
+        with _step(console, "review    the flights as pictures"):
+            pictures = way.review(mission, library, plans, results)
+    for plan in plans:
+        mine = [result for result in results if result.policy == plan.policy]
+        reached = sum(result.reached for result in mine)
+        promised = f"promised {plan.cost:.1f} s, " if plan.found else "no plan, "
+        console.print(f"{plan.policy:<11} {promised}reached the goal in {reached} of {len(mine)} flights")
+    for path, meaning in pictures.items():
+        console.print(f"{path}  {meaning}", soft_wrap=True)
+    return 0
+
+
+@contextmanager
+def _step(console: Console, what: str) -> Iterator[None]:
+    began = perf_counter()
+    yield
+    console.print(f"{what:<62} {perf_counter() - began:5.1f} s", soft_wrap=True)
+
+
+@dataclass(frozen=True, slots=True)
+class _Way:
+    """The stages of the demo, and what they share."""
+
+    out: Path
+    seed: int
+    force: bool
+    executor: Executor
+
+    def fly(self, flights: int) -> list[Path]:
+        campaign = find_campaign(CAMPAIGN)
+        flown = fly_whole_campaign(
+            campaign,
+            seed=self.seed,
+            flights=flights,
+            wind=campaign.wind,
+            folder=self.out / "flights",
+            executor=self.executor,
+            force=self.force,
+        )
+        return [flight.path for flight in flown.flights]
+
+    def identify(self, logs: list[Path]) -> Library:
+        library = identify(gather_evidence(logs, executor=self.executor), name="demo")
+        publish_library(library, self.out / "demo.json", force=self.force)
+        return library
+
+    def fly_plans(self, mission: Mission, library: Library, repeats: int) -> list[MissionResult]:
+        tasks = [
+            MissionTask(
+                mission=mission,
+                library=library,
+                policy=policy,
+                gamma=GAMMA,
+                wind=library.conditions.wind,
+                seed=flight_seed(self.seed + 1, number),
+                log=self.out / "missions" / f"{policy}-{number}.mcap",
+                force=self.force,
+            )
+            for policy in FLOWN_POLICIES
+            for number in range(repeats)
+        ]
+        return list(shown(self.executor.map(fly_mission, tasks), total=len(tasks), what="flying plans"))
+
+    def review(
+        self, mission: Mission, library: Library, plans: list[Plan], results: list[MissionResult]
+    ) -> dict[Path, str]:
+        """Draws everything, and returns where the pictures are with what they show."""
+        outcomes = []
+        for plan in plans:
+            paths = [row.log for row in results if row.policy == plan.policy and row.log is not None]
+            outcomes.append(PlanFlown(plan, tuple(read_log(path) for path in paths)))
+        whole, primitives, folder = self.out / "demo.png", self.out / "library.png", self.out / "flight"
+        publish_picture(demo_picture(library, mission, outcomes), whole, force=self.force)
+        publish_picture(library_picture(library), primitives, force=self.force)
+        write_pictures(outcomes[-1].flights[0], folder, force=self.force)
+        return {
+            whole: "the whole way: library, plans, flights",
+            primitives: "the library that was identified",
+            folder / "flight.png": "one of the flights, commanded, believed and true",
+        }

@@ -26,6 +26,21 @@ SOLVER_MARGIN = 1e-7
 
 Times = tuple[float, ...]
 
+_QUIET: dict[str, Any] = {"print_time": False, "error_on_fail": False, "show_eval_warnings": False}
+
+_OPTIONS: dict[str, dict[str, Any]] = {
+    "sqpmethod": {
+        "qpsol": "qrqp",
+        "qpsol_options": {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False},
+        "convexify_strategy": "regularize",
+        "max_iter": 60,
+        "print_header": False,
+        "print_iteration": False,
+        "print_status": False,
+    },
+    "ipopt": {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10, "max_iter": 200}},
+}
+
 
 @dataclass(frozen=True, slots=True)
 class Statement:
@@ -69,26 +84,22 @@ def state(trims: int, *, exact: bool, heading: bool) -> Statement:
 
 
 @cache
-def solver(trims: int, *, exact: bool, heading: bool, name: str = "fatrop") -> casadi.Function:
+def solver(trims: int, *, exact: bool, heading: bool, name: str = "sqpmethod") -> casadi.Function:
     """Builds a solver for walks of so many trims, once.
 
     Args:
         trims: as for `state`.
         exact: as for `state`.
         heading: as for `state`.
-        name: `fatrop`, the fastest that met every test goal, or `ipopt`, to judge it by.
+        name: `sqpmethod`, fast from a good start, or `ipopt`, to judge it by. (`fatrop` is as fast and fails
+            less often, but from some starts it never returns.)
     """
-    quiet: dict[str, Any] = {"print_time": False, "error_on_fail": False}
-    own: dict[str, dict[str, Any]] = {
-        "fatrop": {"structure_detection": "none", "fatrop": {"print_level": 0, "tol": 1e-9, "max_iter": 200}},
-        "ipopt": {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-10, "max_iter": 300}},
-    }
     statement = state(trims, exact=exact, heading=heading)
-    return casadi.nlpsol(f"coasting_{trims}", name, statement.problem, {**quiet, **own[name]})
+    return casadi.nlpsol(f"coasting_{trims}", name, statement.problem, {**_QUIET, **_OPTIONS[name]})
 
 
 def solve(
-    motion: Motion, mission: Mission, start_times: Sequence[float], *, solver_name: str = "fatrop"
+    motion: Motion, mission: Mission, start_times: Sequence[float], *, solver_name: str = "sqpmethod"
 ) -> Times | None:
     """Returns locally optimal coasting times, or None where the solver found none that reach the goal.
 

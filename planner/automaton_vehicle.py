@@ -1,0 +1,101 @@
+"""The maneuver automaton as something that flies: the library's own model with the library's own errors.
+
+This is the plant of the thesis's closed loop (chapter 7): it moves by the errors of the library at one level
+that the planner does not know, and it knows exactly where it is.
+"""
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.errors import FlightError
+from flight.library import Library
+from flight.maneuver import Maneuver
+from flight.se2 import SE2
+from flight.vehicle import Leg
+
+from .kinematics import refuse_negative_durations
+
+TRACK_STEP = 0.05
+"""Seconds between the points of a track."""
+
+
+class TrueGammaError(FlightError):
+    """The level at which the vehicle truly moves is outside its range."""
+
+    def __init__(self, gamma: float) -> None:
+        super().__init__(f"the true gamma must be between -1 and 1, got {gamma}")
+
+
+class AutomatonVehicle:
+    """Moves as the library says at one uncertainty level.
+
+    Args:
+        library: the primitives.
+        start: pose at time 0.
+        trim: id of the trim held at time 0.
+        gamma: the level of every primitive, from -1 to 1.
+
+    Raises:
+        TrueGammaError: the level is outside [-1, 1].
+        UnknownTrimError: the library lacks the trim.
+    """
+
+    def __init__(self, library: Library, *, start: SE2, trim: int, gamma: float) -> None:
+        if not -1 <= gamma <= 1:
+            raise TrueGammaError(gamma)
+        refuse_negative_durations(library, gamma)
+        library.trim(trim)
+        self._library = library
+        self._gamma = gamma
+        self._time = 0.0
+        self._pose = start
+        self._trim = trim
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+        return self._time
+
+    @property
+    def trim(self) -> int:
+        """Id of the trim held now."""
+        return self._trim
+
+    @property
+    def pose(self) -> SE2:
+        """Pose in the world; belief and truth are the same."""
+        return self._pose
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim for a time in seconds."""
+        velocity = self._library.trim(self._trim).at(self._gamma)
+        poses = [self._pose @ SE2.exp(velocity, float(time)) for time in _moments(duration)]
+        return self._flown(duration, poses)
+
+    def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs a maneuver; on the way it is taken to move and turn evenly from begin to end.
+
+        Raises:
+            FlightError: the maneuver leaves another trim than the one held now.
+        """
+        if maneuver.from_trim != self._trim:
+            raise FlightError(
+                f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; the vehicle holds trim {self._trim}"
+            )
+        outcome = maneuver.at(self._gamma)
+        moved = outcome.displacement
+        shares = _moments(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])
+        poses = [self._pose @ SE2(s * moved.x, s * moved.y, s * moved.heading) for s in shares.tolist()]
+        self._trim = maneuver.to_trim
+        return self._flown(outcome.duration, poses)
+
+    def _flown(self, duration: float, poses: list[SE2]) -> Leg:
+        times = self._time + np.linspace(0.0, duration, len(poses))
+        track = np.column_stack([times, [[pose.x, pose.y, pose.heading] for pose in poses]])
+        self._time += duration
+        self._pose = poses[-1]
+        return Leg(duration=duration, settled=True, track=track)
+
+
+def _moments(duration: float) -> Float[np.ndarray, "n"]:
+    return np.linspace(0.0, duration, max(int(np.ceil(duration / TRACK_STEP)), 1) + 1)

@@ -14,8 +14,10 @@ from . import palette
 
 # How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
 BOW = 0.24
-# Where along an arrow its number stands; before the middle, where many arrows meet.
-LABEL = 0.32
+# Where along an arrow its number stands: in the middle, or before a trim that the arrow passes.
+LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.27
+# How near to an arrow's chord a trim stands in its way.
+NEAR = 0.2
 # Radius of a trim's circle in points.
 RADIUS = 13.0
 
@@ -34,7 +36,10 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     colors = palette.trim_colors(places)
     axes.set_aspect("equal", adjustable="datalim")
     for maneuver in library.maneuvers:
-        _arrow(axes, (places[maneuver.from_trim], places[maneuver.to_trim]), str(maneuver.id))
+        ends = places[maneuver.from_trim], places[maneuver.to_trim]
+        others = [place for place in places.values() if place not in ends]
+        passing = any(_stands_between(ends, place) for place in others)
+        _arrow(axes, ends, str(maneuver.id), share=LABEL_BEFORE_A_TRIM if passing else LABEL)
     for trim in library.trims:
         x, y = places[trim.id]
         axes.plot(x, y, "o", markersize=2 * RADIUS, color=colors[trim.id], markeredgecolor="white", zorder=4)
@@ -68,8 +73,9 @@ def _places(trims: Sequence[Trim], tall: float) -> dict[int, Place]:
     }
 
 
-def _arrow(axes: Axes, ends: tuple[Place, Place], label: str) -> None:
-    axes.add_patch(
+def _arrow(axes: Axes, ends: tuple[Place, Place], label: str, *, share: float) -> None:
+    # As an artist, not a patch: its bow shall not widen the axes.
+    axes.add_artist(
         FancyArrowPatch(
             *ends,
             connectionstyle=f"arc3,rad={BOW}",
@@ -85,10 +91,10 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str) -> None:
     )
     (x, y), (along, across) = ends[0], np.subtract(ends[1], ends[0])
     # The arrow is a quadratic curve; its control point stands the bow aside of the chord's middle.
-    aside = 2 * LABEL * (1 - LABEL) * BOW
+    aside = 2 * share * (1 - share) * BOW
     axes.text(
-        x + LABEL * along + aside * across,
-        y + LABEL * across - aside * along,
+        x + share * along + aside * across,
+        y + share * across - aside * along,
         label,
         ha="center",
         va="center",
@@ -97,6 +103,13 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str) -> None:
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.8},
         zorder=7,
     )
+
+
+def _stands_between(ends: tuple[Place, Place], place: Place) -> bool:
+    (along, across), (x, y) = np.subtract(ends[1], ends[0]), np.subtract(place, ends[0])
+    length = float(np.hypot(along, across)) or 1.0
+    aside = abs(along * y - across * x) / length
+    return bool(aside < NEAR and 0.0 < (along * x + across * y) / length < length)
 
 
 def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> None:

@@ -14,6 +14,7 @@ from flight.library import Library
 from flight.log import TRUTH, FlightLog
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
+from flight.se2 import SE2
 
 from . import palette
 from .attachments import Goal
@@ -129,7 +130,7 @@ def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
     axes.add_patch(Circle((east, north), mission.tolerance, color=palette.GOAL, alpha=0.22, linewidth=0))
     dart(axes, mission.start, fill=palette.INK)
     note(axes, mission.start, "start", away=-1.2, along=True)
-    axes.annotate("goal", (east, north), xytext=(0, 11), textcoords="offset points", ha="center", zorder=7)
+    note(axes, SE2(north, east, 0.0), "goal", along=True)
 
 
 def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:

@@ -11,6 +11,7 @@ from flight.log import (
     COMMAND,
     ESTIMATE,
     LIBRARY_ATTACHMENT,
+    PLANS_ATTACHMENT,
     TRUTH,
     FlightLog,
     PrimitiveFlown,
@@ -111,7 +112,7 @@ class Summary:
         tracking: one for each velocity that a trim fixes; None without a command.
         navigation: None without an estimate.
         bounds: None without a library.
-        plans: how many plans were made; None where the log carries none.
+        plans: how many plannings found something to fly; None where the log carries no plans.
         arrival: None without a mission.
     """
 
@@ -163,7 +164,7 @@ def summarise(log: FlightLog) -> Summary:
         tracking=_tracking(log) if COMMAND.name in log.series else None,
         navigation=_navigation(log) if ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log),
-        plans=len(plans_of_flight(log)) or None,
+        plans=len(plans_of_flight(log)) if PLANS_ATTACHMENT in log.attachments else None,
         arrival=None if goal is None else arrival(log, goal),
     )
 

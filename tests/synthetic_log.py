@@ -102,7 +102,7 @@ def synthetic_library() -> Library:
         Trim(number, name, velocity, signed_trim_error(Twist(0.25, 0.25, 0.03), velocity))
         for number, (name, velocity) in TRIMS.items()
     )
-    rule = ManeuverEnd({number: Band(0.4, 0.4, 0.05) for number in TRIMS}, dwell=0.5, timeout=15.0)
+    rule = ManeuverEnd({number: Band(0.3, 0.3, 0.04) for number in TRIMS}, dwell=0.5, timeout=15.0)
     return Library(
         name="synthetic",
         description="The trims of the GTMax joined by a second-order reference model.",

@@ -63,7 +63,7 @@ def _nearest(
 def _inside(
     begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], mission: Mission
 ) -> Float[np.ndarray, "n 2"]:
-    """Returns from which to which share of each piece it is at the goal; the first above the second for never."""
+    """Returns from which to which share of each piece it is at the goal; never: first above second."""
     offset, way = begin[:, 1:3] - np.array(mission.goal), end[:, 1:3] - begin[:, 1:3]
     # |offset + s way| = tolerance, a quadratic in s.
     a, b = (way**2).sum(axis=1), (offset * way).sum(axis=1)

@@ -79,9 +79,8 @@ class AutomatonVehicle:
             FlightError: the maneuver leaves another trim than the one held now.
         """
         if maneuver.from_trim != self._trim:
-            raise FlightError(
-                f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; the vehicle holds trim {self._trim}"
-            )
+            held = f"the vehicle holds trim {self._trim}"
+            raise FlightError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; {held}")
         outcome = maneuver.at(self._gamma)
         moved = outcome.displacement
         shares = _moments(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])

@@ -1,7 +1,7 @@
 """Many walks of one length at once, as arrays: where they lead and how their ends move.
 
-Positions are complex numbers (north + i east), so a heading h is the factor exp(i h). A row is one walk at one
-uncertainty level; `times` has a leading axis of rows and a last axis of trims.
+Positions are complex numbers (north + i east), so a heading h is the factor exp(i h). A row is one walk
+at one uncertainty level; `times` has a leading axis of rows and a last axis of trims.
 """
 
 from collections.abc import Iterable
@@ -47,12 +47,16 @@ class Batch:
     @property
     def trims(self) -> int:
         """Length of the walks."""
-        return self.velocity.shape[1]
+        return int(self.velocity.shape[1])
 
     def take(self, rows: Int[np.ndarray, "taken"] | Bool[np.ndarray, "rows"]) -> "Batch":
         """Returns some of the rows, in the order asked for."""
         return Batch(
-            self.velocity[rows], self.rate[rows], self.displacement[rows], self.turn[rows], self.fixed_time[rows]
+            self.velocity[rows],
+            self.rate[rows],
+            self.displacement[rows],
+            self.turn[rows],
+            self.fixed_time[rows],
         )
 
     def repeat(self, count: int) -> "Batch":
@@ -62,7 +66,10 @@ class Batch:
     def coast(self, place: int, times: Float[np.ndarray, "rows"]) -> Complex[np.ndarray, "rows"]:
         """Returns the displacement of holding the trim at a place, in its own frame (thesis, eq. 17-18)."""
         half = 0.5 * self.rate[:, place] * times
-        return self.velocity[:, place] * times * np.sinc(half / np.pi) * np.exp(1j * half)
+        moved: Complex[np.ndarray, "rows"] = (
+            self.velocity[:, place] * times * np.sinc(half / np.pi) * np.exp(1j * half)
+        )
+        return moved
 
     def along(
         self, times: Float[np.ndarray, "rows trims"], first: int, last: int
@@ -101,4 +108,6 @@ class Batch:
             heading = heading + self.rate[:, place] * times[:, place]
             own.append(np.exp(1j * heading) * self.velocity[:, place])
             after.append(position)
-        return np.stack(own, axis=1) + 1j * self.rate * (position[:, None] - np.stack(after, axis=1))
+        arm = position[:, None] - np.stack(after, axis=1)
+        velocity: Complex[np.ndarray, "rows trims"] = np.stack(own, axis=1) + 1j * self.rate * arm
+        return velocity

@@ -69,7 +69,9 @@ def _identity(plan: Plan, library: Library, mission: Mission) -> list[str]:
 def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
     found = []
     if not plan.sequence or plan.sequence[0] != mission.start_trim:
-        found.append(f"sequence: the mission starts in trim {mission.start_trim}, the plan is {plan.sequence}")
+        found.append(
+            f"sequence: the mission starts in trim {mission.start_trim}, the plan is {plan.sequence}"
+        )
     elif mission.goal_trim not in (None, plan.sequence[-1]):
         found.append(f"sequence: the mission ends in trim {mission.goal_trim}, the plan is {plan.sequence}")
     if len(plan.sequence) > mission.max_trims:
@@ -121,7 +123,7 @@ def _end(scenario: Scenario, position: complex, heading: float, mission: Mission
 
 
 def _chord(velocity: Twist, time: float) -> complex:
-    """The straight line from begin to end of a coast: it points half the turn aside, and is that much shorter."""
+    """The straight line from begin to end of a coast: it points half the turn aside, and is shorter."""
     half = 0.5 * velocity.yaw_rate * time
     shrunk = sin(half) / half if half else 1.0
     return complex(velocity.forward, velocity.side) * time * shrunk * exp(1j * half)

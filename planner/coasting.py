@@ -31,7 +31,12 @@ _QUIET: dict[str, Any] = {"print_time": False, "error_on_fail": False, "show_eva
 _OPTIONS: dict[str, dict[str, Any]] = {
     "sqpmethod": {
         "qpsol": "qrqp",
-        "qpsol_options": {"print_iter": False, "print_header": False, "print_info": False, "error_on_fail": False},
+        "qpsol_options": {
+            "print_iter": False,
+            "print_header": False,
+            "print_info": False,
+            "error_on_fail": False,
+        },
         "convexify_strategy": "regularize",
         "max_iter": 60,
         "print_header": False,

@@ -1,7 +1,7 @@
 """Where a walk leads: its end at an uncertainty level, for numbers and for CasADi symbols.
 
-Both forms are the flow of `flight.se2.SE2.exp` and the composition of poses; the symbolic one takes the walk's
-numbers as symbols, so that one statement serves every walk of the same length.
+Both forms are the flow of `flight.se2.SE2.exp` and the composition of poses; the symbolic one takes the
+walk's numbers as symbols, so that one statement serves every walk of the same length.
 """
 
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ class Motion:
     fixed_time: float
 
     def end(self, start: SE2, coasting_times: Sequence[float]) -> SE2:
-        """Returns the pose after the whole walk (thesis, eq. 8a and 8b, with the rotation of the displacement).
+        """Returns the pose after the whole walk (thesis, eq. 8a and 8b, displacements rotated).
 
         Args:
             start: pose at time 0.

@@ -15,7 +15,10 @@ from .check import problems
 from .kinematics import motion, refuse_negative_durations
 from .search import Answer, WalkTable, search, tabulate
 
-NOT_PROVED = "not proved optimal: every walk was searched or excluded by a bound, its coasting times from finitely many starts"
+NOT_PROVED = (
+    "not proved optimal: every walk was searched or excluded by a bound, "
+    "its coasting times from finitely many starts"
+)
 
 
 class Planner(Protocol):
@@ -89,7 +92,9 @@ class LibraryPlanner:
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             scenarios=tuple(
-                Scenario(gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times))
+                Scenario(
+                    gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)
+                )
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
         )
@@ -101,5 +106,10 @@ class LibraryPlanner:
         if not wrong:
             return replace(plan, verified=True)
         return replace(
-            plan, status="unknown", reason=f"a plan failed its check: {wrong[0]}", sequence=(), maneuvers=(), scenarios=()
+            plan,
+            status="unknown",
+            reason=f"a plan failed its check: {wrong[0]}",
+            sequence=(),
+            maneuvers=(),
+            scenarios=(),
         )

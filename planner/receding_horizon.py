@@ -1,4 +1,4 @@
-"""Closed loop: plan, fly a little of the plan, plan again from where the vehicle believes to be (thesis, 6.3)."""
+"""Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
 
 from collections import deque
 from collections.abc import Iterable
@@ -122,7 +122,12 @@ class _Record:
 
 
 def fly(
-    vehicle: Vehicle, mission: Mission, *, planner: Planner, library: Library, settings: Settings | None = None
+    vehicle: Vehicle,
+    mission: Mission,
+    *,
+    planner: Planner,
+    library: Library,
+    settings: Settings | None = None,
 ) -> Flown:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
@@ -132,7 +137,7 @@ def fly(
 
     Args:
         vehicle: what flies; its pose is what it believes.
-        mission: the goal and how exactly; its start is where the vehicle is taken to be only by the vehicle.
+        mission: the goal and how exactly; where it starts from, the vehicle knows better.
         planner: the policy.
         library: of the maneuvers that plans name.
         settings: how the loop is closed.

@@ -1,7 +1,7 @@
 """The best walk for a mission, over several uncertainty levels at once.
 
-For every walk the coasting times are chosen anew at every level; a walk is as good as its worst level, and out
-where one level does not reach the goal (thesis, Problem 6.2; Problem 6.1 is the case of the level 0 alone).
+For every walk the coasting times are chosen anew at every level; a walk is as good as its worst level, and
+out where one level does not reach the goal (thesis, Problem 6.2; Problem 6.1 is the case of level 0 alone).
 
 First all walks at all levels together, in closed form; then, best first, the walks that may still win are
 solved by CasADi from the best starts. A walk whose lower bound exceeds the best plan so far is left out.
@@ -85,7 +85,9 @@ def tabulate(
     for walk in walks(library, start_trim, max_trims=max_trims, goal_trim=goal_trim):
         by_length.setdefault(len(walk), []).append(walk)
     return tuple(
-        WalkTable(tuple(group), gammas, tuple(motion(library, walk, gamma) for walk in group for gamma in gammas))
+        WalkTable(
+            tuple(group), gammas, tuple(motion(library, walk, gamma) for walk in group for gamma in gammas)
+        )
         for group in by_length.values()
     )
 
@@ -149,7 +151,11 @@ def _solve_level(numbers: Motion, mission: Mission, starts: tuple[Times, ...]) -
     cost = inf
     for start in starts:
         for times in (solve(numbers, mission, start), start):
-            if times is not None and numbers.cost(times) < cost and reaches(numbers.end(mission.start, times), mission):
+            if (
+                times is not None
+                and numbers.cost(times) < cost
+                and reaches(numbers.end(mission.start, times), mission)
+            ):
                 best, cost = times, numbers.cost(times)
     return best, cost
 
@@ -161,7 +167,9 @@ def _candidates(
     goal = Goal(complex(*rotate(x, y, -mission.start.heading)), mission.tolerance * (1 - ROUNDING))
     free = not wants_heading(mission)
     closed = [closed_forms(table.batch, goal) for table, _ in bounded]
-    costs = [_worst(table, _cheapest(table, found)) for (table, _), found in zip(bounded, closed, strict=True)]
+    costs = [
+        _worst(table, _cheapest(table, found)) for (table, _), found in zip(bounded, closed, strict=True)
+    ]
     best = min((float(cost.min()) for cost in costs), default=inf) if free else inf
     for (table, bound), found in zip(bounded, closed, strict=True):
         levels = len(table.gammas)
@@ -184,7 +192,9 @@ def _gathered(table: WalkTable, found: Starts, mission: Mission) -> Iterator[_Ca
     chosen = found.best_of_each_row(STARTS)
     by_row: dict[int, list[Times]] = {}
     costs: dict[int, float] = {}
-    for row, times, cost in zip(chosen.row.tolist(), chosen.times.tolist(), chosen.cost.tolist(), strict=True):
+    for row, times, cost in zip(
+        chosen.row.tolist(), chosen.times.tolist(), chosen.cost.tolist(), strict=True
+    ):
         by_row.setdefault(row, []).append(tuple(times))
         costs.setdefault(row, cost)
     for place, walk in enumerate(table.walks):

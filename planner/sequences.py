@@ -6,7 +6,9 @@ Walk = tuple[int, ...]
 """Trim ids; a maneuver of the library joins each two."""
 
 
-def walks(library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None) -> tuple[Walk, ...]:
+def walks(
+    library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None
+) -> tuple[Walk, ...]:
     """Returns every walk of at most so many trims, shorter ones first (thesis, 5.4 and Table 11).
 
     Trims may be visited again.

@@ -1,8 +1,8 @@
 """Where to look for coasting times: every closed-form way to the goal, along a grid of the remaining times.
 
-Nine optima in ten have two times that are not zero, or one that meets the tolerance disc: those are found here
-exactly. For the others one more time runs over a grid, the best of each curve is refined, and what comes out is
-where the solver starts.
+Nine optima in ten have two times that are not zero, or one that meets the tolerance disc: those are found
+here exactly. For the others one more time runs over a grid, the best of each curve is refined, and what comes
+out is where the solver starts.
 """
 
 from dataclasses import dataclass
@@ -153,7 +153,9 @@ class _Ways:
         found = []
         best = pair.best_of_each_row(2)
         for _ in range(ROUNDS):
-            multiplier = multipliers(self.batch.take(best.row), best.times, first=self.first, second=self.second)
+            multiplier = multipliers(
+                self.batch.take(best.row), best.times, first=self.first, second=self.second
+            )
             size = np.abs(multiplier)
             known = np.isfinite(size) & (size > 0)
             best = best.take(known)
@@ -193,7 +195,8 @@ def multipliers(batch: Batch, times: Times, *, first: int, second: int) -> Compl
     velocity = batch.end_velocities(times)
     one, two = velocity[:, first], velocity[:, second]
     with np.errstate(divide="ignore", invalid="ignore"):
-        return 1j * (two - one) / (np.conj(one) * two).imag
+        multiplier: Complex[np.ndarray, "rows"] = 1j * (two - one) / (np.conj(one) * two).imag
+    return multiplier
 
 
 def _arrived(

@@ -1,7 +1,7 @@
 """The coasting times of two trims that close a walk on a point, in closed form.
 
-With every other time given, holding a trim draws a line (yaw rate 0) or a circle; the walk closes where the two
-meet. Of a circle only the first full turn counts: flying further round costs time and changes nothing.
+With every other time given, holding a trim draws a line (yaw rate 0) or a circle; the walk closes where the
+two meet. Of a circle only the first full turn counts: flying further round costs time and changes nothing.
 """
 
 import numpy as np
@@ -168,7 +168,9 @@ def meet_disc(
     return np.concatenate(found)
 
 
-def _turning_time(angle: Float[np.ndarray, "rows"], rate: Float[np.ndarray, "rows"]) -> Float[np.ndarray, "rows"]:
+def _turning_time(
+    angle: Float[np.ndarray, "rows"], rate: Float[np.ndarray, "rows"]
+) -> Float[np.ndarray, "rows"]:
     """Returns the first time, not negative, at which a turn has reached an angle (modulo full turns)."""
     period = 2 * np.pi / np.abs(rate)
     time = np.mod(angle / rate, period)
@@ -181,4 +183,5 @@ def _into_domain(cosine: Float[np.ndarray, "rows"]) -> Float[np.ndarray, "rows"]
 
 
 def _cross(one: Complex[np.ndarray, "rows"], two: Complex[np.ndarray, "rows"]) -> Float[np.ndarray, "rows"]:
-    return (np.conj(one) * two).imag
+    area: Float[np.ndarray, "rows"] = (np.conj(one) * two).imag
+    return area

@@ -11,8 +11,8 @@ from .policy import LibraryPlanner
 class WorstCase:
     """Plans for the levels 0, -gamma and +gamma at once, the coasting times chosen anew at each.
 
-    That promises a time for whoever learns the level before flying. It is not a promise for one set of coasting
-    times flown at an unknown level: that is Problem 8.1.
+    That promises a time for whoever learns the level before flying. It is not a promise for one set of
+    coasting times flown at an unknown level: that is Problem 8.1.
 
     Args:
         library: the primitives.

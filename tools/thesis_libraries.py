@@ -1,7 +1,7 @@
 """Writes the libraries of the thesis from its printed tables: `python -m tools.thesis_libraries`.
 
-The tables stand beside this file as they are printed, one CSV each; nothing is corrected. Rows that contradict
-the rest of their table carry a note in the library.
+The tables stand beside this file as they are printed, one CSV each; nothing is corrected. Rows that
+contradict the rest of their table carry a note in the library.
 """
 
 import csv
@@ -27,7 +27,7 @@ METRES_PER_FOOT = Decimal("0.3048")
 Row = Mapping[str, str]
 
 KINEMATIC_NOTES = {
-    number: "the signs of this row's errors follow no rule of the others" for number in (13, 14, 15, 16, 17, 18)
+    number: "the signs of this row's errors follow no rule of the others" for number in range(13, 19)
 }
 
 GTMAX_NOTES = {
@@ -66,7 +66,7 @@ def thesis_gtmax() -> Library:
     trims, maneuvers = "tables_3_9_gtmax_trims.csv", "table_10_gtmax_maneuvers.csv"
     return Library(
         name="thesis-gtmax",
-        description="The thesis's library identified in GT-Max simulations, Tables 9 and 10 as printed, in metres",
+        description="The thesis's library from GT-Max simulations, Tables 9 and 10 as printed, in metres",
         vehicle="GT-Max",
         trims=tuple(map(_gtmax_trim, _rows(trims))),
         maneuvers=tuple(map(_gtmax_maneuver, _rows(maneuvers))),

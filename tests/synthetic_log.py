@@ -194,17 +194,22 @@ def _fly(
     tick += len(piece)
     for edge, coasting_time in zip(pairwise(trims), coasting_times[1:], strict=True):
         before, after = library.trim(edge[0]), library.trim(edge[1])
-        rows.append(_row(tick * STEP, PrimitiveKind.MANEUVER, library.maneuver(*edge).id, (before, after)))
+        rows.append(_row(_seconds(tick), PrimitiveKind.MANEUVER, library.maneuver(*edge).id, (before, after)))
         ahead, _ = _respond(state, after.velocity, round(rule.timeout / STEP) + 1)
         believed = ahead + deviation[tick : tick + len(ahead)]
-        ticks, verdict = _ending(rule, after.id, after.velocity, tick * STEP, believed)
+        ticks, verdict = _ending(rule, after.id, after.velocity, _seconds(tick), believed)
         late = verdict is Verdict.TIMED_OUT
-        rows.append(_row((tick + ticks) * STEP, PrimitiveKind.COAST, after.id, (after, after), late=late))
+        rows.append(_row(_seconds(tick + ticks), PrimitiveKind.COAST, after.id, (after, after), late=late))
         piece, state = _respond(state, after.velocity, ticks + round(coasting_time / STEP))
         pieces.append(piece)
         tick += len(piece)
     pieces.append(state[None, 0])
     return np.concatenate(pieces), rows
+
+
+def _seconds(tick: int) -> float:
+    """Returns a tick's time as files give it back: whole nanoseconds."""
+    return round(tick * STEP * 1e9) * 1e-9
 
 
 def _row(
@@ -278,7 +283,7 @@ def _draw(noise: Noise, count: int, seed: int) -> _Noises:
 
 def _series(response: Float[np.ndarray, "n 3"], noises: _Noises, start: SE2) -> list[Series]:
     count = len(response)
-    time = np.arange(count) * STEP
+    time = np.array([_seconds(tick) for tick in range(count)])
     velocity = response + noises.motion[:count]
     poses = _integrate(velocity, start)
     down = -(ALTITUDE + noises.height[:count])

@@ -36,8 +36,8 @@ class Gains:
         forgetting: time after which an integral of an error that has gone is forgotten, s.
     """
 
-    velocity: float = 1.0
-    velocity_integral: float = 0.4
+    velocity: float = 1.4
+    velocity_integral: float = 0.6
     lead: float = 0.04
     attitude: float = 0.35
     rate_ahead: float = 0.11
@@ -48,7 +48,7 @@ class Gains:
     height: float = 0.7
     descent: float = 0.035
     descent_integral: float = 0.02
-    tilt_limit: float = 0.35
+    tilt_limit: float = 0.45
     forgetting: float = 60.0
 
 
@@ -143,8 +143,10 @@ class Controller:
         error_side = reference.side.value - estimate.side
         c, s = cos(estimate.heading), sin(estimate.heading)
         gain = gains.velocity_integral * self._step
-        self._north = self._keep * self._north + gain * (c * error_forward - s * error_side)
-        self._east = self._keep * self._east + gain * (s * error_forward + c * error_side)
+        # No more than the tilt can give, or a storm would wind the integrals up.
+        most = gains.tilt_limit * self._gravity
+        self._north = _clip(self._keep * self._north + gain * (c * error_forward - s * error_side), most)
+        self._east = _clip(self._keep * self._east + gain * (s * error_forward + c * error_side), most)
         return (
             gains.velocity * error_forward + c * self._north + s * self._east,
             gains.velocity * error_side - s * self._north + c * self._east,

@@ -42,8 +42,8 @@ def test_errors_have_the_declared_size() -> None:
 
 
 def test_the_position_bias_walks_away() -> None:
-    ends = np.array([errors(seed, periods=6000)[-1, 0] for seed in range(40)])
-    walked = GPS_AIDED.position_walk * np.sqrt(60.0)
+    ends = np.array([errors(seed, periods=2000)[-1, 0] for seed in range(40)])
+    walked = GPS_AIDED.position_walk * np.sqrt(20.0)
     assert ends.std() == pytest.approx(np.hypot(walked, GPS_AIDED.position_wander.sigma), rel=0.4)
 
 

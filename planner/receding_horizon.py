@@ -131,9 +131,9 @@ def fly(
 ) -> Flown:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
-    A planning that fails is counted, and the rest of the plan before it is flown on; where nothing is left, the
-    trim is held. The flight ends as not reached if the first planning fails, if a maneuver times out, if the
-    vehicle is lost, or at the limit of plannings.
+    A planning that fails is counted, and the rest of the plan before it is flown on; where nothing is left,
+    the trim is held. The flight ends as not reached if the first planning fails, if a maneuver times out, if
+    the vehicle is lost, or at the limit of plannings.
 
     Args:
         vehicle: what flies; its pose is what it believes.

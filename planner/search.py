@@ -32,6 +32,9 @@ STARTS = 3
 ROUNDING = 1e-9
 """Share of the tolerance that closed forms leave unused, so that rounding does not fail the check."""
 
+COST_ROUNDING = 1e-9
+"""Seconds by which a bound may exceed the cost it bounds, through rounding alone."""
+
 PROMISE = 0.03
 """Share of its cost by which the solver may improve a start that is no optimum; beyond, it is not tried."""
 
@@ -173,7 +176,8 @@ def _candidates(
     best = min((float(cost.min()) for cost in costs), default=inf) if free else inf
     for (table, bound), found in zip(bounded, closed, strict=True):
         levels = len(table.gammas)
-        kept = bound < best
+        # A walk that arrives without coasting costs as much as its bound: it must not exclude itself.
+        kept = bound <= best + COST_ROUNDING
         rows = np.repeat(kept, levels)
         if not kept.any():
             continue

@@ -1,0 +1,183 @@
+"""`maneuver plan`: a mission in, a plan out; `maneuver plan check`: whether a plan keeps its word."""
+
+import io
+import json as json_module
+import sys
+from dataclasses import replace
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+from cyclopts.types import PositiveInt
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from flight.errors import FlightError
+from flight.library import Library
+from flight.log_file import publish_bytes
+from flight.mission import Mission
+from flight.plan import Plan, plan_text, read_plan
+from planner.check import problems
+from planner.nominal import Nominal
+from planner.policy import Planner
+from planner.worst_case import WorstCase
+from review.plan_picture import plan_picture
+
+from .files import find_library, find_mission, refuse_existing
+from .policies import FlownPolicy
+
+NO_PLAN = 1
+
+# More trims than that are more walks than can be searched in minutes.
+MOST_TRIMS = 8
+
+app = App(name="plan", help="Plans a mission: the trims, and how long to hold each.")
+
+
+@app.default
+def plan(
+    mission: str,
+    /,
+    *,
+    library: str = "gtmax-sim",
+    policy: FlownPolicy = "worst-case",
+    gamma: float = 1.0,
+    max_trims: PositiveInt | None = None,
+    out: Path | None = None,
+    picture: Path | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Plans a mission: the trims, and how long to hold each, so that the goal is reached in the least time.
+
+    The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
+    and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
+    the deciding gamma. Every plan is flown again by code that shares nothing with the search. The exit code
+    is 1 where there is no plan.
+
+    Examples:
+        maneuver plan kinematic-1 --library thesis-kinematic --policy nominal
+
+        maneuver plan kinematic-2 --library thesis-kinematic --gamma 0.5 --picture plan.png
+
+        maneuver plan my-mission.toml --library my-library.json --out plan.json
+
+    Args:
+        mission: name or path.
+        library: name or path.
+        policy: which planner.
+        gamma: uncertainty level of the worst-case planner, 0 to 1.
+        max_trims: longest sequence; the mission's by default.
+        out: file for the plan, as JSON.
+        picture: file for a picture of the plan, as PNG.
+        force: overwrite these files.
+        json: print the plan as JSON.
+    """
+    for path in (out, picture):
+        if path is not None:
+            refuse_existing(path, force=force)
+    primitives, task = find_library(library), _asked(mission, max_trims)
+    planner: Planner = Nominal(primitives) if policy == "nominal" else WorstCase(primitives, gamma)
+    answer = planner.plan(task)
+    if out is not None:
+        publish_bytes(plan_text(answer).encode(), out, force=force)
+    if picture is not None and answer.found:
+        publish_bytes(_png(answer, primitives, task), picture, force=force)
+    if json:
+        sys.stdout.write(plan_text(answer))
+    else:
+        show(answer, primitives)
+    return 0 if answer.found else NO_PLAN
+
+
+@app.command
+def check(
+    file: Path,
+    /,
+    *,
+    library: str | None = None,
+    mission: str | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Checks a plan against its library and mission, without the search and without the solver.
+
+    The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
+    the library be the one planned with. The exit code is 1 where the plan fails.
+
+    Examples:
+        maneuver plan check plan.json
+
+        maneuver plan check plan.json --library my-library.json --mission my-mission.toml
+
+    Args:
+        file: the plan, as `maneuver plan --out` writes it.
+        library: name or path; by default the name that the plan gives.
+        mission: name or path; by default the name that the plan gives.
+        json: print the verdict as JSON.
+    """
+    answer = read_plan(file)
+    task = find_mission(mission or answer.mission)
+    # A search may have been asked for longer sequences than the mission's file says.
+    task = replace(task, max_trims=max(task.max_trims, len(answer.sequence)))
+    wrong = problems(answer, find_library(library or answer.library), task)
+    if json:
+        sys.stdout.write(json_module.dumps({"passed": not wrong, "problems": wrong}, indent=2) + "\n")
+    else:
+        for problem in wrong:
+            print(problem)
+        print(f"{file}: {'fails its check' if wrong else 'keeps its word'}")
+    return NO_PLAN if wrong else 0
+
+
+def show(answer: Plan, library: Library) -> None:
+    """Prints a plan for people: the walk with its times, and every scenario's cost."""
+    console = Console(highlight=False)
+    if not answer.found:
+        console.print(f"{answer.mission}: {answer.status}: {answer.reason}", soft_wrap=True)
+        return
+    level = "" if answer.policy == "nominal" else f", gamma {answer.gamma:g}"
+    console.print(f"{answer.mission} on {answer.library}: {answer.policy}{level}, {answer.cost:.6f} s")
+    console.print(_walk(answer, library))
+    if len(answer.scenarios) > 1:
+        console.print(_scenarios(answer))
+    bound = "" if answer.lower_bound is None else f"; no plan takes less than {answer.lower_bound:.3f} s"
+    verdict = "verified" if answer.verified else "not verified"
+    console.print(f"{answer.status}, {verdict}{bound}; {1e3 * answer.solve_time:.0f} ms", soft_wrap=True)
+
+
+def _walk(answer: Plan, library: Library) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("hold trim", "", "for, s", "then maneuver", "to trim"):
+        table.add_column(heading, justify="right" if heading == "for, s" else "left")
+    steps = [*(str(maneuver) for maneuver in answer.maneuvers), ""]
+    onward = [*(str(trim) for trim in answer.sequence[1:]), ""]
+    for trim, time, step, to in zip(answer.sequence, answer.coasting_times, steps, onward, strict=True):
+        table.add_row(str(trim), library.trim(trim).name, f"{time:.4f}", step, to)
+    return table
+
+
+def _scenarios(answer: Plan) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("gamma", "cost, s", "coasting times, s"):
+        table.add_column(heading, justify="left" if heading.startswith("coasting") else "right")
+    for scenario in answer.scenarios:
+        times = "  ".join(f"{time:.4f}" for time in scenario.coasting_times)
+        decides = "  decides" if scenario is answer.deciding else ""
+        table.add_row(f"{scenario.gamma:g}", f"{scenario.cost:.6f}", times + decides)
+    return table
+
+
+def _asked(name: str, max_trims: int | None) -> Mission:
+    task = find_mission(name)
+    if max_trims is not None:
+        task = replace(task, max_trims=max_trims)
+    if task.max_trims > MOST_TRIMS:
+        raise FlightError(f"expected at most {MOST_TRIMS} trims in a sequence, got {task.max_trims}")
+    return task
+
+
+def _png(answer: Plan, library: Library, mission: Mission) -> bytes:
+    stream = io.BytesIO()
+    plan_picture(answer, library, mission).savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()

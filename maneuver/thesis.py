@@ -1,0 +1,173 @@
+"""`maneuver thesis`: what the thesis prints beside what its own tables give."""
+
+import json as json_module
+import sys
+from dataclasses import asdict, dataclass, replace
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from flight.library import Library
+from planner.nominal import Nominal
+from planner.sequences import walks
+from planner.worst_case import WorstCase
+
+from .files import find_library, find_mission
+
+TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
+"""Sequences of up to four trims from each start trim (thesis, Table 11)."""
+
+DIFFERS = 1
+"""Exit code where a figure differs and nothing explains it."""
+
+MISPRINT = (
+    "not reproduced: the optimum of Tables 7 and 8 is trims 1-3-5-2, decided by gamma -1; "
+    "the printed figure is below it"
+)
+
+START_NOT_PRINTED = (
+    "not reproduced: the start trim is not printed, and no start trim of Tables 9 and 10 gives the figure; "
+    "computed from trim 2, goal met exactly"
+)
+
+NOT_COMPARED = (
+    "The closed-loop columns are not compared: the thesis prints neither its activation interval nor its "
+    "iteration limit nor the errors that its plant had. Their pattern (nominal reaches the goal in 3 of 15 "
+    "runs, worst case in 14 of 15) is what can be compared: see `maneuver validate --plant automaton`."
+)
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedCost:
+    """An open-loop cost that the thesis prints.
+
+    Attributes:
+        table: number of the table.
+        mission: name of the shipped mission.
+        gamma: uncertainty level of the row; None for the nominal policy.
+        seconds: as printed.
+        explanation: why it cannot be reproduced; empty where it can.
+    """
+
+    table: int
+    mission: str
+    gamma: float | None
+    seconds: float
+    explanation: str = ""
+
+    @property
+    def library(self) -> str:
+        """The shipped library that the mission is planned with."""
+        return "thesis-kinematic" if self.mission.startswith("kinematic") else "thesis-gtmax"
+
+
+PRINTED = (
+    PrintedCost(12, "kinematic-1", None, 19.86835686),
+    PrintedCost(12, "kinematic-1", 0.0, 19.86835686),
+    PrintedCost(13, "kinematic-1", 0.3, 21.07064123),
+    PrintedCost(14, "kinematic-1", 0.5, 21.93479312),
+    PrintedCost(15, "kinematic-1", 0.8, 23.34280767),
+    PrintedCost(16, "kinematic-1", 1.0, 24.36918340),
+    PrintedCost(17, "kinematic-2", None, 13.80815399),
+    PrintedCost(17, "kinematic-2", 0.0, 13.80815399),
+    PrintedCost(18, "kinematic-2", 1.0, 20.31279186, MISPRINT),
+    PrintedCost(19, "gtmax-1", None, 17.19564465, START_NOT_PRINTED),
+    PrintedCost(19, "gtmax-1", 0.1, 17.58223420, START_NOT_PRINTED),
+    PrintedCost(20, "gtmax-1", 0.5, 19.12782333, START_NOT_PRINTED),
+    PrintedCost(21, "gtmax-1", 0.7, 60.51056468, START_NOT_PRINTED),
+    PrintedCost(22, "gtmax-2", None, 13.07107247, START_NOT_PRINTED),
+    PrintedCost(22, "gtmax-2", 0.1, 13.42410657, START_NOT_PRINTED),
+    PrintedCost(23, "gtmax-2", 0.2, 13.77880971, START_NOT_PRINTED),
+    PrintedCost(24, "gtmax-2", 0.3, 14.13470080, START_NOT_PRINTED),
+    PrintedCost(25, "gtmax-2", 0.6, 15.20568435, START_NOT_PRINTED),
+    PrintedCost(26, "gtmax-2", 0.7, 15.56276175, START_NOT_PRINTED),
+)
+"""Nominal costs once for each mission, worst-case costs for each row (thesis, Tables 12 to 26)."""
+
+AGREEMENT = 1e-4
+"""Seconds within which a computed cost is the printed one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """One printed figure beside the computed one; `verdict` is `same`, `differs`, or why it may differ."""
+
+    table: int
+    what: str
+    printed: float
+    computed: float | None
+    sequence: str
+    verdict: str
+
+
+def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+    """Prints what the thesis prints beside what is computed from its own tables, differences marked.
+
+    Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
+    cannot be. The exit code is 1 where a figure differs without an explanation.
+
+    Examples:
+        maneuver thesis
+
+        maneuver thesis --json
+
+    Args:
+        json: print one JSON document.
+    """
+    rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED)]
+    if json:
+        document = {"comparisons": [asdict(row) for row in rows], "not_compared": NOT_COMPARED}
+        sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
+    else:
+        _show(rows)
+    return DIFFERS if any(row.verdict == "differs" for row in rows) else 0
+
+
+def sequence_counts(library: Library) -> list[Comparison]:
+    """Returns Table 11 beside the walks that the library has."""
+    rows = []
+    for trim, printed in zip(library.trims, TABLE_11, strict=True):
+        computed = len(walks(library, trim.id, max_trims=4))
+        verdict = "same" if computed == printed else "differs"
+        rows.append(Comparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
+    return rows
+
+
+def compare(printed: PrintedCost) -> Comparison:
+    """Returns a printed cost beside the computed one."""
+    library = find_library(printed.library)
+    # Chapter 7 meets the goal exactly before the loop is closed.
+    mission = replace(find_mission(printed.mission), tolerance=0.0)
+    planner = Nominal(library) if printed.gamma is None else WorstCase(library, printed.gamma)
+    plan = planner.plan(mission)
+    policy = "nominal" if printed.gamma is None else f"worst case, gamma {printed.gamma:g}"
+    same = plan.found and abs(plan.cost - printed.seconds) <= AGREEMENT
+    return Comparison(
+        table=printed.table,
+        what=f"{printed.mission}, {policy}",
+        printed=printed.seconds,
+        computed=plan.cost if plan.found else None,
+        sequence="-".join(map(str, plan.sequence)),
+        verdict="same" if same else printed.explanation or "differs",
+    )
+
+
+def _show(rows: list[Comparison]) -> None:
+    console = Console(highlight=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("table", "what", "printed", "computed", "trims", ""):
+        table.add_column(heading, justify="right" if heading in {"table", "printed", "computed"} else "left")
+    notes = list(dict.fromkeys(row.verdict for row in rows if row.verdict not in {"same", "differs"}))
+    for row in rows:
+        computed = "none" if row.computed is None else f"{row.computed:.8g}"
+        mark = f"[{notes.index(row.verdict) + 1}]" if row.verdict in notes else row.verdict
+        table.add_row(
+            str(row.table), row.what, f"{row.printed:.10g}", computed, row.sequence, mark.replace("[", r"\[")
+        )
+    console.print(table)
+    for place, note in enumerate(notes, start=1):
+        console.print(rf"\[{place}] {note}", soft_wrap=True)
+    console.print(NOT_COMPARED, soft_wrap=True)

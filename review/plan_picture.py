@@ -1,0 +1,153 @@
+"""A plan from above: what is coasted, what is maneuvered, and where each uncertainty level leads."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Circle
+from matplotlib.ticker import MaxNLocator
+
+from flight.errors import FlightError
+from flight.library import Library
+from flight.mission import Mission
+from flight.plan import Plan, Scenario
+
+from . import palette
+from .planned_track import Line, planned_track
+from .stroke import Dashes, Stroke
+
+MANEUVERED: Dashes = (0.0, (2.5, 1.5))
+
+
+class NothingToDrawError(FlightError):
+    """A plan that is an honest no has no track."""
+
+    def __init__(self, plan: Plan) -> None:
+        super().__init__(f"nothing to draw: the plan for {plan.mission} is {plan.status}")
+
+
+def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
+    """Returns the picture of a plan: north up, east right, one metre as long as the other.
+
+    The deciding scenario is drawn in the colours of its trims, the others faintly.
+
+    Args:
+        plan: what is drawn.
+        library: planned with.
+        mission: planned for.
+
+    Raises:
+        NothingToDrawError: there is no plan.
+    """
+    if not plan.found:
+        raise NothingToDrawError(plan)
+    figure = palette.page(7.6, 6.4)
+    axes = figure.add_subplot()
+    palette.dress(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
+    walk = " - ".join(str(trim) for trim in plan.sequence)
+    palette.headline(axes, f"{plan.mission}, {_promise(plan)}: trims {walk}")
+    handles = _draw_scenarios(axes, plan, library, mission)
+    handles.append(_draw_goal(axes, mission))
+    _draw_start(axes, mission)
+    axes.margins(0.1)
+    figure.legend(
+        handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=palette.SMALL_TEXT
+    )
+    return figure
+
+
+def _promise(plan: Plan) -> str:
+    if plan.policy == "nominal":
+        return f"nominal, {plan.cost:.2f} s"
+    return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (decided by {plan.deciding.gamma:g})"
+
+
+def _draw_scenarios(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
+    handles = []
+    for scenario in plan.scenarios:
+        if scenario is not plan.deciding:
+            handles.append(_draw_faint(axes, plan, scenario, library, mission))
+    return _draw_deciding(axes, plan, library, mission) + handles
+
+
+def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
+    scenario = plan.deciding
+    coasts, maneuvers = planned_track(
+        library, plan.sequence, scenario.coasting_times, start=mission.start, gamma=scenario.gamma
+    )
+    colors = palette.trim_colors(trim.id for trim in library.trims)
+    handles = []
+    for trim, line, time in zip(plan.sequence, coasts, scenario.coasting_times, strict=True):
+        style = Stroke(colors[trim], 3.0, layer=5.0)
+        if time > 0:
+            _draw(axes, style, line)
+        handles.append(style.entry(f"trim {trim}, {library.trim(trim).name}: {time:.2f} s"))
+    style = Stroke(palette.INK, 1.6, dashes=MANEUVERED, layer=4.5)
+    for line in maneuvers:
+        _draw(axes, style, line)
+    if maneuvers:
+        names = ", ".join(str(maneuver) for maneuver in plan.maneuvers)
+        handles.append(style.entry(f"maneuvers {names}"))
+    return handles
+
+
+def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mission: Mission) -> Line2D:
+    coasts, maneuvers = planned_track(
+        library, plan.sequence, scenario.coasting_times, start=mission.start, gamma=scenario.gamma
+    )
+    color = palette.BELIEVED if scenario.gamma < 0 else palette.TRUE if scenario.gamma > 0 else palette.FAINT
+    style = Stroke(color, 1.2, opacity=0.8, layer=3.5)
+    dashed = Stroke(color, 1.2, dashes=MANEUVERED, opacity=0.8, layer=3.5)
+    for line in coasts:
+        _draw(axes, style, line)
+    for line in maneuvers:
+        _draw(axes, dashed, line)
+    return style.entry(f"at gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
+
+
+def _draw(axes: Axes, style: Stroke, line: Line) -> None:
+    style.draw(axes, line[:, 1], line[:, 0])
+
+
+def _draw_start(axes: Axes, mission: Mission) -> None:
+    """Draws the start as a dot with a short arrow along its heading."""
+    x, y = mission.start.position
+    length = 0.06 * max(mission.start.distance_to(mission.goal), 1.0)
+    ahead = length * np.array([np.sin(mission.start.heading), np.cos(mission.start.heading)])
+    axes.plot(y, x, "o", color=palette.INK, markersize=6, zorder=7)
+    axes.annotate(
+        "",
+        xy=(y + ahead[0], x + ahead[1]),
+        xytext=(y, x),
+        arrowprops={"arrowstyle": "-|>", "color": palette.INK, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0},
+        zorder=7,
+    )
+    axes.annotate(
+        "start", (y, x), xytext=(-8, 8), textcoords="offset points", ha="right", fontsize=palette.TEXT_SIZE
+    )
+
+
+def _draw_goal(axes: Axes, mission: Mission) -> Line2D:
+    north, east = mission.goal
+    if mission.tolerance:
+        disc = Circle(
+            (east, north), mission.tolerance, facecolor=palette.GOAL, alpha=0.22, edgecolor="none", zorder=2
+        )
+        axes.add_patch(disc)
+    axes.plot(east, north, marker="+", color=palette.GOAL, markersize=12, markeredgewidth=2, zorder=6)
+    exactly = f"within {mission.tolerance:.3g} m" if mission.tolerance else "exactly"
+    return Line2D(
+        [],
+        [],
+        color=palette.GOAL,
+        marker="+",
+        markersize=9,
+        markeredgewidth=2,
+        linestyle="none",
+        label=f"goal, {exactly}",
+    )

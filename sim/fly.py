@@ -3,7 +3,6 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
-from enum import IntEnum
 from importlib.metadata import PackageNotFoundError, version
 from math import cos, sin
 
@@ -28,6 +27,7 @@ from .navigation import GPS_AIDED, IDEAL, Navigation
 from .parameters import Parameters, model_hash, read_parameters
 from .recorder import Recorder
 from .specification import FlightSpecification
+from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 CONTROL_RATE = 100
@@ -40,13 +40,6 @@ INITIAL_STATE_ATTACHMENT = "initial_state.json"
 _BACKEND = f"casadi-vm-{version('casadi')}"
 # Motion is logged, and the maneuver-end rule applied, at every second control period.
 _PERIODS_A_SAMPLE = 2
-
-
-class Stream(IntEnum):
-    """The random streams of a flight; each is independent of the others and of the order of drawing."""
-
-    WIND = 0
-    NAVIGATION = 1
 
 
 class NoManeuverEndError(FlightError):
@@ -260,11 +253,6 @@ class SimulatedHelicopter:
     def _track_point(self) -> tuple[float, float, float, float]:
         truth = self._truth
         return self.time, truth.north, truth.east, truth.heading
-
-
-def random_stream(seed: int, stream: Stream) -> np.random.Generator:
-    """Returns a named source of chance; the same seed gives the same numbers, whatever else is drawn."""
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(stream.value,))))
 
 
 def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> tuple[Leg, ...]:

@@ -23,6 +23,7 @@ from .equilibrium import Equilibrium
 from .motion import Controls, Motion, Wind
 from .parameters import Parameters
 from .rotor import Air, RotorState
+from .rotor_step import advance
 
 DEFAULT_STEP = 0.005
 # Warm started at every step, this many relaxed iterations follow any gust.
@@ -248,9 +249,7 @@ def _plant_function(parameters: Parameters, step: float) -> ca.Function:
     p, q, r = ca.vertsplit(air_rates)
     air = Air(u, v, w, p, q, r, roll_rate=rates[0], pitch_rate=rates[1])
     state = RotorState(*ca.vertsplit(remembered))
-    state = rotor.advance(
-        parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS
-    )
+    state = advance(parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS)
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
     return ca.Function("plant", [position, velocity, remembered, inputs], [wrench, ca.vertcat(*state)])

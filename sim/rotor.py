@@ -228,66 +228,6 @@ def loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
     )
 
 
-def _servo(
-    parameters: Parameters,
-    position: ca.SX,
-    command: ca.SX,
-    step: float,
-    *,
-    limits: tuple[float, float, float],
-) -> ca.SX:
-    """Steps a first-order servo exactly for a held command, then holds its rate and travel."""
-    low, high, rate = limits
-    travel = (1.0 - ca.exp(-parameters.servos.bandwidth * step)) * (command - position)
-    return ca.fmin(high, ca.fmax(low, position + ca.fmin(rate * step, ca.fmax(-rate * step, travel))))
-
-
-def advance(
-    parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int
-) -> RotorState:
-    """Steps servos, flapping, bar (each exactly for held inputs) and inflow.
-
-    Args:
-        parameters: The vehicle.
-        state: The rotor state before the step.
-        air: Motion through the air, held through the step.
-        command: Servo commands (lateral, longitudinal, collective, pedal) in rad of blade pitch, shape (4,
-            1).
-        step: Length of the step in s.
-        iterations: Relaxed inflow iterations, warm started.
-    """
-    servos = parameters.servos
-    cyclic = (-servos.cyclic_limit, servos.cyclic_limit, servos.rate)
-    state = state._replace(
-        lateral=_servo(parameters, state.lateral, command[0], step, limits=cyclic),
-        longitudinal=_servo(parameters, state.longitudinal, command[1], step, limits=cyclic),
-        collective=_servo(
-            parameters,
-            state.collective,
-            command[2],
-            step,
-            limits=(servos.collective_low, servos.collective_high, servos.rate),
-        ),
-        pedal=_servo(
-            parameters,
-            state.pedal,
-            command[3],
-            step,
-            limits=(servos.pedal_low, servos.pedal_high, servos.pedal_rate),
-        ),
-    )
-    target = flapping_targets(parameters, state, air)
-    disc = ca.exp(-step / parameters.main_rotor.flapping_time)
-    bar = ca.exp(-step / parameters.stabiliser_bar.time)
-    state = state._replace(
-        disc_back=target.disc_back + (state.disc_back - target.disc_back) * disc,
-        disc_right=target.disc_right + (state.disc_right - target.disc_right) * disc,
-        bar_back=target.bar_back + (state.bar_back - target.bar_back) * bar,
-        bar_right=target.bar_right + (state.bar_right - target.bar_right) * bar,
-    )
-    return settle_inflow(parameters, state, air, iterations=iterations)
-
-
 def inertia(parameters: Parameters) -> ca.DM:
     """Returns the inertia matrix in body axes, in kg m2."""
     body = parameters.body

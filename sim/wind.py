@@ -162,7 +162,10 @@ class _Lateral:
 
 
 class _Slope:
-    """The standard's pitch and yaw gust: the slope along x of a gust, smoothed over the span."""
+    """The standard's pitch and yaw gust: the slope along x of a gust, smoothed over the span.
+
+    It begins without slope; it remembers for a second, which the settling time before a flight covers.
+    """
 
     def __init__(self, value: float) -> None:
         self._smooth = value

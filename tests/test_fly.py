@@ -20,9 +20,10 @@ from flight.se2 import SE2, Twist
 from flight.sequence import Sequence
 from flight.vehicle import Vehicle
 from sim.campaign import fly_campaign, fly_specification, worker_pool
-from sim.fly import NoManeuverEndError, SimulatedHelicopter, Stream, fly_sequence, random_stream
+from sim.fly import NoManeuverEndError, SimulatedHelicopter, fly_sequence
 from sim.replay import replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence
+from sim.streams import Stream, random_stream
 
 BARE = read_library(libraries.FOLDER / "thesis-gtmax.json")
 # Forward, side (m/s), yaw rate (rad/s); wider than each trim's scatter in the wind class `gtmax`.

@@ -15,7 +15,7 @@ from . import palette
 # How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
 BOW = 0.24
 # Where along an arrow its number stands: in the middle, or before a trim that the arrow passes.
-LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.27
+LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.16
 # How near to an arrow's chord a trim stands in its way.
 NEAR = 0.2
 # Radius of a trim's circle in points.
@@ -34,7 +34,7 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     """
     places = _places(library.trims, tall)
     colors = palette.trim_colors(places)
-    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_aspect("equal", adjustable="box", anchor="N")
     for maneuver in library.maneuvers:
         ends = places[maneuver.from_trim], places[maneuver.to_trim]
         others = [place for place in places.values() if place not in ends]
@@ -118,7 +118,10 @@ def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> 
     up = {places[trim.id][1]: f"{trim.velocity.forward:.3g}" for trim in trims}
     axes.set_xticks(list(across), list(across.values()))
     axes.set_yticks(list(up), list(up.values()))
-    axes.set_xlabel("yaw rate, deg/s (right turn positive)", fontsize=palette.TEXT_SIZE)
-    axes.set_ylabel("forward speed, m/s", fontsize=palette.TEXT_SIZE)
+    axes.set_xlabel(
+        "across: yaw rate, deg/s (right turn positive); up: forward speed, m/s", fontsize=palette.TEXT_SIZE
+    )
     palette.dress(axes)
-    axes.margins(0.14, 0.14)
+    # Room for names and for the widest bow.
+    axes.set_xlim(-1.25, 1.25)
+    axes.set_ylim(min(up) - 0.36, max(up) + 0.36)

@@ -50,11 +50,20 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[PlanFlow
         outcomes: one for each policy.
     """
     figure = palette.page(7.0 + 5.0 * len(outcomes), 8.6)
+    conditions = library.conditions
+    figure.suptitle(
+        f"From flight logs to plans, and back to flight    |    {library.vehicle}, wind {conditions.wind}, "
+        f"mission {mission.name}",
+        x=0.01,
+        ha="left",
+        fontsize=palette.TEXT_SIZE + 4,
+        fontweight="bold",
+    )
     columns = figure.add_gridspec(1, 2, width_ratios=(6.0, 5.0 * len(outcomes)))
     left = columns[0].subgridspec(2, 1, height_ratios=(0.6, 0.4))
     graph = figure.add_subfigure(left[0]).subplots()
     palette.headline(graph, f"1  Identified: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers")
-    draw_automaton(graph, library, tall=1.3)
+    draw_automaton(graph, library, tall=1.25)
     draw_trim_errors(figure.add_subfigure(left[1]), library)
     right = figure.add_subfigure(columns[1])
     maps = right.subplots(1, len(outcomes), squeeze=False)[0]

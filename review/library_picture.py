@@ -62,7 +62,7 @@ def library_picture(library: Library) -> Figure:
     halves = figure.add_gridspec(1, 2, width_ratios=(0.42, 0.58))
     graph = figure.add_subfigure(halves[0]).subplots()
     palette.headline(graph, "Trims (circles) and maneuvers (arrows)")
-    draw_automaton(graph, library, tall=2.7)
+    draw_automaton(graph, library, tall=2.8)
     heights = (len(library.trims) + 4, len(library.maneuvers) + 4)
     rows = halves[1].subgridspec(2, 1, height_ratios=heights)
     draw_trim_errors(figure.add_subfigure(rows[0]), library)

@@ -13,7 +13,8 @@ from flight.plan import Plan, Policy, Scenario
 
 from .check import problems
 from .kinematics import motion, refuse_negative_durations
-from .search import Answer, WalkTable, search, tabulate
+from .search import Answer, search
+from .walk_table import WalkTable, tabulate
 
 NOT_PROVED = (
     "not proved optimal: every walk was searched or excluded by a bound, "

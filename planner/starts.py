@@ -31,12 +31,33 @@ ROUNDS = 4
 """Corrections of the point on the edge; each one gains about two digits."""
 
 
+HEADING_WORTH = 3.0
+"""Seconds a radian: how much a wrong heading at the goal counts among starts that the solver has to turn."""
+
+
 @dataclass(frozen=True, slots=True)
 class Goal:
-    """Where walks are to end, seen from the start: north + i east in metres, and the radius around it."""
+    """Where walks are to end, seen from a start that heads north.
+
+    Attributes:
+        centre: north + i east in metres.
+        tolerance: radius around it in metres; 0 for equality.
+        heading: wanted there, radians; None for any.
+        heading_tolerance: half width around the heading, radians.
+    """
 
     centre: complex
     tolerance: float
+    heading: float | None = None
+    heading_tolerance: float = 0.0
+
+    def detour(self, heading: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+        """Returns seconds that a heading at the goal is ranked lower by; 0 where it is as wanted, or free."""
+        if self.heading is None:
+            return np.zeros(len(heading))
+        off = heading - self.heading
+        off = np.abs(off - 2 * np.pi * np.round(off / (2 * np.pi)))
+        return HEADING_WORTH * np.maximum(off - self.heading_tolerance, 0.0)
 
     def points(self) -> Complex[np.ndarray, "points"]:
         """Returns points to aim at: the centre, the nearest of the edge, more along the edge."""
@@ -55,7 +76,7 @@ class Starts:
         row: of the batch.
         times: seconds, not negative.
         aim: the point of the disc that was aimed at.
-        cost: seconds of the whole walk.
+        cost: seconds of the whole walk; more where it ends with another heading than the one wanted.
     """
 
     row: Int[np.ndarray, "found"]
@@ -66,6 +87,10 @@ class Starts:
     def take(self, index: Int[np.ndarray, "taken"] | Bool[np.ndarray, "found"]) -> "Starts":
         """Returns some of them, in the order asked for."""
         return Starts(self.row[index], self.times[index], self.aim[index], self.cost[index])
+
+    def renumbered(self, row: Int[np.ndarray, "rows"]) -> "Starts":
+        """Returns the same with other row numbers."""
+        return Starts(row[self.row], self.times, self.aim, self.cost)
 
     def best_of_each_row(self, count: int) -> "Starts":
         """Returns the cheapest few of each row."""
@@ -205,7 +230,7 @@ def _arrived(
     """Keeps what is a way to the goal; not-a-number is none."""
     possible = (times >= -1e-9).all(axis=1) & (times < 1e6).all(axis=1)
     rows, times, aims = rows[possible], np.maximum(times[possible], 0), aims[possible]
-    end, _ = batch.take(rows).end(times)
+    end, heading = batch.take(rows).end(times)
     there = np.abs(end - goal.centre) <= max(goal.tolerance, EQUALITY_TOLERANCE) + 1e-9
-    rows, times, aims = rows[there], times[there], aims[there]
-    return Starts(rows, times, aims, batch.fixed_time[rows] + times.sum(axis=1))
+    rows, times, aims, heading = rows[there], times[there], aims[there], heading[there]
+    return Starts(rows, times, aims, batch.fixed_time[rows] + times.sum(axis=1) + goal.detour(heading))

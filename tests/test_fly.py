@@ -28,13 +28,13 @@ from sim.streams import Stream, random_stream
 BARE = read_library(libraries.FOLDER / "thesis-gtmax.json")
 # Forward, side (m/s), yaw rate (rad/s); wider than each trim's scatter in the wind class `gtmax`.
 BANDS = {
-    1: Band(0.16, 0.25, 0.05),
-    2: Band(0.115, 0.25, 0.04),
+    1: Band(0.16, 0.25, 0.045),
+    2: Band(0.11, 0.25, 0.045),
     3: Band(0.27, 0.30, 0.06),
-    4: Band(0.20, 0.30, 0.04),
-    5: Band(0.20, 0.30, 0.04),
-    6: Band(0.40, 0.60, 0.09),
-    7: Band(0.40, 0.60, 0.09),
+    4: Band(0.21, 0.30, 0.045),
+    5: Band(0.21, 0.30, 0.045),
+    6: Band(0.50, 0.50, 0.10),
+    7: Band(0.50, 0.50, 0.10),
 }
 LIBRARY: Library = replace(
     BARE, conditions=Conditions(maneuver_end=ManeuverEnd(BANDS, dwell=0.3, timeout=15.0))

@@ -7,6 +7,16 @@ from pathlib import Path
 class FlightError(Exception):
     """Base of every failure that this program raises on purpose; its text is one line for the user."""
 
+    def __reduce__(self) -> tuple[object, ...]:
+        """Travels between processes by its text: subclasses build that from arguments of their own."""
+        return _restored, (type(self), str(self))
+
+
+def _restored(kind: type[FlightError], text: str) -> FlightError:
+    error = kind.__new__(kind)
+    Exception.__init__(error, text)
+    return error
+
 
 class UnknownTrimError(FlightError):
     """A trim was named that the library does not hold."""

@@ -6,6 +6,7 @@ import sys
 from collections.abc import Sequence
 
 from cyclopts import App, CycloptsError
+from rich.console import Console
 
 from flight.errors import FlightError
 
@@ -31,6 +32,7 @@ def build() -> App:
             "by flying it again."
         ),
         error_formatter=_one_line,
+        error_console=Console(stderr=True, soft_wrap=True, markup=False, highlight=False),
     )
     app.command("maneuver.demo:demo")
     app.command("maneuver.fly:fly")

@@ -15,7 +15,7 @@ from . import palette
 # How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
 BOW = 0.24
 # Where along an arrow its number stands: in the middle, or before a trim that the arrow passes.
-LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.16
+LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.13
 # How near to an arrow's chord a trim stands in its way.
 NEAR = 0.2
 # Radius of a trim's circle in points.

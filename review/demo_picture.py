@@ -115,12 +115,10 @@ def caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival
         predicted += f", whatever happens within gamma \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
         return f"{predicted}\nnot flown"
-    times = [met.time for met in arrivals if met.time is not None]
+    times = sorted(met.time for met in arrivals if met.time is not None)
     reached = f"goal reached in {len(times)} of {_plural(len(flights), 'flight')}"
-    span = f", in {min(times):.1f} s" if times else ""
-    if times and max(times) - min(times) >= 0.05:
-        span += f" to {max(times):.1f} s"
-    return f"{predicted}\n{reached}{span}"
+    span = dict.fromkeys(f"{time:.1f} s" for time in (*times[:1], *times[-1:]))
+    return f"{predicted}\n{reached}{', in ' if span else ''}{' to '.join(span)}"
 
 
 def _draw_scenario(axes: Axes, library: Library, mission: Mission, plan: Plan, scenario: Scenario) -> None:

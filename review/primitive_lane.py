@@ -54,10 +54,17 @@ def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:
 
 def shade_primitives(axes: Axes, log: FlightLog) -> None:
     """Tints a panel by the trim held; maneuvers stay white."""
-    colors = trim_palette(log)
-    for part in stretches_flown(log):
-        if part.kind is PrimitiveKind.COAST:
-            axes.axvspan(part.start, part.end, color=colors[part.id], alpha=0.10, linewidth=0, zorder=0)
+    coasts = [part for part in stretches_flown(log) if part.kind is PrimitiveKind.COAST]
+    for trim, color in trim_palette(log).items():
+        axes.broken_barh(
+            [(part.start, part.end - part.start) for part in coasts if part.id == trim],
+            (0.0, 1.0),
+            transform=axes.get_xaxis_transform(),
+            color=color,
+            alpha=0.10,
+            linewidth=0,
+            zorder=0,
+        )
 
 
 def _departures(log: FlightLog) -> set[tuple[PrimitiveKind, float]]:

@@ -22,6 +22,7 @@ from flight.log import (
     PLANS_ATTACHMENT,
     PRIMITIVE,
     TRUTH,
+    WIND,
     FlightLog,
     PrimitiveKind,
     Series,
@@ -243,7 +244,7 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
-    publish_log(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), log)
+    publish_log(without(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), WIND, ESTIMATE), log)
     order = ["review", str(log), "--out", str(pictures), "--json"]
     assert run(order) == 0
     content = json.loads(capsys.readouterr().out)

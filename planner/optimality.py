@@ -40,7 +40,7 @@ def settled(batch: Batch, goal: Goal, starts: Starts) -> Bool[np.ndarray, "found
         # A wanted heading is one condition more; the solver decides.
         return done
     if goal.tolerance == 0:
-        return done | (two & _worth_nothing(by_pair, velocity))
+        return np.asarray(done | (two & _worth_nothing(by_pair, velocity)))
     normal = (end - goal.centre) / goal.tolerance
     with np.errstate(divide="ignore", invalid="ignore"):
         at_edge: Bool[np.ndarray, "found"] = np.abs(np.abs(normal) - 1) < 1e-6
@@ -48,7 +48,7 @@ def settled(batch: Batch, goal: Goal, starts: Starts) -> Bool[np.ndarray, "found
         by_normal = -normal / speed
         along_normal: Bool[np.ndarray, "found"] = np.abs(np.angle(by_pair / normal)) < NORMAL
     one: Bool[np.ndarray, "found"] = (count == 1) & (speed < 0) & _worth_nothing(by_normal, velocity)
-    return done | (at_edge & (one | (two & along_normal & _worth_nothing(by_pair, velocity))))
+    return np.asarray(done | (at_edge & (one | (two & along_normal & _worth_nothing(by_pair, velocity)))))
 
 
 def _two_active(

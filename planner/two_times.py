@@ -12,6 +12,9 @@ from .batch import Batch
 Times = Float[np.ndarray, "rows trims"]
 Pair = tuple[Float[np.ndarray, "rows"], Float[np.ndarray, "rows"]]
 
+PARALLEL = 1e-9
+"""Radians; lines that differ by less do not meet in a point worth computing."""
+
 STRAIGHT = 1e-7
 """Radians per second; a slower turn is closed as a straight line, and then corrected on the true curve."""
 
@@ -107,6 +110,7 @@ def _line_line(
 ) -> Pair:
     """Solves one t + two u = way for the times t and u."""
     area = _cross(one, two)
+    area = np.where(np.abs(area) > PARALLEL * np.abs(one) * np.abs(two), area, np.nan)
     return _cross(way, two) / area, _cross(one, way) / area
 
 

@@ -87,7 +87,10 @@ def report(summary: Summary) -> Group:
     if summary.tracking is not None:
         parts += [_heading("Truth minus command"), _tracking(summary)]
     if summary.bounds is not None and summary.bounds.departures:
-        parts += [_heading("Furthest out of the library's bounds"), _departures(summary.bounds)]
+        parts += [
+            _heading(f"Furthest out of the bounds of library {summary.bounds.library}"),
+            _departures(summary.bounds),
+        ]
     return Group(*parts)
 
 
@@ -131,7 +134,7 @@ def _bounds(bounds: Bounds) -> str:
     coasts, maneuvers = bounds.left_by(PrimitiveKind.COAST), bounds.left_by(PrimitiveKind.MANEUVER)
     return (
         f"{coasts} of {bounds.coasts} coasts, {maneuvers} of {bounds.maneuvers} maneuvers "
-        f"(trim errors: {bounds.trim_error_kind})"
+        f"(library {bounds.library}, trim errors {bounds.trim_error_kind})"
     )
 
 

@@ -41,12 +41,14 @@ class Bounds:
     """How the primitives of a flight kept to the library's errors.
 
     Attributes:
+        library: name of the library whose errors these are.
         trim_error_kind: how trim errors are meant, and therefore judged: each instant, or a coast's average.
         coasts: how many were judged.
         maneuvers: how many were judged: flown to their end, and in the library.
         departures: those that left their bounds, in the order flown.
     """
 
+    library: str
     trim_error_kind: str
     coasts: int
     maneuvers: int
@@ -73,6 +75,7 @@ def bounds_kept(log: FlightLog) -> Bounds | None:
     found = [_coast_departure(log, library, part) for part in coasts]
     found += [_maneuver_departure(log, library, part) for part in maneuvers]
     return Bounds(
+        library=library.name,
         trim_error_kind=library.conditions.trim_error_kind,
         coasts=len(coasts),
         maneuvers=len(maneuvers),

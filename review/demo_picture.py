@@ -28,6 +28,7 @@ from .track_picture import dart, note
 PLANNED = Stroke(palette.INK, 1.2, dashes=(0.0, (4.0, 2.0)), layer=3.0)
 OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=(0.0, (2.0, 2.0)), layer=2.5)
 FLOWN = Stroke(palette.TRUE, 2.0, opacity=0.75)
+AFTERWARDS = Stroke(palette.TRUE, 0.9, opacity=0.35)
 MISSED = Stroke(palette.ALARM, 2.0, opacity=0.85)
 
 POLICY_NAMES = {"nominal": "Nominal plan", "worst-case": "Worst-case plan"}
@@ -88,7 +89,10 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: PlanF
     arrivals = [arrival(log, goal) for log in outcome.flights]
     for log, met in zip(outcome.flights, arrivals, strict=True):
         style = MISSED if met.time is None else FLOWN
-        style.draw(axes, log[TRUTH]["east"], log[TRUTH]["north"])
+        truth = log[TRUTH]
+        way = truth.time <= (log.duration if met.time is None else met.time)
+        style.draw(axes, truth["east"][way], truth["north"][way])
+        AFTERWARDS.draw(axes, truth["east"][~way], truth["north"][~way])
     _draw_start_and_goal(axes, mission)
     axes.margins(0.15)
     title = POLICY_NAMES.get(plan.policy, f"Plan, {plan.policy}")
@@ -112,7 +116,7 @@ def caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival
         return f"no plan: {plan.status}\n{plan.reason}"
     predicted = f"predicted {plan.cost:.1f} s"
     if len(plan.scenarios) > 1:
-        predicted += f", whatever happens within gamma \N{PLUS-MINUS SIGN}{plan.gamma:g}"
+        predicted += f", the slowest of gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
         return f"{predicted}\nnot flown"
     times = sorted(met.time for met in arrivals if met.time is not None)
@@ -148,6 +152,7 @@ def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:
         entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
     if any(met.time is not None for met in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
+        entries.append(AFTERWARDS.entry("after the goal, a maneuver begun is finished"))
     if any(met.time is None for met in arrivals):
         entries.append(MISSED.entry("flown, goal missed"))
     return entries

@@ -11,7 +11,7 @@ from .stretches import stretches_flown
 from .summary import trim_names
 
 # Inches that a letter takes in the lane.
-LETTER = 0.068
+LETTER = 0.074
 
 
 def trim_palette(log: FlightLog) -> dict[int, str]:

@@ -228,7 +228,7 @@ def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLo
     plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
     assert caption(plan, [flight], [missed]).endswith("goal reached in 0 of 1 flight")
     promised, came = caption(plan, [flight, flight], [met, missed]).split("\n")
-    assert promised == "predicted 21.0 s, whatever happens within gamma \N{PLUS-MINUS SIGN}1"
+    assert promised == "predicted 21.0 s, the slowest of gamma 0 and \N{PLUS-MINUS SIGN}1"
     assert came == f"goal reached in 1 of 2 flights, in {met.time:.1f} s"
     nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
     assert caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"

@@ -20,6 +20,9 @@ from .se2 import Twist
 LIBRARY_ATTACHMENT = "library.json"
 """The library flown with: names what `/primitive` counts, and carries the maneuver-end rule."""
 
+INITIAL_STATE_ATTACHMENT = "initial_state.json"
+"""The vehicle's true state at time 0; with controls and wind it reproduces the true motion."""
+
 SPECIFICATION_ATTACHMENT = "specification.json"
 """All that the simulator needs to repeat the flight."""
 
@@ -95,9 +98,9 @@ WIND = Topic(
         Field("north", "m/s", "velocity of the air over the ground, mean wind and gust"),
         Field("east", "m/s", "velocity of the air over the ground, mean wind and gust"),
         Field("down", "m/s", "velocity of the air over the ground, mean wind and gust"),
-        Field("roll_rate", "rad/s", "rotation of the air about the body's forward axis"),
-        Field("pitch_rate", "rad/s", "rotation of the air about the body's right axis"),
-        Field("yaw_rate", "rad/s", "rotation of the air about the body's down axis"),
+        Field("rate_north", "rad/s", "rotation of the air about the north axis"),
+        Field("rate_east", "rad/s", "rotation of the air about the east axis"),
+        Field("rate_down", "rad/s", "rotation of the air about the down axis"),
     ),
 )
 CONTROLS = Topic(

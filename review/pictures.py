@@ -81,7 +81,7 @@ def wind_picture(log: FlightLog) -> Figure:
     Raises:
         MissingTopicError: the log has no wind.
     """
-    velocity, rotation = ("north", "east", "down"), ("roll_rate", "pitch_rate", "yaw_rate")
+    velocity, rotation = ("north", "east", "down"), ("rate_north", "rate_east", "rate_down")
     return _histories(
         log,
         [

@@ -11,7 +11,14 @@ import numpy as np
 from flight.errors import FlightError, FlightLostError
 from flight.library import Library
 from flight.library_file import library_text
-from flight.log import LIBRARY_ATTACHMENT, SPECIFICATION_ATTACHMENT, FlightHeader, FlightLog, PrimitiveKind
+from flight.log import (
+    INITIAL_STATE_ATTACHMENT,
+    LIBRARY_ATTACHMENT,
+    SPECIFICATION_ATTACHMENT,
+    FlightHeader,
+    FlightLog,
+    PrimitiveKind,
+)
 from flight.maneuver import Maneuver
 from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
@@ -34,8 +41,6 @@ CONTROL_RATE = 100
 """Hz."""
 
 CONTROL_PERIOD = 1.0 / CONTROL_RATE
-INITIAL_STATE_ATTACHMENT = "initial_state.json"
-"""The helicopter's state at time 0; with the logged commands and wind it reproduces the true motion."""
 
 _BACKEND = f"casadi-vm-{version('casadi')}"
 # Motion is logged, and the maneuver-end rule applied, at every second control period.

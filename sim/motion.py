@@ -67,9 +67,9 @@ class Wind(NamedTuple):
     north: float
     east: float
     down: float
-    roll_rate: float
-    pitch_rate: float
-    yaw_rate: float
+    rate_north: float
+    rate_east: float
+    rate_down: float
 
 
 STILL_AIR = Wind(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)

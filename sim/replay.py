@@ -5,9 +5,9 @@ import json
 import numpy as np
 from jaxtyping import Float
 
-from flight.log import CONTROLS, SPECIFICATION_ATTACHMENT, WIND, FlightLog
+from flight.log import CONTROLS, INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT, WIND, FlightLog
 
-from .fly import CONTROL_PERIOD, INITIAL_STATE_ATTACHMENT
+from .fly import CONTROL_PERIOD
 from .helicopter import Helicopter, HelicopterState
 from .motion import Controls, Wind
 from .parameters import read_parameters

@@ -127,14 +127,16 @@ def symbolic_motion(trims: int) -> SymbolicMotion:
 
 
 def _exp(velocity: casadi.SX, time: casadi.SX) -> casadi.SX:
-    """The flow of `SE2.exp`: divided by the rate, and a rate of exactly 0 is a straight line."""
+    """The flow of `SE2.exp`, by the same formula."""
     forward, side, rate = velocity[0], velocity[1], velocity[2]
-    straight = rate == 0
-    divisor = casadi.if_else(straight, 1, rate)
-    half = casadi.sin(0.5 * divisor * time)
-    along = casadi.if_else(straight, time, casadi.sin(divisor * time) / divisor)
-    across = casadi.if_else(straight, 0, half * (half / (0.5 * divisor)))
+    half = 0.5 * rate * time
+    along, across = time * _sinc(2 * half), time * casadi.sin(half) * _sinc(half)
     return casadi.vertcat(forward * along - side * across, forward * across + side * along, rate * time)
+
+
+def _sinc(angle: casadi.SX) -> casadi.SX:
+    """sin(x) / x; its slope at 0 is 0, which is what the branch gives."""
+    return casadi.if_else(angle == 0, 1, casadi.sin(angle) / casadi.if_else(angle == 0, 1, angle))
 
 
 def _compose(pose: casadi.SX, displacement: casadi.SX) -> casadi.SX:

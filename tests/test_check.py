@@ -1,0 +1,114 @@
+"""Plans are believed only when they are flown again by other code; broken ones are not."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import missions
+from flight.library import Library
+from flight.mission import Mission, read_mission
+from flight.plan import Plan, plan_text, read_plan
+from flight.se2 import SE2
+from planner.check import problems
+from planner.worst_case import WorstCase
+from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
+
+
+@cache
+def case() -> tuple[Plan, Library, Mission]:
+    library = thesis_gtmax()
+    mission = read_mission(missions.FOLDER / "gtmax-1.toml")
+    return WorstCase(library, 0.5).plan(mission), library, mission
+
+
+def with_scenario(plan: Plan, place: int, **changes: object) -> Plan:
+    scenarios = list(plan.scenarios)
+    scenarios[place] = replace(scenarios[place], **changes)  # type: ignore[arg-type]
+    return replace(plan, scenarios=tuple(scenarios))
+
+
+def later(plan: Plan, place: int, seconds: float) -> Plan:
+    """The last trim held a little longer, the cost kept honest: only the end is wrong then."""
+    scenario = plan.scenarios[place]
+    times = (*scenario.coasting_times[:-1], scenario.coasting_times[-1] + seconds)
+    return with_scenario(plan, place, coasting_times=times, cost=scenario.cost + seconds)
+
+
+def test_a_good_plan_passes() -> None:
+    plan, library, mission = case()
+    assert problems(plan, library, mission) == ()
+
+
+def test_a_plan_passes_after_a_journey_through_a_file(tmp_path: Path) -> None:
+    plan, library, mission = case()
+    path = tmp_path / "plan.json"
+    path.write_text(plan_text(plan))
+    assert problems(read_plan(path), library, mission) == ()
+
+
+BREAKAGES: dict[str, tuple[Callable[[Plan], Plan], str]] = {
+    "another library": (lambda plan: replace(plan, library_hash="0" * 64), "library_hash"),
+    "another mission": (lambda plan: replace(plan, mission="elsewhere"), "mission"),
+    "another tolerance": (lambda plan: replace(plan, tolerance=5.0), "tolerance"),
+    "a gamma beyond 1": (lambda plan: replace(plan, gamma=1.5), "gamma"),
+    "a scenario missing": (lambda plan: replace(plan, scenarios=plan.scenarios[:2]), "scenarios"),
+    "a scenario twice": (
+        lambda plan: replace(plan, scenarios=(*plan.scenarios, plan.scenarios[0])),
+        "scenarios",
+    ),
+    "a walk that does not exist": (lambda plan: replace(plan, sequence=(2, 7, 3, 7)), "no maneuver"),
+    "an unknown trim": (lambda plan: replace(plan, sequence=(2, 9)), "no trim 9"),
+    "another start": (lambda plan: replace(plan, sequence=(1, 3, 7, 3)), "starts in trim 2"),
+    "other maneuvers": (lambda plan: replace(plan, maneuvers=(1, 2, 3)), "maneuvers"),
+    "a negative time": (
+        lambda plan: with_scenario(plan, 0, coasting_times=(-1.0, *plan.scenarios[0].coasting_times[1:])),
+        ">= 0 s",
+    ),
+    "a time that is no number": (
+        lambda plan: with_scenario(plan, 0, coasting_times=(np.nan, *plan.scenarios[0].coasting_times[1:])),
+        ">= 0 s",
+    ),
+    "a time missing": (
+        lambda plan: with_scenario(plan, 0, coasting_times=plan.scenarios[0].coasting_times[1:]),
+        "one for each",
+    ),
+    "a cost too good": (lambda plan: with_scenario(plan, 1, cost=plan.scenarios[1].cost - 1e-6), "cost"),
+    "an end elsewhere": (lambda plan: with_scenario(plan, 2, end=SE2(0.0, 0.0, 0.0)), "end"),
+    "a time longer": (lambda plan: later(plan, 1, 0.01), "end"),
+    "a bound above the cost": (lambda plan: replace(plan, lower_bound=plan.cost + 1.0), "lower_bound"),
+}
+
+
+@pytest.mark.parametrize("name", BREAKAGES)
+def test_a_broken_plan_is_rejected_with_the_reason(name: str) -> None:
+    plan, library, mission = case()
+    broken, reason = BREAKAGES[name]
+    assert any(reason in problem for problem in problems(broken(plan), library, mission))
+
+
+def test_a_plan_for_a_nearer_goal_misses_this_one() -> None:
+    plan, library, mission = case()
+    moved = replace(mission, goal=(mission.goal[0] + 5.0, mission.goal[1]))
+    assert any("missed by" in problem for problem in problems(plan, library, moved))
+
+
+def test_a_plan_is_checked_against_the_numbers_of_the_library() -> None:
+    plan, _, mission = case()
+    found = problems(replace(plan, library_hash=""), thesis_kinematic(), mission)
+    assert any("library_hash" in problem for problem in found)
+    assert len(found) > 1
+
+
+def test_every_small_lie_about_times_is_found() -> None:
+    plan, library, mission = case()
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        place = int(rng.integers(len(plan.scenarios)))
+        trim = int(rng.integers(len(plan.sequence)))
+        times = list(plan.scenarios[place].coasting_times)
+        times[trim] += float(10 ** rng.uniform(-5, 0))
+        assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)

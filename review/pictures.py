@@ -86,7 +86,7 @@ def wind_picture(log: FlightLog) -> Figure:
         log,
         [
             lambda axes: draw_wind(axes, log, velocity, "Air over the ground at the vehicle, m/s"),
-            lambda axes: draw_wind(axes, log, rotation, "Rotation of the air about the body's axes, deg/s"),
+            lambda axes: draw_wind(axes, log, rotation, "Rotation of the air about the world's axes, deg/s"),
         ],
         strokes=False,
     )

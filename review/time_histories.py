@@ -174,5 +174,5 @@ def _name_components(axes: Axes, fields: Sequence[str]) -> None:
 
 def _scale(field: str) -> float:
     """Returns what brings a field to the unit it is shown in."""
-    angular = field in {"roll", "pitch", "heading"} or field.endswith("_rate")
+    angular = field in {"roll", "pitch", "heading"} or "rate" in field.split("_")
     return DEGREES_PER_RADIAN if angular else 1.0

@@ -38,7 +38,7 @@ from review.planned_track import planned_track
 from review.primitive_lane import draw_primitive_lane
 from review.stretches import stretches_flown
 from review.summary import arrival
-from review.time_histories import draw_control, draw_velocity
+from review.time_histories import draw_control, draw_velocity, draw_wind
 from review.track_picture import draw_track
 from tests.synthetic_log import STILL, synthetic_library, synthetic_log
 
@@ -237,3 +237,12 @@ def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLo
 def test_trims_differ_in_colour() -> None:
     colors = palette.trim_colors(range(14))
     assert len(set(colors.values())) == 14
+
+
+def test_rates_of_the_air_are_shown_in_degrees(flight: FlightLog) -> None:
+    axes = palette.page(8.0, 2.0).subplots()
+    values = np.tile(np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]), (len(flight[WIND]), 1))
+    windy = replace(flight, series={WIND.name: replace(flight[WIND], values=values), **poor(flight).series})
+    draw_wind(axes, windy, WIND.field_names[3:], "rotation")
+    shown = [float(np.asarray(line.get_ydata())[0]) for line in axes.lines]
+    assert shown == pytest.approx(np.degrees([0.1, 0.2, 0.3]).tolist())

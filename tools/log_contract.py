@@ -9,15 +9,15 @@ PAGE = Path(__file__).parent.parent / "docs" / "flight-log.md"
 
 HEAD = """# The flight log
 
-One MCAP file a flight, written whole or not at all. Channels are protobuf, every field a double, numbered in the
-order below; chunks are compressed by zstd; every checksum is written, and reading verifies them all. Log time and
-publish time are equal: nanoseconds since the flight's start, simulated, never of the wall clock.
+One MCAP file a flight, written whole or not at all. Channels are protobuf, every field a double, numbered in
+the order below; chunks are compressed by zstd; every checksum is written, and reading verifies them all. Log
+time and publish time are equal: nanoseconds since the flight's start, simulated, never of the wall clock.
 
-World axes are north, east, down. Velocities are given in the heading frame, the level body frame: forward along the
-heading, side to the right. Angles are in radians, headings clockwise from north and not wrapped.
+World axes are north, east, down. Velocities are given in the heading frame, the level body frame: forward
+along the heading, side to the right. Angles are in radians, headings clockwise from north and not wrapped.
 
-The metadata record `flight` holds the header: kind, name, vehicle, model_hash, seed, wind, code_version, backend,
-outcome. A topic that is absent is absent, not zero.
+The metadata record `flight` holds the header: kind, name, vehicle, model_hash, seed, wind, code_version,
+backend, outcome. A topic that is absent is absent, not zero.
 
 This page is made from `flight/log.py` by `python -m tools.log_contract`.
 """
@@ -25,8 +25,8 @@ This page is made from `flight/log.py` by `python -m tools.log_contract`.
 ATTACHMENTS = (
     (log.LIBRARY_ATTACHMENT, "the library flown with; carries the maneuver-end rule"),
     (log.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
-    (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it reproduces the motion"),
-    (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, with its planner and settings"),
+    (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
+    (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
     (log.PLANS_ATTACHMENT, "its plans, in order, each `maneuver-plan/1` with the time it was made"),
 )
 

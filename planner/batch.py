@@ -81,10 +81,13 @@ class Batch:
         position = np.zeros(len(times), dtype=complex)
         heading = np.zeros(len(times))
         for place in range(first, last + 1):
-            position = position + np.exp(1j * heading) * self.displacement[:, place]
-            heading = heading + self.turn[:, place]
-            position = position + np.exp(1j * heading) * self.coast(place, times[:, place])
-            heading = heading + self.rate[:, place] * times[:, place]
+            if place:
+                position = position + np.exp(1j * heading) * self.displacement[:, place]
+                heading = heading + self.turn[:, place]
+            # Most coasting times that are asked about are 0.
+            if times[:, place].any():
+                position = position + np.exp(1j * heading) * self.coast(place, times[:, place])
+                heading = heading + self.rate[:, place] * times[:, place]
         return position, heading
 
     def end(

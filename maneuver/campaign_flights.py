@@ -1,8 +1,5 @@
-"""Campaigns, flown and identified: what `fly`, `regenerate` and `demo` share."""
+"""Campaigns, flown: what `fly`, `regenerate` and `demo` share."""
 
-import hashlib
-import os
-from collections.abc import Sequence as Items
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -12,8 +9,6 @@ import numpy as np
 from flight.campaign import Campaign
 from flight.conditions import Conditions
 from flight.library import Library
-from flight.log_file import read_log
-from identification.identify import FlightEvidence, evidence
 from identification.schedule import schedule
 from sim.campaign import FlightFlown, fly_campaign
 from sim.specification import FlightSpecification, specify_sequence
@@ -98,22 +93,3 @@ def fly_whole_campaign(
     flown = fly_campaign(specifications, library, folder=folder, executor=executor, force=force)
     done = list(shown(flown, total=len(specifications), what=f"flying {campaign.name}"))
     return CampaignFlown(library, tuple(sorted(done, key=lambda flight: flight.path.name)))
-
-
-def gather_evidence(paths: Items[Path], *, executor: Executor) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives.
-
-    Raises:
-        FlightError: a log is broken or lacks something.
-    """
-    return list(shown(executor.map(_evidence_of, paths), total=len(paths), what="identifying"))
-
-
-def _evidence_of(path: Path) -> FlightEvidence:
-    log = read_log(path)
-    return evidence(log, name=str(path), sha256=hashlib.sha256(path.read_bytes()).hexdigest())
-
-
-def default_workers() -> int:
-    """Returns the number of processors that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

@@ -20,14 +20,15 @@ from identification.identify import identify
 from review.demo_picture import PlanFlown, demo_picture
 from review.library_picture import library_picture
 from review.pictures import publish_picture, write_pictures
-from sim.campaign import worker_pool
 
-from .campaign_flights import default_workers, flight_seed, fly_whole_campaign, gather_evidence
+from .campaign_flights import flight_seed, fly_whole_campaign
+from .evidence import gather_evidence
 from .files import find_campaign, find_mission, refuse_existing
 from .identify import publish_library
 from .mission_flights import MissionResult, MissionTask, fly_mission, planner_of
 from .policies import FLOWN_POLICIES
 from .progress import shown
+from .workers import default_workers, worker_pool
 
 CAMPAIGN = "gtmax"
 MISSION = "gtmax-2"

@@ -10,13 +10,14 @@ from cyclopts.types import NonNegativeInt, PositiveInt
 
 from flight.errors import FlightError
 from flight.log_file import publish_log
-from sim.campaign import fly_specification, worker_pool
+from sim.campaign import fly_specification
 from sim.specification import specify_sequence
 
-from .campaign_flights import default_workers, fly_whole_campaign
+from .campaign_flights import fly_whole_campaign
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .mission_flights import MissionTask, fly_mission
 from .policies import FlownPolicy
+from .workers import default_workers, worker_pool
 
 LOST = 1
 

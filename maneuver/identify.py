@@ -13,10 +13,10 @@ from flight.library_file import library_hash, library_text
 from flight.log_file import publish_bytes
 from identification.data_sheet import data_sheet
 from identification.identify import identify as identify_library
-from sim.campaign import worker_pool
 
-from .campaign_flights import default_workers, gather_evidence
+from .evidence import gather_evidence
 from .files import refuse_existing
+from .workers import default_workers, worker_pool
 
 
 def identify(

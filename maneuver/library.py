@@ -52,6 +52,7 @@ def show(
     console.print(
         f"{found.vehicle}; wind {found.conditions.wind}; sha256 {library_hash(found)}", soft_wrap=True
     )
+    console.print("Each value with its signed error:")
     console.print(_trims(found, feet=feet))
     console.print(_maneuvers(found, feet=feet))
     for row in found.maneuvers:
@@ -110,7 +111,7 @@ def remarks(library: Library) -> list[str]:
 
 def _trims(library: Library, *, feet: bool) -> Table:
     unit, scale = ("ft", METRES_PER_FOOT) if feet else ("m", 1.0)
-    table = _table("trim", "", f"forward, {unit}/s", f"side, {unit}/s", "yaw rate, rad/s")
+    table = _table("id", "trim", f"forward, {unit}/s", f"side, {unit}/s", "yaw rate, rad/s")
     for trim in library.trims:
         velocity, error = trim.velocity, trim.error
         table.add_row(
@@ -125,7 +126,7 @@ def _trims(library: Library, *, feet: bool) -> Table:
 
 def _maneuvers(library: Library, *, feet: bool) -> Table:
     unit, scale = ("ft", METRES_PER_FOOT) if feet else ("m", 1.0)
-    table = _table("maneuver", "trims", "duration, s", f"forward, {unit}", f"side, {unit}", "heading, rad")
+    table = _table("id", "trims", "duration, s", f"forward, {unit}", f"side, {unit}", "heading, rad")
     for row in library.maneuvers:
         moved, error = row.displacement, row.error
         table.add_row(
@@ -140,11 +141,11 @@ def _maneuvers(library: Library, *, feet: bool) -> Table:
 
 
 def _table(*headings: str) -> Table:
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, caption="value, signed error", caption_justify="left")
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for place, heading in enumerate(headings):
         table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=True)
     return table
 
 
 def _value(value: float, error: float) -> str:
-    return f"{value:8.3f} {error:+7.3f}"
+    return f"{value:.3f} {error:+7.3f}"

@@ -32,7 +32,7 @@ NO_PLAN = 1
 # More trims than that are more walks than can be searched in minutes.
 MOST_TRIMS = 8
 
-app = App(name="plan", help="Plans a mission: the trims, and how long to hold each.")
+app = App(name="plan")
 
 
 @app.default

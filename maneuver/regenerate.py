@@ -11,11 +11,12 @@ from cyclopts.types import NonNegativeInt, PositiveInt
 
 from flight.library_file import library_text
 from identification.identify import identify as identify_library
-from sim.campaign import worker_pool
 
-from .campaign_flights import default_workers, fly_whole_campaign, gather_evidence
+from .campaign_flights import fly_whole_campaign
+from .evidence import gather_evidence
 from .files import find_campaign, refuse_existing
 from .identify import publish_library, report
+from .workers import default_workers, worker_pool
 
 
 def regenerate(

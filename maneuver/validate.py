@@ -19,13 +19,13 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from planner.receding_horizon import Settings
-from sim.campaign import worker_pool
 
-from .campaign_flights import default_workers, flight_seed
+from .campaign_flights import flight_seed
 from .files import find_library, find_mission, refuse_existing
 from .mission_flights import MissionResult, MissionTask, Plant, fly_mission
 from .policies import FLOWN_POLICIES, FlownPolicy
 from .progress import shown
+from .workers import default_workers, worker_pool
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")

@@ -1,10 +1,7 @@
 """Many flights on any executor; logs are written whole or not at all, whatever the workers' order."""
 
-import multiprocessing
-import os
 from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
-from contextlib import contextmanager
+from concurrent.futures import Executor, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,10 +12,6 @@ from flight.log_file import publish_log
 
 from .fly import SimulatedHelicopter, fly_sequence
 from .specification import FlightSpecification
-
-# Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes
-# cores.
-_ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,22 +70,6 @@ def fly_campaign(
     finally:
         for flight in flights:
             flight.cancel()
-
-
-@contextmanager
-def worker_pool(processes: int) -> Iterator[Executor]:
-    """Lends a pool of fresh processes, each with one thread for linear algebra."""
-    before = {name: os.environ.get(name) for name in _ONE_THREAD}
-    os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
-    try:
-        with ProcessPoolExecutor(processes, mp_context=multiprocessing.get_context("spawn")) as pool:
-            yield pool
-    finally:
-        for name, value in before.items():
-            if value is None:
-                os.environ.pop(name, None)
-            else:
-                os.environ[name] = value
 
 
 def _fly_and_publish(

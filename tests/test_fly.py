@@ -19,7 +19,8 @@ from flight.maneuver_end import Band, ManeuverEnd
 from flight.se2 import SE2, Twist
 from flight.sequence import Sequence
 from flight.vehicle import Vehicle
-from sim.campaign import fly_campaign, fly_specification, worker_pool
+from maneuver.workers import worker_pool
+from sim.campaign import fly_campaign, fly_specification
 from sim.fly import NoManeuverEndError, SimulatedHelicopter, fly_sequence
 from sim.replay import replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence

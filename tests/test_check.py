@@ -13,6 +13,7 @@ from flight.library import Library
 from flight.mission import Mission, read_mission
 from flight.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
+from maneuver.app import run
 from planner.check import problems
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
@@ -112,3 +113,20 @@ def test_every_small_lie_about_times_is_found() -> None:
         times = list(plan.scenarios[place].coasting_times)
         times[trim] += float(10 ** rng.uniform(-5, 0))
         assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
+
+
+def test_the_verb_tells_good_from_broken_by_its_exit_code(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    plan, _, _ = case()
+    good, broken, torn = tmp_path / "good.json", tmp_path / "broken.json", tmp_path / "torn.json"
+    good.write_text(plan_text(plan))
+    broken.write_text(plan_text(later(plan, 1, 0.01)))
+    torn.write_text(plan_text(plan)[:200])
+    assert run(["plan", "check", str(good)]) == 0
+    assert run(["plan", "check", str(broken)]) == 1
+    assert "fails its check" in capsys.readouterr().out
+    assert run(["plan", "check", str(torn)]) == 2
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert captured.err.count("\n") == 1

@@ -20,6 +20,7 @@ from planner.kinematics import GammaError, NegativeDurationError
 from planner.nominal import Nominal
 from planner.walk_table import tabulate
 from planner.worst_case import WorstCase
+from review.plan_picture import NothingToDrawError, plan_picture
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 PRINTED = 1e-4
@@ -195,3 +196,14 @@ def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch
     assert plan.status == "unknown"
     assert not plan.found
     assert "broken on purpose" in plan.reason
+
+
+def test_a_plan_can_be_drawn_and_an_honest_no_cannot() -> None:
+    library, mission = thesis_kinematic(), shipped("kinematic-2")
+    axes = plan_picture(WorstCase(library, 1.0).plan(mission), library, mission).axes[0]
+    assert axes.get_aspect() == 1.0
+    assert axes.get_ylabel() == "north, m"
+    still = one_trim(STILL)
+    nowhere = Mission("far", HERE, 1, (10.0, 0.0), 1.0)
+    with pytest.raises(NothingToDrawError, match="nothing to draw: the plan for far is infeasible"):
+        plan_picture(Nominal(still).plan(nowhere), still, nowhere)

@@ -33,7 +33,8 @@ def show(
 ) -> int:
     """Shows a library's trims and maneuvers with their signed errors.
 
-    Examples:
+    For example:
+
         maneuver library show thesis-gtmax --feet
 
         maneuver library show my-library.json --json
@@ -68,7 +69,8 @@ def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = Fa
     A broken library ends with exit code 2 and one line that names the place. Remarks do not make a library
     fail: the tables of the thesis have rows whose signs follow no rule.
 
-    Examples:
+    For example:
+
         maneuver library check my-library.json
 
     Args:

@@ -56,7 +56,8 @@ def plan(
     the deciding gamma. Every plan is flown again by code that shares nothing with the search. The exit code
     is 1 where there is no plan.
 
-    Examples:
+    For example:
+
         maneuver plan kinematic-1 --library thesis-kinematic --policy nominal
 
         maneuver plan kinematic-2 --library thesis-kinematic --gamma 0.5 --picture plan.png
@@ -105,7 +106,8 @@ def check(
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
     the library be the one planned with. The exit code is 1 where the plan fails.
 
-    Examples:
+    For example:
+
         maneuver plan check plan.json
 
         maneuver plan check plan.json --library my-library.json --mission my-mission.toml

@@ -109,7 +109,8 @@ def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
     cannot be. The exit code is 1 where a figure differs without an explanation.
 
-    Examples:
+    For example:
+
         maneuver thesis
 
         maneuver thesis --json

@@ -49,6 +49,13 @@ class AlreadyExistsError(FlightError):
         super().__init__(f"{path} exists; give --force to overwrite it, or another name")
 
 
+class CannotWriteError(FlightError):
+    """A result could not be written; nothing half-written was left."""
+
+    def __init__(self, path: Path | str, problem: str) -> None:
+        super().__init__(f"{path}: cannot be written: {problem}")
+
+
 class FlightLostError(FlightError):
     """A simulated flight diverged or met the ground."""
 

@@ -23,7 +23,7 @@ from mcap.records import ChunkIndex, MessageIndex
 from mcap.summary import Summary
 from mcap.writer import Writer
 
-from .errors import AlreadyExistsError, BadFileError
+from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
 
 CHUNK_SECONDS = 10.0
@@ -52,9 +52,17 @@ def publish_bytes(content: bytes, path: Path, *, force: bool = False) -> None:
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
+        CannotWriteError: the system says no; nothing is left behind.
     """
     if path.exists() and not force:
         raise AlreadyExistsError(path)
+    try:
+        _publish(content, path)
+    except OSError as error:
+        raise CannotWriteError(path, error.strerror or str(error)) from None
+
+
+def _publish(content: bytes, path: Path) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
     try:

@@ -4,6 +4,7 @@ import os
 import signal
 import sys
 from collections.abc import Sequence
+from concurrent.futures.process import BrokenProcessPool
 
 from cyclopts import App, CycloptsError
 from rich.console import Console
@@ -12,6 +13,7 @@ from flight.errors import FlightError
 
 VERSION = "0.1.0"
 
+WORKER_DIED = 1
 BAD_INPUT = 2
 INTERRUPTED = 128 + signal.SIGINT
 BROKEN_PIPE = 128 + signal.SIGPIPE
@@ -57,6 +59,9 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except FlightError as error:
         print(f"maneuver: {error}", file=sys.stderr)
         return BAD_INPUT
+    except BrokenProcessPool:
+        print("maneuver: a worker process died: killed, or out of memory", file=sys.stderr)
+        return WORKER_DIED
     except KeyboardInterrupt:
         print("maneuver: interrupted; nothing half-written was left", file=sys.stderr)
         return INTERRUPTED

@@ -10,7 +10,7 @@ from google.protobuf.descriptor_pool import DescriptorPool
 from google.protobuf.message_factory import GetMessageClass
 from mcap.reader import make_reader
 
-from flight.errors import AlreadyExistsError, BadFileError
+from flight.errors import AlreadyExistsError, BadFileError, CannotWriteError
 from flight.log import CONTROLS, TOPICS, TRUTH, FlightLog, MissingTopicError, primitives_flown
 from flight.log_file import log_bytes, publish_bytes, publish_log, read_log
 from tests.synthetic_log import synthetic_library, synthetic_log
@@ -118,7 +118,7 @@ def test_a_write_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr("os.fsync", full)
-    with pytest.raises(OSError, match="No space left"):
+    with pytest.raises(CannotWriteError, match="cannot be written: No space left"):
         publish_bytes(b"content", path)
     assert list(tmp_path.iterdir()) == []
 

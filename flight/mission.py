@@ -6,6 +6,7 @@ from pathlib import Path
 
 from pydantic import Field, FiniteFloat, PositiveInt
 
+from .arrival import Destination
 from .file_model import FileModel, read_toml
 from .se2 import SE2
 
@@ -46,6 +47,11 @@ class Mission:
             raise ValueError(f"heading_tolerance must be >= 0 rad, got {self.heading_tolerance} rad")
         if self.max_trims < 1:
             raise ValueError(f"max_trims must be >= 1, got {self.max_trims}")
+
+    @property
+    def destination(self) -> Destination:
+        """Where the mission leads, without the trim wanted there."""
+        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
 
 
 class _Start(FileModel):

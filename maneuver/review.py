@@ -11,11 +11,12 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
+from flight.arrival import Arrival
 from flight.log import FlightLog, PrimitiveKind
 from flight.log_file import read_log
 from review.bounds import Bounds
 from review.pictures import Limits, write_pictures
-from review.summary import Arrival, PrimitiveCount, Summary, summarise
+from review.summary import PrimitiveCount, Summary, summarise
 from sim.parameters import model_hash, read_parameters
 
 # Departures from bounds that are listed; the rest is counted.
@@ -124,10 +125,9 @@ def _facts(summary: Summary) -> Table:
 
 
 def _arrival(arrival: Arrival) -> str:
-    tolerance = f"the tolerance is {arrival.goal.tolerance:g} m"
     if arrival.time is None:
-        return f"not reached; {arrival.closest:.2f} m at the closest, {tolerance}"
-    return f"reached after {arrival.time:.2f} s; {arrival.closest:.2f} m at the closest, {tolerance}"
+        return f"not reached; {arrival.closest:.2f} m at the closest"
+    return f"reached after {arrival.time:.2f} s"
 
 
 def _bounds(bounds: Bounds) -> str:

@@ -46,7 +46,7 @@ class Cell:
         reached_high: upper end.
         flown_time: median seconds of the flights that reached it; None without one.
         predicted_time: seconds that the first plan promised; None without one.
-        closest: largest miss distance in metres.
+        miss: metres by which the worst flight that did not reach the goal missed it; None where all did.
         failures: plannings that gave no plan, all flights together.
         reasons: why flights did not reach the goal, each once.
     """
@@ -60,7 +60,7 @@ class Cell:
     reached_high: float
     flown_time: float | None
     predicted_time: float | None
-    closest: float
+    miss: float | None
     failures: int
     reasons: tuple[str, ...]
 
@@ -207,7 +207,7 @@ def _cell(rows: tuple[MissionResult, ...]) -> Cell:
         reached_high=float(interval.high),
         flown_time=median(row.flown_time for row in reached) if reached else None,
         predicted_time=median(predictions) if predictions else None,
-        closest=max(row.closest for row in rows),
+        miss=max((row.closest for row in rows if not row.reached), default=None),
         failures=sum(row.failures for row in rows),
         reasons=tuple(dict.fromkeys(row.reason for row in rows if not row.reached)),
     )
@@ -225,9 +225,9 @@ def _print(cells: Sequence[Cell]) -> None:
             cell.policy,
             f"{cell.reached}/{cell.flights}",
             f"{cell.reached_low:.2f}-{cell.reached_high:.2f}",
-            _seconds(cell.flown_time),
-            _seconds(cell.predicted_time),
-            f"{cell.closest:.2f}",
+            _number(cell.flown_time),
+            _number(cell.predicted_time),
+            _number(cell.miss),
             str(cell.failures),
         )
     console = Console()
@@ -238,7 +238,7 @@ def _print(cells: Sequence[Cell]) -> None:
             console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", highlight=False)
 
 
-def _seconds(value: float | None) -> str:
+def _number(value: float | None) -> str:
     return "-" if value is None else f"{value:.2f}"
 
 

@@ -4,13 +4,13 @@ from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
+from flight.arrival import Arrival, first_arrival
 from flight.errors import FlightError, FlightLostError
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.vehicle import Leg, Vehicle
 
-from .arrival import Arrival, first_arrival
 from .policy import Planner
 
 SHORTEST_COAST = 1e-3
@@ -105,6 +105,9 @@ class _Record:
     missions: list[Mission] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
 
+    def arrival(self, goal: Mission) -> Arrival:
+        return first_arrival([leg.track for leg in self.legs], goal.destination)
+
     def flown(self, vehicle: Vehicle, arrival: Arrival, reason: str) -> Flown:
         return Flown(
             reached=arrival.time is not None,
@@ -164,13 +167,13 @@ def fly(
             reason = f"no plan from the start: {plan.reason}"
             break
         stopped = _advance(vehicle, left, library, settings.activation_interval, record)
-        if first_arrival(record.legs, goal).time is not None:
+        if record.arrival(goal).time is not None:
             reason = "reached the goal"
             break
         if stopped:
             reason = stopped
             break
-    return record.flown(vehicle, first_arrival(record.legs, goal), reason)
+    return record.flown(vehicle, record.arrival(goal), reason)
 
 
 def _from_here(vehicle: Vehicle, goal: Mission, share: float) -> Mission:

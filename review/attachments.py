@@ -6,19 +6,12 @@ from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeFloat, TypeAdapter, ValidationError
 
+from flight.arrival import Destination
 from flight.errors import BadFileError
 from flight.file_model import first_problem
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 
 Content = TypeVar("Content")
-
-
-@dataclass(frozen=True, slots=True)
-class Goal:
-    """Where a flight was to go: north and east in metres, and the radius that counts as there."""
-
-    position: tuple[float, float]
-    tolerance: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +61,7 @@ class _Plan(_Part):
     scenarios: tuple[_Scenario, ...]
 
 
-def goal_of_flight(log: FlightLog) -> Goal | None:
+def goal_of_flight(log: FlightLog) -> Destination | None:
     """Returns where the flight was to go, or None where the log does not say.
 
     Raises:
@@ -78,7 +71,7 @@ def goal_of_flight(log: FlightLog) -> Goal | None:
     if mission is None:
         return None
     # What the loop was closed with comes before what the mission's file says.
-    return Goal(mission.goal, mission.settings.final_tolerance or mission.tolerance)
+    return Destination(mission.goal, mission.settings.final_tolerance or mission.tolerance)
 
 
 def plans_of_flight(log: FlightLog) -> tuple[PlanOfFlight, ...]:

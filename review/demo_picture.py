@@ -10,6 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Circle
 from matplotlib.transforms import Bbox
 
+from flight.arrival import Arrival
 from flight.library import Library
 from flight.log import TRUTH, FlightLog
 from flight.mission import Mission
@@ -17,12 +18,11 @@ from flight.plan import Plan, Scenario
 from flight.se2 import SE2
 
 from . import palette
-from .attachments import Goal
 from .automaton_picture import draw_automaton
 from .library_picture import draw_trim_errors
 from .planned_track import planned_track
 from .stroke import Stroke
-from .summary import Arrival, arrival
+from .summary import arrival
 from .track_picture import dart, note
 
 PLANNED = Stroke(palette.INK, 1.2, dashes=(0.0, (4.0, 2.0)), layer=3.0)
@@ -83,7 +83,7 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: PlanF
     palette.dress(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
-    plan, goal = outcome.plan, Goal(mission.goal, mission.tolerance)
+    plan, goal = outcome.plan, mission.destination
     for scenario in plan.scenarios:
         _draw_scenario(axes, library, mission, plan, scenario)
     arrivals = [arrival(log, goal) for log in outcome.flights]

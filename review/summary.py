@@ -2,11 +2,11 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from math import hypot
 
 import numpy as np
 from jaxtyping import Float
 
+from flight.arrival import Arrival, Destination, first_arrival
 from flight.log import (
     COMMAND,
     ESTIMATE,
@@ -18,7 +18,7 @@ from flight.log import (
     PrimitiveKind,
 )
 
-from .attachments import Goal, goal_of_flight, plans_of_flight
+from .attachments import goal_of_flight, plans_of_flight
 from .bounds import Bounds, bounds_kept
 from .stretches import stretches_flown
 from .tracking import VELOCITIES, navigation_error, tracking_error
@@ -74,23 +74,6 @@ class NavigationError:
     position_max: float
     velocity_rms: float
     heading_rms: float
-
-
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """How a flight met its goal, on the true track.
-
-    Attributes:
-        goal: position and tolerance.
-        closest: smallest distance in metres.
-        end: distance at the end of the log, metres.
-        time: seconds after which the track was first within the tolerance; None where it never was.
-    """
-
-    goal: Goal
-    closest: float
-    end: float
-    time: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,31 +200,15 @@ def _navigation(log: FlightLog) -> NavigationError:
     )
 
 
-def arrival(log: FlightLog, goal: Goal) -> Arrival:
-    """Returns how the true track, as a line between its samples, met a goal.
+def arrival(log: FlightLog, destination: Destination) -> Arrival:
+    """Returns how the true track, as a line between its samples, met where it was to go.
 
     Raises:
         MissingTopicError: the log has no truth.
     """
     truth = log[TRUTH]
-    track = np.column_stack([truth["north"], truth["east"]])
-    distances, times = _distances(track, truth.time, np.array(goal.position))
-    within = np.flatnonzero(distances <= max(goal.tolerance, EQUALITY))
-    return Arrival(
-        goal=goal,
-        closest=float(distances.min()),
-        end=hypot(*(track[-1] - goal.position)),
-        time=float(times[within[0]]) if len(within) else None,
-    )
-
-
-def _distances(track: Track, time: Column, point: Float[np.ndarray, "2"]) -> tuple[Column, Column]:
-    """Returns the smallest distance from a point to each stretch of a track, and its time."""
-    steps = np.diff(track, axis=0)
-    lengths = np.maximum((steps**2).sum(axis=1), np.finfo(float).tiny)
-    share = np.clip(((point - track[:-1]) * steps).sum(axis=1) / lengths, 0.0, 1.0)
-    nearest = track[:-1] + share[:, None] * steps
-    return np.hypot(*(nearest - point).T), time[:-1] + share * np.diff(time)
+    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
+    return first_arrival([track], destination)
 
 
 def _rms(values: Column) -> float:

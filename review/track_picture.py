@@ -14,6 +14,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Affine2D
 
+from flight.arrival import Destination
 from flight.log import (
     ESTIMATE,
     LIBRARY_ATTACHMENT,
@@ -26,7 +27,7 @@ from flight.log import (
 from flight.se2 import SE2
 
 from . import palette, stroke
-from .attachments import Goal, goal_of_flight, plans_of_flight
+from .attachments import goal_of_flight, plans_of_flight
 from .bounds import pose_at
 from .planned_track import planned_track
 from .primitive_lane import trim_label, trim_palette
@@ -158,7 +159,7 @@ def _draw_times(axes: Axes, log: FlightLog) -> None:
         note(axes, pose, f"{time:.0f} s")
 
 
-def _draw_goal(axes: Axes, goal: Goal) -> Line2D:
+def _draw_goal(axes: Axes, goal: Destination) -> Line2D:
     north, east = goal.position
     axes.add_patch(
         Circle((east, north), goal.tolerance, facecolor=palette.GOAL, alpha=0.22, edgecolor="none", zorder=2)

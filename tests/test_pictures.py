@@ -14,6 +14,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Rectangle
 
+from flight.arrival import Destination
 from flight.errors import AlreadyExistsError
 from flight.log import (
     CONTROLS,
@@ -29,7 +30,6 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import SE2
 from review import palette
-from review.attachments import Goal
 from review.automaton_picture import draw_automaton
 from review.demo_picture import PlanFlown, caption, demo_picture
 from review.library_picture import library_picture
@@ -223,8 +223,8 @@ def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_p
 
 
 def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLog) -> None:
-    end = Goal((float(flight[TRUTH]["north"][-1]), float(flight[TRUTH]["east"][-1])), 1.0)
-    met, missed = arrival(flight, end), arrival(flight, Goal((-500.0, 0.0), 1.0))
+    end = Destination((float(flight[TRUTH]["north"][-1]), float(flight[TRUTH]["east"][-1])), 1.0)
+    met, missed = arrival(flight, end), arrival(flight, Destination((-500.0, 0.0), 1.0))
     plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
     assert caption(plan, [flight], [missed]).endswith("goal reached in 0 of 1 flight")
     promised, came = caption(plan, [flight, flight], [met, missed]).split("\n")

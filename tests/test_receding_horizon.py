@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import missions
+from flight.arrival import first_arrival
 from flight.errors import FlightLostError
 from flight.library import Library
 from flight.maneuver import Maneuver
@@ -15,7 +16,6 @@ from flight.mission import Mission, read_mission
 from flight.plan import Plan
 from flight.se2 import SE2
 from flight.vehicle import Leg, Vehicle
-from planner.arrival import first_arrival
 from planner.automaton_vehicle import AutomatonVehicle, TrueGammaError
 from planner.nominal import Nominal
 from planner.receding_horizon import Flown, NoToleranceError, Settings, fly
@@ -185,24 +185,25 @@ def test_a_true_gamma_beyond_the_errors_of_the_library_is_refused() -> None:
 
 def test_arrival_is_where_the_line_between_two_points_enters_the_disc() -> None:
     goal = Mission("goal", SE2.identity(), 1, (10.0, 0.5), 1.0)
-    arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0))], goal)
+    arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0)).track], goal.destination)
     assert arrival.time == pytest.approx(10 - np.sqrt(0.75))
 
 
 def test_a_track_that_passes_by_has_not_arrived_but_says_how_near_it_came() -> None:
     goal = Mission("goal", SE2.identity(), 1, (10.0, 1.5), 1.0)
-    arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0))], goal)
+    arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0)).track], goal.destination)
     assert arrival.time is None
     assert arrival.closest == pytest.approx(1.5)
 
 
 def test_a_vehicle_that_stands_in_the_goal_has_arrived() -> None:
     goal = Mission("goal", SE2.identity(), 1, (0.0, 0.5), 1.0)
-    assert first_arrival([track((3, 0, 0, 0), (4, 0, 0, 0))], goal).time == 3
+    assert first_arrival([track((3, 0, 0, 0), (4, 0, 0, 0)).track], goal.destination).time == 3
 
 
 def test_where_a_heading_is_wanted_arrival_waits_for_it() -> None:
     goal = Mission("goal", SE2.identity(), 1, (0.0, 0.0), 5.0, goal_heading=pi, heading_tolerance=0.5)
     turning = track((0, 0, 0, 0), (1, 0, 1, 1), (2, 0, 2, 2), (3, 0, 3, 3))
-    assert first_arrival([turning], goal).time == pytest.approx(pi - 0.5)
-    assert first_arrival([turning], replace(goal, goal_heading=-1.5, heading_tolerance=0.1)).time is None
+    assert first_arrival([turning.track], goal.destination).time == pytest.approx(pi - 0.5)
+    elsewhere = replace(goal.destination, heading=-1.5, heading_tolerance=0.1)
+    assert first_arrival([turning.track], elsewhere).time is None

@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from flight.arrival import Destination
 from flight.errors import BadFileError, FlightError
 from flight.library import Library
 from flight.log import (
@@ -30,7 +31,7 @@ from flight.log import (
 )
 from flight.log_file import publish_log
 from maneuver.app import run
-from review.attachments import Goal, goal_of_flight, plans_of_flight
+from review.attachments import goal_of_flight, plans_of_flight
 from review.bounds import bounds_kept
 from review.stretches import stretches_flown
 from review.summary import arrival, summarise
@@ -201,10 +202,10 @@ def test_a_goal_passed_between_two_samples_is_reached() -> None:
     start, end = (np.array([log[TRUTH][name][row] for name in ("north", "east")]) for row in (0, -1))
     truth = Series(TRUTH, np.array([0.0, 10.0]), log[TRUTH].values[[0, -1]])
     log = replace(log, series={**log.series, TRUTH.name: truth})
-    met = arrival(log, Goal((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0))
+    met = arrival(log, Destination((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0))
     assert met.closest == pytest.approx(0.0, abs=1e-9)
     assert met.time == pytest.approx(5.0)
-    aside = arrival(log, Goal((float(end[0]) + 30.0, float(end[1])), 29.0))
+    aside = arrival(log, Destination((float(end[0]) + 30.0, float(end[1])), 29.0))
     assert aside.time is None
 
 
@@ -223,9 +224,9 @@ def test_mission_and_plans_are_read_as_they_are_attached() -> None:
     log = attached(log, MISSION_ATTACHMENT, {"goal": [9, 0], "tolerance": 1, "name": "there"})
     (found,) = plans_of_flight(log)
     assert (found.gamma, found.cost, found.coasting_times) == (-1.0, 9.0, (1.0, 3.0))
-    assert goal_of_flight(log) == Goal((9.0, 0.0), 1.0)
+    assert goal_of_flight(log) == Destination((9.0, 0.0), 1.0)
     closer = {"goal": [9, 0], "tolerance": 1, "settings": {"final_tolerance": 0.5}}
-    assert goal_of_flight(attached(log, MISSION_ATTACHMENT, closer)) == Goal((9.0, 0.0), 0.5)
+    assert goal_of_flight(attached(log, MISSION_ATTACHMENT, closer)) == Destination((9.0, 0.0), 0.5)
 
 
 @pytest.mark.parametrize("content", [{"goal": [9]}, {"goal": [9, 0], "tolerance": -1}, [], None])

@@ -1,14 +1,30 @@
-"""When a true track first enters the goal."""
+"""Where a flight is to go, and when its true track first gets there."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf
+from math import inf, pi
 
 import numpy as np
 from jaxtyping import Float
 
-from flight.mission import Mission
-from flight.vehicle import Leg
+Track = Float[np.ndarray, "n 4"]
+
+
+@dataclass(frozen=True, slots=True)
+class Destination:
+    """Where a flight is to go, and what counts as there.
+
+    Attributes:
+        position: north and east in metres.
+        tolerance: radius in metres.
+        heading: wanted there, in radians; None leaves it free.
+        heading_tolerance: half width around that heading, in radians.
+    """
+
+    position: tuple[float, float]
+    tolerance: float
+    heading: float | None = None
+    heading_tolerance: float = pi
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,36 +40,38 @@ class Arrival:
     closest: float
 
 
-def first_arrival(legs: Sequence[Leg], mission: Mission) -> Arrival:
-    """Returns when the track, taken as a polyline, first enters the goal's tolerance disc.
+def first_arrival(tracks: Sequence[Track], destination: Destination) -> Arrival:
+    """Returns when the true track, taken as a polyline, first enters the goal's tolerance disc.
 
     Where a heading is wanted, it must be held there too; the heading between two points is interpolated.
 
     Args:
-        legs: of one flight, in order.
-        mission: the goal, its tolerance and heading.
+        tracks: stretches of one flight, in order: time since the start, north, east, heading (not wrapped).
+        destination: judged with its own tolerance.
     """
     closest = inf
-    for leg in legs:
-        track = leg.track if len(leg.track) > 1 else np.repeat(leg.track, 2, axis=0)
+    for stretch in tracks:
+        track = stretch if len(stretch) > 1 else np.repeat(stretch, 2, axis=0)
         begin, end = track[:-1], track[1:]
-        inside = _inside(begin, end, mission)
-        nearest = _nearest(begin, end, mission)
+        inside = _inside(begin, end, destination)
+        nearest = _nearest(begin, end, destination)
         entered = np.flatnonzero(inside[:, 0] <= inside[:, 1])
         if len(entered):
             place = entered[0]
             share = inside[place, 0]
             time = begin[place, 0] + share * (end[place, 0] - begin[place, 0])
-            return Arrival(float(time), min(closest, mission.tolerance, float(nearest[: place + 1].min())))
+            return Arrival(
+                float(time), min(closest, destination.tolerance, float(nearest[: place + 1].min()))
+            )
         closest = min(closest, float(nearest.min()))
     return Arrival(None, closest)
 
 
 def _nearest(
-    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], mission: Mission
+    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], destination: Destination
 ) -> Float[np.ndarray, "n"]:
     """Returns the distance between the goal and each piece of the track."""
-    offset, way = begin[:, 1:3] - np.array(mission.goal), end[:, 1:3] - begin[:, 1:3]
+    offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
     length = (way**2).sum(axis=1)
     share = np.clip(-(offset * way).sum(axis=1) / np.where(length > 0, length, 1.0), 0.0, 1.0)
     distance: Float[np.ndarray, "n"] = np.linalg.norm(offset + share[:, None] * way, axis=1)
@@ -61,21 +79,21 @@ def _nearest(
 
 
 def _inside(
-    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], mission: Mission
+    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], destination: Destination
 ) -> Float[np.ndarray, "n 2"]:
     """Returns from which to which share of each piece it is at the goal; never: first above second."""
-    offset, way = begin[:, 1:3] - np.array(mission.goal), end[:, 1:3] - begin[:, 1:3]
+    offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
     # |offset + s way| = tolerance, a quadratic in s.
     a, b = (way**2).sum(axis=1), (offset * way).sum(axis=1)
-    c = (offset**2).sum(axis=1) - mission.tolerance**2
+    c = (offset**2).sum(axis=1) - destination.tolerance**2
     moving = a > 0
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
     scale = np.where(moving, a, 1.0)
     meets = moving & (b**2 >= a * c)
     low = np.where(meets, (-b - root) / scale, np.where(~moving & (c <= 0), 0.0, inf))
     high = np.where(meets, (-b + root) / scale, np.where(~moving & (c <= 0), 1.0, -inf))
-    if mission.goal_heading is not None:
-        low, high = _with_heading(low, high, begin[:, 3], end[:, 3], mission)
+    if destination.heading is not None:
+        low, high = _with_heading(low, high, begin[:, 3], end[:, 3], destination)
     return np.column_stack([np.maximum(low, 0.0), np.minimum(high, 1.0)])
 
 
@@ -84,16 +102,16 @@ def _with_heading(
     high: Float[np.ndarray, "n"],
     begin: Float[np.ndarray, "n"],
     end: Float[np.ndarray, "n"],
-    mission: Mission,
+    destination: Destination,
 ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
     """Narrows the shares to where the heading is the one wanted; pieces turn by less than half a turn."""
-    off = begin - (mission.goal_heading or 0.0)
+    off = begin - (destination.heading or 0.0)
     off = off - 2 * np.pi * np.round(off / (2 * np.pi))
     turn = end - begin
-    held = np.abs(off) <= mission.heading_tolerance
+    held = np.abs(off) <= destination.heading_tolerance
     scale = np.where(turn != 0, turn, 1.0)
-    one = (-mission.heading_tolerance - off) / scale
-    two = (mission.heading_tolerance - off) / scale
+    one = (-destination.heading_tolerance - off) / scale
+    two = (destination.heading_tolerance - off) / scale
     turning = turn != 0
     first = np.where(turning, np.minimum(one, two), np.where(held, -inf, inf))
     last = np.where(turning, np.maximum(one, two), np.where(held, inf, -inf))

@@ -49,7 +49,8 @@ def demo(
     A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
     plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.
 
-    Examples:
+    For example:
+
         maneuver demo
 
         maneuver demo --flights 30 --out more

@@ -44,7 +44,8 @@ def fly(
     maneuver of its automaton once a flight. The exit code is 1 when a flight was lost or the goal was not
     reached.
 
-    Examples:
+    For example:
+
         maneuver fly --sequence figure-eight --out eight.mcap
 
         maneuver fly --mission gtmax-1 --policy worst-case --seed 3 --out flight.mcap
@@ -79,8 +80,21 @@ def fly(
     if json:
         print(json_module.dumps(result))
     else:
-        print("\n".join(f"{key.replace('_', ' '):<15} {value}" for key, value in result.items()))
+        for key, value in result.items():
+            print(f"{key.replace('_', ' '):<15} {_text(value)}")
     return code
+
+
+def _text(value: object) -> str:
+    match value:
+        case float():
+            return f"{value:.2f}"
+        case bool():
+            return "yes" if value else "no"
+        case list():
+            return ", ".join(map(str, value)) or "none"
+        case _:
+            return str(value)
 
 
 @dataclass(frozen=True, slots=True)

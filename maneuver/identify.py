@@ -36,7 +36,8 @@ def identify(
     errors the largest deviations of the true motion, signed by the convention. Beside the library stands its
     data sheet, OUT with the ending .md.
 
-    Examples:
+    For example:
+
         maneuver identify flights/ --out mine.json
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json

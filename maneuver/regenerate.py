@@ -36,7 +36,8 @@ def regenerate(
 
     The same seed gives the same bytes, whatever the number of workers.
 
-    Examples:
+    For example:
+
         maneuver regenerate --seed 1
 
         maneuver regenerate --wind calm --flights 20 --out still-air.json

@@ -33,7 +33,8 @@ def review(
 ) -> int:
     """Shows what was flown, commanded, believed and true in a flight log: a summary, and pictures to look at.
 
-    Examples:
+    For example:
+
         maneuver review flight.mcap
 
         maneuver review flight.mcap --out pictures --json

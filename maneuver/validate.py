@@ -9,7 +9,7 @@ from statistics import median
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
-from cyclopts.types import NonNegativeInt, PositiveFloat, PositiveInt
+from cyclopts.types import NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -67,8 +67,10 @@ class Cell:
 
 def validate(
     *,
-    missions: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = THESIS_MISSIONS,
-    policies: Annotated[tuple[FlownPolicy, ...], Parameter(consume_multiple=True)] = FLOWN_POLICIES,
+    missions: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")] = THESIS_MISSIONS,
+    policies: Annotated[
+        tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")
+    ] = FLOWN_POLICIES,
     library: str = "gtmax-sim",
     gamma: float = 1.0,
     plant: Literal["helicopter", "automaton"] = "helicopter",
@@ -78,6 +80,7 @@ def validate(
     seed: NonNegativeInt = 1,
     tolerance: PositiveFloat | None = None,
     activation_interval: PositiveFloat = 1.0,
+    tolerance_share: NonNegativeFloat = 0.1,
     max_activations: PositiveInt = 100,
     logs: Path | None = None,
     workers: PositiveInt | None = None,
@@ -90,13 +93,13 @@ def validate(
     reached its goal. A flight that ends by time-out, by the limit of plannings, or without a plan counts as
     not reached.
 
-    Examples:
+    For example:
+
         maneuver validate --flights 10
 
         maneuver validate --missions gtmax-1 --policies worst-case --wind light --logs flights
 
-        maneuver validate --plant automaton --library thesis-kinematic --missions kinematic-1 kinematic-2
-        --tolerance 0.9144 --true-gamma 0.5
+        maneuver validate --plant automaton --flights 1 --true-gamma -0.5
 
     Args:
         missions: names or paths; the thesis's by default.
@@ -110,6 +113,7 @@ def validate(
         seed: of all chance.
         tolerance: metres within which the goal counts as reached; the mission's by default.
         activation_interval: seconds between two plannings.
+        tolerance_share: of the distance to go: the tolerance that re-planning is handed, where larger.
         max_activations: plannings after which a flight is given up.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
         workers: processes; one for each processor by default.
@@ -129,7 +133,7 @@ def validate(
             wind=wind or flown_with.conditions.wind,
             flights=flights,
             seed=seed,
-            settings=Settings(activation_interval, max_activations, tolerance),
+            settings=Settings(activation_interval, max_activations, tolerance, tolerance_share),
             logs=logs,
         )
     )
@@ -214,10 +218,10 @@ def _cell(rows: tuple[MissionResult, ...]) -> Cell:
 
 
 def _print(cells: Sequence[Cell]) -> None:
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for name in ("mission", "policy"):
         table.add_column(name, no_wrap=True)
-    for name in ("reached", "95 % range", "flown s", "planned s", "miss m", "no plan"):
+    for name in ("reached", "95 % range", "flown, s", "plan, s", "miss, m", "no plan"):
         table.add_column(name, justify="right", no_wrap=True)
     for cell in cells:
         table.add_row(

@@ -10,8 +10,7 @@ from cyclopts import App, CycloptsError
 from rich.console import Console
 
 from flight.errors import FlightError
-
-VERSION = "0.1.0"
+from flight.version import VERSION
 
 WORKER_DIED = 1
 BAD_INPUT = 2

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from dataclasses import asdict
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from math import cos, sin
 
 import numpy as np
@@ -24,6 +24,7 @@ from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
 from flight.sequence import Sequence
 from flight.vehicle import Leg, Vehicle
+from flight.version import VERSION
 
 from .controller import Controller
 from .equilibrium import EquilibriumFinder
@@ -203,7 +204,7 @@ class SimulatedHelicopter:
             model_hash=model_hash(),
             seed=specification.seed,
             wind=specification.wind,
-            code_version=_code_version(),
+            code_version=VERSION,
             backend=_BACKEND,
             outcome=self._outcome,
         )
@@ -287,10 +288,3 @@ def _thin(track: list[tuple[float, float, float, float]]) -> np.ndarray:
     """Keeps every second point and both ends."""
     kept = track[:-1:_PERIODS_A_SAMPLE] + track[-1:]
     return np.array(kept)
-
-
-def _code_version() -> str:
-    try:
-        return version("maneuver-automaton")
-    except PackageNotFoundError:
-        return "not installed"

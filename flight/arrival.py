@@ -33,7 +33,8 @@ class Arrival:
 
     Attributes:
         time: seconds since the start at which the tolerance was entered; None where it never was.
-        closest: metres between the goal and the nearest point of the track, up to the arrival.
+        closest: metres between the goal and the nearest point of the track, up to the stretch between two
+            points in which it arrives, and no more than the tolerance then.
     """
 
     time: float | None

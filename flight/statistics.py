@@ -9,9 +9,10 @@ class ScalarStatistics:
 
     Attributes:
         name: the number's name in the library, such as `forward` or `duration`.
-        mean: mean over the samples.
-        standard_deviation: of the samples (n - 1 in the denominator; 0 for one sample).
-        largest_deviation: largest absolute deviation from the value in the library.
+        mean: of a maneuver's performances; of a trim's averages over a flight.
+        standard_deviation: of the same (n - 1 in the denominator; 0 for one).
+        largest_deviation: largest absolute deviation from the value in the library, over performances; for a
+            trim over every instant of its coasts.
     """
 
     name: str

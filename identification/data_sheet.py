@@ -51,7 +51,9 @@ _CLAIM = (
     "A sample is a flight. `coverage` is the share of future flights, flown under the same conditions and by "
     "the same schedule, in which all numbers of the primitive stay inside value ± |error| together, with the "
     "confidence that the library's `statistics` name. A maneuver that did not settle is counted as a "
-    "time-out and kept. Errors are signed by the convention of `flight/sign_convention.py`."
+    "time-out and kept. Durations and displacements end where the true motion has settled; in flight the "
+    "same rule is applied to the estimate. Errors are signed by the convention of "
+    "`flight/sign_convention.py`."
 )
 
 

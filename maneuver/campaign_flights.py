@@ -16,8 +16,9 @@ from sim.specification import FlightSpecification, specify_sequence
 from .files import find_library
 from .progress import shown
 
-_SCHEDULE_STREAM = 0
-_FLIGHT_STREAM = 1
+# Keys of the random streams that a seed is split into here; those of a single flight are below ten.
+_SCHEDULE_STREAM = 100
+_FLIGHT_STREAM = 101
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,7 +60,7 @@ def specify_campaign(
     return tuple(
         specify_sequence(
             replace(tour, name=f"{campaign.name}-{number:04d}"),
-            seed=flight_seed(seed, number),
+            seed=derived_seed(seed, _FLIGHT_STREAM, number),
             kind="campaign",
             altitude=campaign.altitude,
         )
@@ -67,9 +68,9 @@ def specify_campaign(
     )
 
 
-def flight_seed(seed: int, number: int) -> int:
-    """Returns the seed of one flight of many, from the seed of all and the flight's number: 63 bits."""
-    words = np.random.SeedSequence(seed, spawn_key=(_FLIGHT_STREAM, number)).generate_state(1, np.uint64)
+def derived_seed(seed: int, *key: int) -> int:
+    """Returns a seed of 63 bits for one flight of many, from the seed of all and the flight's place."""
+    words = np.random.SeedSequence(seed, spawn_key=key).generate_state(1, np.uint64)
     return int(words[0] >> np.uint64(1))
 
 

@@ -21,11 +21,11 @@ from review.demo_picture import PlanFlown, demo_picture
 from review.library_picture import library_picture
 from review.pictures import publish_picture, write_pictures
 
-from .campaign_flights import flight_seed, fly_whole_campaign
+from .campaign_flights import fly_whole_campaign
 from .evidence import gather_evidence
 from .files import find_campaign, find_mission, refuse_existing
 from .identify import publish_library
-from .mission_flights import MissionResult, MissionTask, fly_mission, planner_of
+from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
 from .policies import FLOWN_POLICIES
 from .progress import shown
 from .workers import default_workers, worker_pool
@@ -130,7 +130,7 @@ class _Way:
                 policy=policy,
                 gamma=GAMMA,
                 wind=library.conditions.wind,
-                seed=flight_seed(self.seed + 1, number),
+                seed=mission_seed(self.seed, mission.name, number),
                 log=self.out / "missions" / f"{policy}-{number}.mcap",
                 force=self.force,
             )

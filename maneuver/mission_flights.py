@@ -1,5 +1,6 @@
 """Missions flown in closed loop by the simulated helicopter: what `fly`, `validate` and `demo` share."""
 
+import hashlib
 import json
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
@@ -19,7 +20,11 @@ from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
 from sim.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
 
+from .campaign_flights import derived_seed
 from .policies import FlownPolicy
+
+# Beside those of `campaign_flights`.
+_MISSION_STREAM = 102
 
 Plant = Literal["helicopter"] | float
 
@@ -69,6 +74,15 @@ class MissionResult:
     failures: int
     reason: str
     log: Path | None
+
+
+def mission_seed(seed: int, mission: str, number: int) -> int:
+    """Returns the seed of one flight of a mission: other air than any campaign's, or other mission's.
+
+    Policies are compared in the same air: they share it.
+    """
+    name = int.from_bytes(hashlib.sha256(mission.encode()).digest()[:4], "little")
+    return derived_seed(seed, _MISSION_STREAM, name, number)
 
 
 def fly_mission(task: MissionTask) -> MissionResult:

@@ -20,9 +20,8 @@ from flight.library import Library
 from flight.mission import Mission
 from planner.receding_horizon import Settings
 
-from .campaign_flights import flight_seed
 from .files import find_library, find_mission, refuse_existing
-from .mission_flights import MissionResult, MissionTask, Plant, fly_mission
+from .mission_flights import MissionResult, MissionTask, Plant, fly_mission, mission_seed
 from .policies import FLOWN_POLICIES, FlownPolicy
 from .progress import shown
 from .workers import default_workers, worker_pool
@@ -177,7 +176,7 @@ def _tasks(
     settings: Settings,
     logs: Path | None,
 ) -> Iterator[MissionTask]:
-    """Yields every flight; its seed is the same under every policy, so that all meet the same air."""
+    """Yields every flight; under every policy a mission meets the same air."""
     for mission in missions:
         for policy in policies:
             for number in range(flights):
@@ -189,7 +188,7 @@ def _tasks(
                     gamma=gamma,
                     plant=plant,
                     wind=wind,
-                    seed=flight_seed(seed, number),
+                    seed=mission_seed(seed, mission.name, number),
                     settings=settings,
                     log=None if logs is None else logs / name,
                     force=True,
@@ -218,28 +217,35 @@ def _cell(rows: tuple[MissionResult, ...]) -> Cell:
 
 
 def _print(cells: Sequence[Cell]) -> None:
+    missed, failed = any(cell.miss is not None for cell in cells), any(cell.failures for cell in cells)
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     for name in ("mission", "policy"):
         table.add_column(name, no_wrap=True)
-    for name in ("reached", "95 % range", "flown, s", "plan, s", "miss, m", "no plan"):
+    for name in _heads(missed=missed, failed=failed):
         table.add_column(name, justify="right", no_wrap=True)
     for cell in cells:
-        table.add_row(
-            cell.mission,
-            cell.policy,
+        row = [
             f"{cell.reached}/{cell.flights}",
             f"{cell.reached_low:.2f}-{cell.reached_high:.2f}",
             _number(cell.flown_time),
             _number(cell.predicted_time),
-            _number(cell.miss),
-            str(cell.failures),
-        )
-    console = Console()
-    console.print(f"wind class {cells[0].wind}; medians of times, largest miss, plannings without a plan")
+        ]
+        row += [_number(cell.miss)] if missed else []
+        row += [str(cell.failures)] if failed else []
+        table.add_row(cell.mission, cell.policy, *row)
+    console = Console(highlight=False)
+    console.print(f"wind class {cells[0].wind}; medians of flown and planned time", soft_wrap=True)
     console.print(table)
     for cell in cells:
         for reason in cell.reasons:
-            console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", highlight=False)
+            console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", soft_wrap=True)
+
+
+def _heads(*, missed: bool, failed: bool) -> list[str]:
+    heads = ["reached", "95 %", "flown, s", "plan, s"]
+    heads += ["miss, m"] if missed else []
+    heads += ["no plan"] if failed else []
+    return heads
 
 
 def _number(value: float | None) -> str:

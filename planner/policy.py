@@ -17,8 +17,8 @@ from .search import Answer, search
 from .walk_table import WalkTable, tabulate
 
 NOT_PROVED = (
-    "not proved optimal: every walk was searched or excluded by a bound, "
-    "its coasting times from finitely many starts"
+    "not proved optimal: walks were left out by bounds or as unpromising, and coasting times were sought "
+    "from finitely many starts"
 )
 
 

@@ -60,7 +60,8 @@ class Flown:
     Attributes:
         reached: whether the true track entered the final tolerance.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the first plan promised; infinite without one.
+        predicted_time: seconds that the policy promises from the start to the final tolerance; infinite
+            without a plan.
         closest: metres between the goal and the nearest point of the true track.
         activations: how often it was planned.
         failures: how often that gave no plan.
@@ -100,6 +101,7 @@ class _Remainder:
 class _Record:
     """What has happened so far."""
 
+    promise: Plan
     plans: list[Plan] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
     missions: list[Mission] = field(default_factory=list)
@@ -112,7 +114,7 @@ class _Record:
         return Flown(
             reached=arrival.time is not None,
             flown_time=vehicle.time if arrival.time is None else arrival.time,
-            predicted_time=self.plans[0].cost,
+            predicted_time=self.promise.cost,
             closest=arrival.closest,
             activations=len(self.plans),
             failures=sum(not plan.found for plan in self.plans),
@@ -153,7 +155,9 @@ def fly(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    record, left = _Record(), _Remainder()
+    # The promise is for the goal as it is judged; the plans flown first are for a wider one.
+    promise = planner.plan(replace(goal, start=vehicle.pose, start_trim=vehicle.trim))
+    record, left = _Record(promise), _Remainder()
     reason = f"{settings.max_activations} plannings did not lead to the goal"
     for activation in range(settings.max_activations):
         asked = _from_here(vehicle, goal, settings.tolerance_share)

@@ -34,16 +34,11 @@ from .motion import Motion
 from .navigation import GPS_AIDED, IDEAL, Navigation
 from .parameters import Parameters, model_hash, read_parameters
 from .recorder import Recorder
-from .specification import FlightSpecification
+from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
-CONTROL_RATE = 100
-"""Hz."""
-
-CONTROL_PERIOD = 1.0 / CONTROL_RATE
-
-_BACKEND = f"casadi-vm-{version('casadi')}"
+BACKEND = f"casadi-vm-{version('casadi')}"
 # Motion is logged, and the maneuver-end rule applied, at every second control period.
 _PERIODS_A_SAMPLE = 2
 
@@ -104,7 +99,11 @@ class SimulatedHelicopter:
         self._periods = 0
         self._timed_out = False
         self._outcome = "completed"
-        self._settle()
+        self._lost: FlightLostError | None = None
+        try:
+            self._settle()
+        except FlightLostError as error:
+            self._lost = error
         self._initial_state = self._helicopter.state()
 
     def _settle(self) -> None:
@@ -205,7 +204,7 @@ class SimulatedHelicopter:
             seed=specification.seed,
             wind=specification.wind,
             code_version=VERSION,
-            backend=_BACKEND,
+            backend=BACKEND,
             outcome=self._outcome,
         )
         files = {
@@ -218,6 +217,8 @@ class SimulatedHelicopter:
 
     def _advance(self) -> None:
         """Flies one control period."""
+        if self._lost is not None:
+            raise self._lost
         if self._periods % _PERIODS_A_SAMPLE == 0:
             self._note_motion()
         truth = self._truth
@@ -246,6 +247,7 @@ class SimulatedHelicopter:
         )
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
+        self._note_motion()
         self._recorder.add_primitive(
             self.time,
             kind=kind,

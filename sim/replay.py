@@ -5,13 +5,21 @@ import json
 import numpy as np
 from jaxtyping import Float
 
+from flight.errors import FlightError
 from flight.log import CONTROLS, INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT, WIND, FlightLog
 
-from .fly import CONTROL_PERIOD
+from .fly import BACKEND
 from .helicopter import Helicopter, HelicopterState
 from .motion import Controls, Wind
-from .parameters import read_parameters
-from .specification import parse_specification
+from .parameters import model_hash, read_parameters
+from .specification import CONTROL_PERIOD, parse_specification
+
+
+class AnotherVehicleError(FlightError):
+    """A log cannot be flown again here: it would be another motion."""
+
+    def __init__(self, what: str, logged: str, here: str) -> None:
+        super().__init__(f"expected the {what} of the log, {logged}, got {here}")
 
 
 def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
@@ -21,8 +29,16 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         True motion at the start of every control period, columns as in `/truth`.
 
     Raises:
+        AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
         FlightLostError: the flight ended in the ground or diverged.
     """
+    header = log.header
+    for what, logged, here in (
+        ("vehicle", header.model_hash, model_hash()),
+        ("numeric back-end", header.backend, BACKEND),
+    ):
+        if logged != here:
+            raise AnotherVehicleError(what, logged, here)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
     step = parse_specification(text, SPECIFICATION_ATTACHMENT).step
     helicopter = Helicopter(read_parameters(), step=step)

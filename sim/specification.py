@@ -1,12 +1,17 @@
 """What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
 
-from pydantic import Field, FiniteFloat
+from pydantic import Field, FiniteFloat, model_validator
 
 from flight.file_model import FileModel, parse_json
 from flight.se2 import SE2
 from flight.sequence import Sequence
 
 DEFAULT_ALTITUDE = 30.0
+
+CONTROL_RATE = 100
+"""Hz."""
+
+CONTROL_PERIOD = 1.0 / CONTROL_RATE
 
 
 class _Pose(FileModel):
@@ -23,7 +28,8 @@ class FlightSpecification(FileModel):
         name: of the flight; the name of its log too.
         seed: of every random number of the flight.
         wind: wind class; `calm` switches wind and turbulence off.
-        wind_from: where the mean wind comes from, rad clockwise from north; drawn from the seed where None.
+        wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
+            to within the heading error of settling; drawn from the seed where None.
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
         start: true pose at time 0.
@@ -47,6 +53,13 @@ class FlightSpecification(FileModel):
     step: FiniteFloat = Field(default=0.005, gt=0.0)
     trims: tuple[int, ...] = ()
     coasting_times: tuple[FiniteFloat, ...] = ()
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> "FlightSpecification":
+        steps = CONTROL_PERIOD / self.step
+        if round(steps) < 1 or abs(steps - round(steps)) > 1e-9:
+            raise ValueError(f"step must divide {CONTROL_PERIOD} s, got {self.step} s")
+        return self
 
     @property
     def start_pose(self) -> SE2:

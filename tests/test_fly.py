@@ -13,7 +13,7 @@ from flight.conditions import Conditions
 from flight.errors import AlreadyExistsError, FlightLostError
 from flight.library import Library
 from flight.library_file import read_library
-from flight.log import CONTROLS, ESTIMATE, TRUTH, WIND, PrimitiveKind, primitives_flown
+from flight.log import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND, FlightLog, PrimitiveKind, primitives_flown
 from flight.log_file import log_bytes, read_log
 from flight.maneuver_end import Band, ManeuverEnd
 from flight.se2 import SE2, Twist
@@ -22,7 +22,7 @@ from flight.vehicle import Vehicle
 from maneuver.workers import worker_pool
 from sim.campaign import fly_campaign, fly_specification
 from sim.fly import NoManeuverEndError, SimulatedHelicopter, fly_sequence
-from sim.replay import replay
+from sim.replay import AnotherVehicleError, replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.streams import Stream, random_stream
 
@@ -210,3 +210,26 @@ def test_a_wind_from_the_east_is_from_the_east() -> None:
     wind = helicopter.log()[WIND]
     assert wind["east"].mean() < -0.7
     assert Twist(0.0, 0.0, 0.0) == LIBRARY.trim(1).velocity
+
+
+def test_every_command_change_has_a_true_pose_of_its_time() -> None:
+    log = fly_specification(specify(1, 2, 3, coast=1.01), LIBRARY)
+    assert set(log[PRIMITIVE].time) <= set(log[TRUTH].time)
+
+
+def test_a_vehicle_lost_before_its_flight_has_a_log_that_says_so() -> None:
+    low = specify(1, 3, wind="severe").model_copy(update={"altitude": 0.05})
+    log = fly_specification(low, LIBRARY)
+    assert log.header.outcome.startswith("flight lost")
+
+
+def test_a_plant_step_that_does_not_divide_the_control_period_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"step must divide 0\.01 s, got 0\.003 s"):
+        FlightSpecification(seed=1, start_trim=1, step=0.003)
+
+
+def test_a_log_of_another_vehicle_is_not_replayed() -> None:
+    log = fly_specification(specify(1), LIBRARY)
+    other = FlightLog(replace(log.header, model_hash="0" * 64), log.series, log.attachments)
+    with pytest.raises(AnotherVehicleError, match="expected the vehicle of the log, 0000"):
+        replay(other)

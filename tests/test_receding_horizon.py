@@ -107,7 +107,7 @@ def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_toler
 
 def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
-    planner = Refusing(Nominal(library), plans=1)
+    planner = Refusing(Nominal(library), plans=2)  # the promise and the first plan
     settings = Settings(tolerance_share=0.0)
     result = fly(vehicle(library, mission), mission, planner=planner, library=library, settings=settings)
     assert result.reached

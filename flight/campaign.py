@@ -8,7 +8,8 @@ from pydantic import Field, FiniteFloat, PositiveInt
 
 from .errors import FlightError
 from .file_model import FileModel, read_toml
-from .maneuver_end import Band, ManeuverEnd
+from .maneuver_end import ManeuverEnd
+from .maneuver_end_file import ManeuverEndPart
 
 
 class NoRuleForWindError(FlightError):
@@ -60,19 +61,6 @@ class Campaign:
             raise NoRuleForWindError(self.name, wind, self.maneuver_end) from None
 
 
-class _Band(FileModel):
-    trim: int
-    forward: FiniteFloat = Field(gt=0)
-    side: FiniteFloat = Field(gt=0)
-    yaw_rate: FiniteFloat = Field(gt=0)
-
-
-class _Rule(FileModel):
-    dwell: FiniteFloat
-    timeout: FiniteFloat
-    band: list[_Band] = Field(min_length=1)
-
-
 class _CampaignFile(FileModel):
     name: str
     library: str
@@ -80,7 +68,7 @@ class _CampaignFile(FileModel):
     altitude: FiniteFloat = Field(gt=0)
     flights: PositiveInt
     coasting_range: tuple[FiniteFloat, FiniteFloat]
-    maneuver_end: dict[str, _Rule]
+    maneuver_end: dict[str, ManeuverEndPart]
 
 
 def read_campaign(path: Path) -> Campaign:
@@ -100,12 +88,5 @@ def _to_campaign(content: _CampaignFile) -> Campaign:
         altitude=content.altitude,
         flights=content.flights,
         coasting_range=content.coasting_range,
-        maneuver_end={
-            wind: ManeuverEnd(
-                {band.trim: Band(band.forward, band.side, band.yaw_rate) for band in rule.band},
-                rule.dwell,
-                rule.timeout,
-            )
-            for wind, rule in content.maneuver_end.items()
-        },
+        maneuver_end={wind: part.rule() for wind, part in content.maneuver_end.items()},
     )

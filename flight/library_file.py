@@ -11,7 +11,7 @@ from .conditions import Conditions, TrimErrorKind
 from .file_model import FileModel, parse_json, read_text
 from .library import Library
 from .maneuver import Maneuver, ManeuverError
-from .maneuver_end import Band, ManeuverEnd
+from .maneuver_end_file import ManeuverEndPart, maneuver_end_content
 from .se2 import SE2, Twist
 from .statistics import ScalarStatistics, Statistics
 from .trim import Trim
@@ -75,25 +75,10 @@ class _Maneuver(FileModel):
     notes: str | None = None
 
 
-class _Band(FileModel):
-    trim: int
-    forward: FiniteFloat = Field(gt=0)
-    side: FiniteFloat = Field(gt=0)
-    yaw_rate: FiniteFloat = Field(gt=0)
-
-
-class _ManeuverEnd(FileModel):
-    """The band around each trim, and the times, by which a maneuver was ended."""
-
-    band: list[_Band]
-    dwell: FiniteFloat = Field(ge=0)
-    timeout: FiniteFloat = Field(gt=0)
-
-
 class _Conditions(FileModel):
     wind: str
     altitude: FiniteFloat | None = None
-    maneuver_end: _ManeuverEnd | None = None
+    maneuver_end: ManeuverEndPart | None = None
     trim_error_kind: TrimErrorKind
     coasting_range: tuple[FiniteFloat, FiniteFloat] | None = None
 
@@ -200,17 +185,10 @@ def _to_conditions(content: _Conditions) -> Conditions:
     return Conditions(
         wind=content.wind,
         altitude=content.altitude,
-        maneuver_end=None if rule is None else _to_maneuver_end(rule),
+        maneuver_end=None if rule is None else rule.rule(),
         trim_error_kind=content.trim_error_kind,
         coasting_range=content.coasting_range,
     )
-
-
-def _to_maneuver_end(content: _ManeuverEnd) -> ManeuverEnd:
-    bands = {band.trim: Band(band.forward, band.side, band.yaw_rate) for band in content.band}
-    if len(bands) != len(content.band):
-        raise ValueError("conditions.maneuver_end.band: one band for each trim, got two for one")
-    return ManeuverEnd(bands, content.dwell, content.timeout)
 
 
 def _from_library(library: Library) -> LibraryFile:
@@ -223,7 +201,7 @@ def _from_library(library: Library) -> LibraryFile:
         "conditions": {
             "wind": library.conditions.wind,
             "altitude": library.conditions.altitude,
-            "maneuver_end": None if rule is None else _maneuver_end_content(rule),
+            "maneuver_end": None if rule is None else maneuver_end_content(rule),
             "trim_error_kind": library.conditions.trim_error_kind,
             "coasting_range": library.conditions.coasting_range,
         },
@@ -232,14 +210,6 @@ def _from_library(library: Library) -> LibraryFile:
         "maneuvers": [_maneuver_content(maneuver) for maneuver in library.maneuvers],
     }
     return LibraryFile.model_validate(content)
-
-
-def _maneuver_end_content(rule: ManeuverEnd) -> dict[str, Any]:
-    bands = [
-        {"trim": trim, "forward": band.forward, "side": band.side, "yaw_rate": band.yaw_rate}
-        for trim, band in sorted(rule.bands.items())
-    ]
-    return {"band": bands, "dwell": rule.dwell, "timeout": rule.timeout}
 
 
 def _trim_content(trim: Trim) -> dict[str, Any]:

@@ -20,9 +20,9 @@ class BandPart(FileModel):
 class ManeuverEndPart(FileModel):
     """The band around each trim, and the times in seconds, by which a maneuver was ended."""
 
+    band: list[BandPart] = Field(min_length=1)
     dwell: FiniteFloat = Field(ge=0)
     timeout: FiniteFloat = Field(gt=0)
-    band: list[BandPart] = Field(min_length=1)
 
     def rule(self) -> ManeuverEnd:
         """Returns the rule.

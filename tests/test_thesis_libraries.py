@@ -10,14 +10,16 @@ import missions
 from flight.library import Library
 from flight.library_file import library_text, read_library
 from flight.mission import read_mission
+from identification.data_sheet import data_sheet
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 
 @pytest.mark.parametrize("make", [thesis_kinematic, thesis_gtmax])
 def test_the_shipped_thesis_libraries_are_what_the_generator_writes(make: Callable[[], Library]) -> None:
     library = make()
-    shipped = (libraries.FOLDER / f"{library.name}.json").read_bytes()
-    assert shipped == library_text(library).encode()
+    shipped = libraries.FOLDER / f"{library.name}.json"
+    assert shipped.read_text(encoding="utf-8") == library_text(library)
+    assert shipped.with_suffix(".md").read_text(encoding="utf-8") == data_sheet(library)
 
 
 def test_trim_errors_of_the_kinematic_library_are_signed_fractions_of_the_velocity() -> None:

@@ -18,6 +18,7 @@ from flight.library_file import library_text
 from flight.maneuver import Maneuver, ManeuverError
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
+from identification.data_sheet import data_sheet
 
 TABLES = Path(__file__).parent / "thesis"
 
@@ -42,9 +43,11 @@ GTMAX_NOTES = {
 
 
 def main() -> None:
-    """Writes both libraries into `libraries/`."""
+    """Writes both libraries into `libraries/`, each with its data sheet."""
     for library in (thesis_kinematic(), thesis_gtmax()):
-        (libraries.FOLDER / f"{library.name}.json").write_text(library_text(library), encoding="utf-8")
+        path = libraries.FOLDER / f"{library.name}.json"
+        path.write_text(library_text(library), encoding="utf-8")
+        path.with_suffix(".md").write_text(data_sheet(library), encoding="utf-8")
 
 
 def thesis_kinematic() -> Library:

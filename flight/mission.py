@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite, pi
 from pathlib import Path
 
-from pydantic import Field, FiniteFloat, PositiveInt
+from pydantic import Field, FiniteFloat, PositiveInt, model_validator
 
 from .arrival import Destination
 from .file_model import FileModel, read_toml
@@ -64,8 +64,14 @@ class _Goal(FileModel):
     position: tuple[FiniteFloat, FiniteFloat]
     tolerance: FiniteFloat = Field(ge=0)
     heading: FiniteFloat | None = None
-    heading_tolerance: FiniteFloat = Field(default=pi, ge=0)
+    heading_tolerance: FiniteFloat | None = Field(default=None, ge=0)
     trim: int | None = None
+
+    @model_validator(mode="after")
+    def _heading_with_tolerance(self) -> "_Goal":
+        if (self.heading is None) != (self.heading_tolerance is None):
+            raise ValueError("heading and heading_tolerance go together: give both or none")
+        return self
 
 
 class _Planner(FileModel):
@@ -87,6 +93,7 @@ def read_mission(path: Path) -> Mission:
     """
 
     def build(content: _MissionFile) -> Mission:
+        tolerance = content.goal.heading_tolerance
         return Mission(
             name=content.name,
             start=SE2(*content.start.position, content.start.heading),
@@ -94,7 +101,7 @@ def read_mission(path: Path) -> Mission:
             goal=content.goal.position,
             tolerance=content.goal.tolerance,
             goal_heading=content.goal.heading,
-            heading_tolerance=content.goal.heading_tolerance,
+            heading_tolerance=pi if tolerance is None else tolerance,
             goal_trim=content.goal.trim,
             max_trims=content.planner.max_trims,
         )

@@ -26,6 +26,19 @@ def data_sheet(library: Library) -> str:
     return "\n\n".join(parts) + "\n"
 
 
+def worth(library: Library) -> str:
+    """Returns in one sentence on how many flights a library rests, and what that is worth."""
+    known = [trim.statistics for trim in library.trims] + [row.statistics for row in library.maneuvers]
+    entries = [entry for entry in known if entry is not None]
+    if not entries:
+        return "its errors rest on no flights that it tells of"
+    least, flights = min(entry.coverage for entry in entries), min(entry.samples for entry in entries)
+    return (
+        f"its errors rest on {flights} flights and cover at least {100 * least:.0f} % of future ones, "
+        f"primitive by primitive, with {100 * entries[0].confidence:.0f} % confidence"
+    )
+
+
 def _facts(library: Library) -> list[tuple[str, str]]:
     conditions = library.conditions
     rule, coasts, altitude = conditions.maneuver_end, conditions.coasting_range, conditions.altitude

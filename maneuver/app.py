@@ -17,13 +17,30 @@ BAD_INPUT = 2
 INTERRUPTED = 128 + signal.SIGINT
 BROKEN_PIPE = 128 + signal.SIGPIPE
 
+# Where each verb is and, for the overview, what it does; a verb's module is imported only when it is called.
+VERBS = {
+    "demo": ("maneuver.demo:demo", "The whole way, small: fly, identify, plan, fly the plans, review."),
+    "fly": ("maneuver.fly:fly", "Flies a sequence, a mission or a campaign; writes flight logs."),
+    "identify": ("maneuver.identify:identify", "Flight logs in, library with its data sheet out."),
+    "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
+    "plan": ("maneuver.plan:app", "A mission in, a plan out; `plan check` checks one."),
+    "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
+    "review": ("maneuver.review:review", "A flight log in, summary and pictures out."),
+    "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
+    "library": ("maneuver.library:app", "Shows and checks motion-primitive libraries."),
+}
+
 
 def _one_line(error: CycloptsError) -> str:
     return f"maneuver: {' '.join(str(error).split())}"
 
 
-def build() -> App:
-    """Returns the application; a verb's module is imported only when the verb is called."""
+def build(*, overview: bool = False) -> App:
+    """Returns the application.
+
+    Args:
+        overview: whether a line for each verb stands in for the verb's own help.
+    """
     app = App(
         name="maneuver",
         version=VERSION,
@@ -34,16 +51,10 @@ def build() -> App:
         ),
         error_formatter=_one_line,
         error_console=Console(stderr=True, soft_wrap=True, markup=False, highlight=False),
+        suppress_keyboard_interrupt=False,
     )
-    app.command("maneuver.demo:demo")
-    app.command("maneuver.fly:fly")
-    app.command("maneuver.identify:identify")
-    app.command("maneuver.regenerate:regenerate")
-    app.command("maneuver.plan:app", name="plan")
-    app.command("maneuver.validate:validate")
-    app.command("maneuver.review:review")
-    app.command("maneuver.thesis:thesis")
-    app.command("maneuver.library:app", name="library")
+    for name, (place, words) in VERBS.items():
+        app.command(place, name=name, help=words if overview else None)
     return app
 
 
@@ -52,23 +63,30 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     0 yes; 1 the honest no; 2 bad input or usage, one line on stderr.
     """
+    words = sys.argv[1:] if arguments is None else arguments
     try:
-        code = build()(arguments, result_action="return_value")
+        app = build(overview=not words or words[0] in {"--help", "-h"})
+        code = app(words, result_action="return_value")
         sys.stdout.flush()
     except FlightError as error:
-        print(f"maneuver: {error}", file=sys.stderr)
-        return BAD_INPUT
+        return _say(str(error), BAD_INPUT)
     except BrokenProcessPool:
-        print("maneuver: a worker process died: killed, or out of memory", file=sys.stderr)
-        return WORKER_DIED
+        return _say("a worker process died: killed, or out of memory", WORKER_DIED)
     except KeyboardInterrupt:
-        print("maneuver: interrupted; nothing half-written was left", file=sys.stderr)
-        return INTERRUPTED
+        return _say("interrupted; files that are there are whole", INTERRUPTED)
     except BrokenPipeError:
         # Whoever read the output has gone; keep the interpreter from complaining when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
+    except OSError as error:
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return _say(f"the system says no: {error}", BAD_INPUT)
     return code if isinstance(code, int) else 0
+
+
+def _say(line: str, code: int) -> int:
+    print(f"maneuver: {line}", file=sys.stderr)
+    return code
 
 
 def main() -> None:

@@ -9,13 +9,13 @@ from time import perf_counter
 from typing import Annotated
 
 from cyclopts import Parameter
-from cyclopts.types import NonNegativeInt, PositiveInt
 from rich.console import Console
 
 from flight.library import Library
 from flight.log_file import read_log
 from flight.mission import Mission
 from flight.plan import Plan
+from identification.data_sheet import worth
 from identification.identify import identify
 from review.demo_picture import PlanFlown, demo_picture
 from review.library_picture import library_picture
@@ -26,6 +26,7 @@ from .evidence import gather_evidence
 from .files import find_campaign, find_mission, refuse_existing
 from .identify import publish_library
 from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
+from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES
 from .progress import shown
 from .workers import default_workers, worker_pool
@@ -38,10 +39,10 @@ GAMMA = 1.0
 def demo(
     *,
     out: Path = Path("demo"),
-    flights: PositiveInt = 12,
-    repeats: PositiveInt = 4,
-    seed: NonNegativeInt = 1,
-    workers: PositiveInt | None = None,
+    flights: Count = 12,
+    repeats: Count = 4,
+    seed: Seed = 1,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Goes the whole way in about a minute: fly, identify, plan, fly the plans, review.
@@ -78,14 +79,20 @@ def demo(
             results = way.fly_plans(mission, library, repeats)
         with _step(console, "review    the flights as pictures"):
             pictures = way.review(mission, library, plans, results)
+    console.print(f"library     {worth(library)}", soft_wrap=True)
     for plan in plans:
-        mine = [result for result in results if result.policy == plan.policy]
-        reached = sum(result.reached for result in mine)
-        promised = f"promised {plan.cost:.1f} s, " if plan.found else "no plan, "
-        console.print(f"{plan.policy:<11} {promised}reached the goal in {reached} of {len(mine)} flights")
+        console.print(_outcome(plan, [row for row in results if row.policy == plan.policy]), soft_wrap=True)
     for path, meaning in pictures.items():
         console.print(f"{path}  {meaning}", soft_wrap=True)
     return 0
+
+
+def _outcome(plan: Plan, flights: list[MissionResult]) -> str:
+    """Says what a policy promised and what its flights did."""
+    promised = f"planned {plan.cost:.1f} s" if plan.found else f"no plan: {plan.reason}"
+    times = sorted(flight.flown_time for flight in flights if flight.reached)
+    flown = f", in {times[0]:.1f} to {times[-1]:.1f} s" if times else ""
+    return f"{plan.policy:<11} {promised}; flown: goal reached in {len(times)} of {len(flights)}{flown}"
 
 
 @contextmanager

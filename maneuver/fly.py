@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from cyclopts.types import NonNegativeInt, PositiveInt
 
 from flight.errors import FlightError
 from flight.log_file import publish_log
@@ -16,10 +15,23 @@ from sim.specification import specify_sequence
 from .campaign_flights import fly_whole_campaign
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .mission_flights import MissionTask, fly_mission
+from .numbers import Count, Seed
 from .policies import FlownPolicy
 from .workers import default_workers, worker_pool
 
 LOST = 1
+
+# How results are said to people, where their names alone would not do.
+WORDS = {
+    "flown_time": "flown",
+    "predicted_time": "planned",
+    "closest": "nearest to goal",
+    "activations": "plannings",
+    "failures": "without a plan",
+    "flight_hours": "flight hours",
+    "timeouts": "time-outs",
+}
+UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
 
 
 def fly(
@@ -28,13 +40,13 @@ def fly(
     mission: str | None = None,
     campaign: str | None = None,
     library: str = "gtmax-sim",
-    policy: FlownPolicy = "worst-case",
-    gamma: float = 1.0,
+    policy: FlownPolicy | None = None,
+    gamma: float | None = None,
     wind: str | None = None,
-    seed: NonNegativeInt = 1,
-    flights: PositiveInt | None = None,
+    seed: Seed = 1,
+    flights: Count | None = None,
     out: Path | None = None,
-    workers: PositiveInt | None = None,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -57,8 +69,8 @@ def fly(
         mission: name or path of a mission.
         campaign: name or path of a campaign.
         library: name or path of the library that a sequence or mission is flown with.
-        policy: planner of a mission.
-        gamma: uncertainty level of the worst-case planner, 0 to 1.
+        policy: planner of a mission; worst-case by default.
+        gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         seed: of all chance.
         flights: of a campaign; the campaign's number by default.
@@ -68,25 +80,36 @@ def fly(
         json: print what was flown as JSON.
     """
     order = _Order(library, wind, seed, out, force)
+    if mission is None and (policy is not None or gamma is not None):
+        raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
+    if campaign is None and (flights is not None or workers is not None):
+        raise FlightError("--flights and --workers belong to a campaign: give --campaign with them")
     match sequence, mission, campaign:
         case str(), None, None:
             code, result = _fly_sequence(sequence, order)
         case None, str(), None:
-            code, result = _fly_mission(mission, order, policy, gamma)
+            code, result = _fly_mission(
+                mission, order, policy or "worst-case", 1.0 if gamma is None else gamma
+            )
         case None, None, str():
             code, result = _fly_campaign(campaign, order, flights, workers or default_workers())
         case _:
-            raise FlightError("expected one of --sequence, --mission and --campaign, got none or several")
+            given = sum(kind is not None for kind in (sequence, mission, campaign))
+            raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
     if json:
         print(json_module.dumps(result))
     else:
         for key, value in result.items():
-            print(f"{key.replace('_', ' '):<15} {_text(value)}")
+            print(
+                f"{WORDS.get(key, key):<18} {_text(value)}{UNITS.get(key, '') if value is not None else ''}"
+            )
     return code
 
 
 def _text(value: object) -> str:
     match value:
+        case None:
+            return "-"
         case float():
             return f"{value:.2f}"
         case bool():

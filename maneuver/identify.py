@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
-from cyclopts.types import PositiveInt
 
 from flight.errors import FlightError
 from flight.library import Library
@@ -16,6 +15,7 @@ from identification.identify import identify as identify_library
 
 from .evidence import gather_evidence
 from .files import refuse_existing
+from .numbers import Count
 from .workers import default_workers, worker_pool
 
 
@@ -26,7 +26,7 @@ def identify(
     out: Path,
     name: str | None = None,
     confidence: float = 0.95,
-    workers: PositiveInt | None = None,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:

@@ -12,6 +12,7 @@ from rich.table import Table
 from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
+from identification.data_sheet import worth
 
 from .files import find_library
 
@@ -53,6 +54,7 @@ def show(
     console.print(
         f"{found.vehicle}; wind {found.conditions.wind}; sha256 {library_hash(found)}", soft_wrap=True
     )
+    console.print(worth(found), soft_wrap=True)
     console.print("Each value with its signed error:")
     console.print(_trims(found, feet=feet))
     console.print(_maneuvers(found, feet=feet))

@@ -69,7 +69,7 @@ class MissionResult:
     reached: bool
     flown_time: float
     predicted_time: float | None
-    closest: float
+    closest: float | None
     activations: int
     failures: int
     reason: str
@@ -101,7 +101,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         reached=flown.reached,
         flown_time=flown.flown_time,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
-        closest=flown.closest,
+        closest=flown.closest if isfinite(flown.closest) else None,
         activations=flown.activations,
         failures=flown.failures,
         reason=flown.reason,

@@ -7,7 +7,6 @@ from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from cyclopts import Parameter
-from cyclopts.types import NonNegativeInt, PositiveInt
 
 from flight.library_file import library_text
 from identification.identify import identify as identify_library
@@ -16,19 +15,20 @@ from .campaign_flights import fly_whole_campaign
 from .evidence import gather_evidence
 from .files import find_campaign, refuse_existing
 from .identify import publish_library, report
+from .numbers import Count, Seed
 from .workers import default_workers, worker_pool
 
 
 def regenerate(
     *,
     campaign: str = "gtmax",
-    seed: NonNegativeInt = 1,
-    flights: PositiveInt | None = None,
+    seed: Seed = 1,
+    flights: Count | None = None,
     wind: str | None = None,
     out: Path = Path("gtmax-sim.json"),
     logs: Path | None = None,
     confidence: float = 0.95,
-    workers: PositiveInt | None = None,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:

@@ -9,7 +9,7 @@ from statistics import median
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
-from cyclopts.types import NonNegativeFloat, NonNegativeInt, PositiveFloat, PositiveInt
+from cyclopts.types import NonNegativeFloat, PositiveFloat
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -22,6 +22,7 @@ from planner.receding_horizon import Settings
 
 from .files import find_library, find_mission, refuse_existing
 from .mission_flights import MissionResult, MissionTask, Plant, fly_mission, mission_seed
+from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES, FlownPolicy
 from .progress import shown
 from .workers import default_workers, worker_pool
@@ -73,16 +74,16 @@ def validate(
     library: str = "gtmax-sim",
     gamma: float = 1.0,
     plant: Literal["helicopter", "automaton"] = "helicopter",
-    true_gamma: float = 1.0,
+    true_gamma: float | None = None,
     wind: str | None = None,
-    flights: PositiveInt = 5,
-    seed: NonNegativeInt = 1,
+    flights: Count = 5,
+    seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
     activation_interval: PositiveFloat = 1.0,
     tolerance_share: NonNegativeFloat = 0.1,
-    max_activations: PositiveInt = 100,
+    max_activations: Count = 100,
     logs: Path | None = None,
-    workers: PositiveInt | None = None,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -106,7 +107,7 @@ def validate(
         library: name or path of the library planned with.
         gamma: uncertainty level of the worst-case planner, 0 to 1.
         plant: what flies: the simulated helicopter, or the library's own model with its own errors.
-        true_gamma: level at which the automaton truly moves, -1 to 1.
+        true_gamma: level at which the automaton truly moves, -1 to 1; 1 by default.
         wind: wind class; the library's by default.
         flights: of each mission and policy, each with a seed of its own.
         seed: of all chance.
@@ -120,6 +121,16 @@ def validate(
         json: print one JSON document with every cell and every flight.
     """
     flown_with = find_library(library)
+    try:
+        settings = Settings(activation_interval, max_activations, tolerance, tolerance_share)
+    except ValueError as error:
+        raise FlightError(str(error)) from None
+    if plant == "automaton" and (wind or logs):
+        raise FlightError(
+            "--plant automaton flies in no wind and writes no logs: give neither --wind nor --logs"
+        )
+    if plant == "helicopter" and true_gamma is not None:
+        raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
     if logs is not None:
         refuse_existing(logs, force=force)
     tasks = list(
@@ -128,11 +139,11 @@ def validate(
             policies,
             flown_with,
             gamma=gamma,
-            plant=_plant(plant, true_gamma, flights),
-            wind=wind or flown_with.conditions.wind,
+            plant=_plant(plant, 1.0 if true_gamma is None else true_gamma, flights),
+            wind="none" if plant == "automaton" else wind or flown_with.conditions.wind,
             flights=flights,
             seed=seed,
-            settings=Settings(activation_interval, max_activations, tolerance, tolerance_share),
+            settings=settings,
             logs=logs,
         )
     )
@@ -210,7 +221,7 @@ def _cell(rows: tuple[MissionResult, ...]) -> Cell:
         reached_high=float(interval.high),
         flown_time=median(row.flown_time for row in reached) if reached else None,
         predicted_time=median(predictions) if predictions else None,
-        miss=max((row.closest for row in rows if not row.reached), default=None),
+        miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
         failures=sum(row.failures for row in rows),
         reasons=tuple(dict.fromkeys(row.reason for row in rows if not row.reached)),
     )

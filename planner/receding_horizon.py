@@ -3,6 +3,7 @@
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from math import inf
 
 from flight.arrival import Arrival, first_arrival
 from flight.errors import FlightError, FlightLostError
@@ -12,6 +13,9 @@ from flight.plan import Plan
 from flight.vehicle import Leg, Vehicle
 
 from .policy import Planner
+
+LONGEST_INTERVAL = 3600.0
+"""Seconds between two plannings; long enough for a plan to be flown as it is."""
 
 SHORTEST_COAST = 1e-3
 """Seconds; a shorter coast is not flown."""
@@ -43,11 +47,14 @@ class Settings:
 
     def __post_init__(self) -> None:
         """Refuses a loop that cannot run."""
-        if not self.activation_interval > 0:
-            raise ValueError(f"activation_interval must be > 0 s, got {self.activation_interval} s")
+        if not 0 < self.activation_interval <= LONGEST_INTERVAL:
+            raise ValueError(
+                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
+                f"got {self.activation_interval} s"
+            )
         if self.max_activations < 1:
             raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")
-        if self.final_tolerance is not None and not self.final_tolerance > 0:
+        if self.final_tolerance is not None and not 0 < self.final_tolerance < inf:
             raise ValueError(f"final_tolerance must be > 0 m, got {self.final_tolerance} m")
         if not 0 <= self.tolerance_share < 1:
             raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
@@ -58,7 +65,7 @@ class Flown:
     """What a closed-loop flight came to.
 
     Attributes:
-        reached: whether the true track entered the final tolerance.
+        reached: whether the true track entered the final tolerance, in the trim wanted there.
         flown_time: seconds to there; the whole flight's where it was not reached.
         predicted_time: seconds that the policy promises from the start to the final tolerance; infinite
             without a plan.
@@ -106,9 +113,18 @@ class _Record:
     times: list[float] = field(default_factory=list)
     missions: list[Mission] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
+    held: list[int | None] = field(default_factory=list)
+
+    def add(self, leg: Leg, held: int | None) -> None:
+        """Notes a leg, and the trim that was held in it; None for a maneuver."""
+        self.legs.append(leg)
+        self.held.append(held)
 
     def arrival(self, goal: Mission) -> Arrival:
-        return first_arrival([leg.track for leg in self.legs], goal.destination)
+        """Returns when the goal was entered; where a trim is wanted there, while that was held."""
+        stretches = zip(self.legs, self.held, strict=True)
+        wanted = [leg.track for leg, held in stretches if goal.goal_trim in {None, held}]
+        return first_arrival(wanted, goal.destination)
 
     def flown(self, vehicle: Vehicle, arrival: Arrival, reason: str) -> Flown:
         return Flown(
@@ -198,8 +214,8 @@ def _advance(vehicle: Vehicle, left: _Remainder, library: Library, interval: flo
     """
     until = vehicle.time + interval
     try:
-        for leg in _legs(vehicle, left, library, until):
-            record.legs.append(leg)
+        for leg, held in _legs(vehicle, left, library, until):
+            record.add(leg, held)
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
     except FlightLostError as error:
@@ -207,18 +223,20 @@ def _advance(vehicle: Vehicle, left: _Remainder, library: Library, interval: flo
     return ""
 
 
-def _legs(vehicle: Vehicle, left: _Remainder, library: Library, until: float) -> Iterable[Leg]:
+def _legs(
+    vehicle: Vehicle, left: _Remainder, library: Library, until: float
+) -> Iterable[tuple[Leg, int | None]]:
     while (time := until - vehicle.time) > SHORTEST_COAST:
         due = left.coasts[0] if left.coasts else 0.0
         if not left.trims:
             # The plan is flown: it promised no more than to be near, so the trim is held.
-            yield vehicle.coast(time)
+            yield vehicle.coast(time), vehicle.trim
             return
         if due > time:
             left.coasts[0] = due - time
-            yield vehicle.coast(time)
+            yield vehicle.coast(time), vehicle.trim
             return
         if due > SHORTEST_COAST:
-            yield vehicle.coast(due)
+            yield vehicle.coast(due), vehicle.trim
         left.coasts.popleft()
-        yield vehicle.perform(library.maneuver(vehicle.trim, left.trims.popleft()))
+        yield vehicle.perform(library.maneuver(vehicle.trim, left.trims.popleft())), None

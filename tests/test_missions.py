@@ -101,3 +101,12 @@ def test_a_sequence_has_a_coasting_time_for_each_trim(tmp_path: Path) -> None:
     path.write_text('name = "short"\ntrims = [1, 2, 1]\ncoasting_times = [1.0, 2.0]\n')
     with pytest.raises(BadFileError, match="one for each of the 3 trims, got 2"):
         read_sequence(path)
+
+
+def test_a_heading_is_wanted_to_within_a_tolerance(tmp_path: Path) -> None:
+    path = tmp_path / "heading.toml"
+    path.write_text(MISSION.replace("[planner]", "heading = 1.0\n[planner]"))
+    with pytest.raises(BadFileError, match="heading and heading_tolerance go together"):
+        read_mission(path)
+    path.write_text(MISSION.replace("[planner]", "heading = 1.0\nheading_tolerance = 0.2\n[planner]"))
+    assert (read_mission(path).goal_heading, read_mission(path).heading_tolerance) == (1.0, 0.2)

@@ -1,7 +1,24 @@
-"""Pages that are made from the code say what the code says."""
+"""Pages say what the code says."""
 
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from flight.campaign import read_campaign
+from flight.mission import read_mission
+from flight.sequence import read_sequence
 from tools.log_contract import PAGE, page
 
 
 def test_the_page_of_the_flight_log_is_the_contract() -> None:
     assert PAGE.read_text(encoding="utf-8") == page()
+
+
+@pytest.mark.parametrize(("place", "read"), [(0, read_mission), (1, read_sequence), (2, read_campaign)])
+def test_the_examples_of_files_are_read(place: int, read: Callable[[Path], object], tmp_path: Path) -> None:
+    text = (PAGE.parent / "files.md").read_text(encoding="utf-8")
+    example = tmp_path / "example.toml"
+    example.write_text(re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)[place], encoding="utf-8")
+    assert read(example)

@@ -11,6 +11,7 @@ typedef struct {
     cplx fixed_velocity[MOST];
     cplx rest;                   /* goal less everything that is fixed */
     cplx last;                   /* factor of a fixed last heading */
+    double last_rate;            /* of the turn that leads to it; 0 where the last heading is free */
     double most;                 /* largest u */
 } Problem;
 
@@ -58,7 +59,7 @@ static double along(const Problem *p, const Stretch *s, double angle, double *sl
             return s->size * cos(angle);
         }
         double value = sqrt(fmax(0.0, s->size * s->size - s->a * s->a * u * u));
-        *slope = -s->a * s->a * u / value * onward;
+        *slope = s->a == 0 ? 0 : -s->a * s->a * u / value * onward;
         return value;
     }
     double share = u / s->speed, c = limits ? cos(angle) : sqrt(1 - share * share);
@@ -135,16 +136,81 @@ static int grid(const Problem *p, double *angles)
 typedef struct {
     int count;
     double angles[INTERVALS + 5], values[MOST + 2][INTERVALS + 5], slopes[MOST + 2][INTERVALS + 5];
+    double least[MOST + 2][4][INTERVALS + 5];    /* s of the turn into each stretch, for the signs of both */
 } Samples;
 
-/* All roots with one choice of signs. */
-static void follow(const Problem *p, const double *signs, const Samples *s)
+/* The least seconds of the turn from one heading to another, over an interval in which both are monotone. */
+static double least_turn(double rate, const double *from, const double *to)
 {
+    double low = fmin(to[0], to[1]) - fmax(from[0], from[1]), high = fmax(to[0], to[1]) - fmin(from[0], from[1]);
+    if (rate < 0) { double swap = -low; low = -high; high = swap; }
+    low -= 1e-6;
+    double rest = low - 2 * M_PI * floor(low / (2 * M_PI));
+    return rest + (high + 1e-6 - low) >= 2 * M_PI ? 0 : rest / fabs(rate);
+}
+
+/* The headings of every stretch along the curve, with either sign, and from them the least time of every turn. */
+static void turns(const Problem *p, Samples *s)
+{
+    double chi[MOST + 2][2][INTERVALS + 5], fixed[2] = {p->on->target, p->on->target};
+    for (int j = 0; j <= p->free; j++) {
+        const Stretch *one = &p->stretch[j];
+        double aside = carg(one->straight < 0 ? one->A : one->w);
+        for (int i = 0; i < s->count; i++) {
+            double u = p->most * sin(s->angles[i]);
+            if (one->straight < 0) {
+                double bent = one->size > 0 ? asin(fmax(-1, fmin(1, u * one->a / one->size))) : 0;
+                chi[j][1][i] = bent - aside;
+                chi[j][0][i] = M_PI - bent - aside;
+            } else {
+                double bent = M_PI_2 + asin(fmin(1, u / one->speed));
+                chi[j][1][i] = bent - aside;
+                chi[j][0][i] = -bent - aside;
+            }
+        }
+    }
+    for (int j = 0; j <= p->free; j++)
+        for (int pair = 0; pair < 4; pair++)
+            for (int i = 0; i + 1 < s->count; i++) {
+                /* The goal's own heading is -alpha, and what is fixed is seen from alpha through it. */
+                const double *before = &chi[j ? j - 1 : p->free][pair & 1][i], *after = &chi[j][pair >> 1][i];
+                double moved[2] = {fixed[0] + chi[p->free][pair >> 1][i], fixed[1] + chi[p->free][pair >> 1][i + 1]};
+                if (j < p->free) s->least[j][pair][i] = least_turn(p->stretch[j].rate, before, after);
+                else s->least[j][pair][i] = p->last_rate == 0 ? 0 : least_turn(p->last_rate, before, moved);
+            }
+}
+
+/* Seconds that the turns may take; straight lines that stand for slow turns take another time than they will. */
+static double allowed(const Problem *p) { return p->on->slow ? INFINITY : p->row->best - p->row->fixed; }
+
+static void sample(const Problem *p, Samples *s, const double *angles, int count)
+{
+    s->count = count;
+    memcpy(s->angles, angles, sizeof(double) * (size_t)count);
+    for (int j = 0; j <= p->free; j++)
+        for (int i = 0; i < count; i++)
+            s->values[j][i] = along(p, &p->stretch[j], angles[i], &s->slopes[j][i]);
+    turns(p, s);
+}
+
+/* All roots with one choice of signs. */
+static void follow(const Problem *p, unsigned choice, const Samples *s)
+{
+    double spent[INTERVALS + 5] = {0}, signs[MOST + 2];
+    int possible = 0;
+    for (int j = 0; j <= p->free; j++) signs[j] = (choice >> j) & 1 ? 1 : -1;
+    for (int j = 0; j <= p->free; j++) {
+        int pair = (signs[j ? j - 1 : p->free] > 0) + 2 * (signs[j] > 0);
+        for (int i = 0; i + 1 < s->count; i++) spent[i] += s->least[j][pair][i];
+    }
+    for (int i = 0; i + 1 < s->count; i++) possible |= spent[i] < allowed(p);
+    if (!possible) return;
     double f[INTERVALS + 5];
     for (int i = 0; i < s->count; i++) f[i] = -p->row->tolerance;
     for (int j = 0; j <= p->free; j++)
         for (int i = 0; i < s->count; i++) f[i] += signs[j] * s->values[j][i];
     for (int i = 0; i + 1 < s->count; i++) {
+        if (!(spent[i] < allowed(p))) continue;
         if ((f[i] > 0) != (f[i + 1] > 0)) {
             refine(p, signs, s->angles[i], s->angles[i + 1], f[i]);
             continue;
@@ -185,26 +251,32 @@ static void all_curves(Problem *p)
         straight += s->straight >= 0 && j < p->free;
     }
     if (!(p->most > 1e-9 && p->most < INFINITY) || straight > 2) return;
+    /* First the two ends of the curves alone: they exclude most choices. */
+    static const double ends[] = {1e-6, M_PI_2};
+    unsigned kept[2u << MOST];
+    int choices = 0, plain = 1;
     Samples samples;
-    samples.count = grid(p, samples.angles);
-    for (int j = 0; j <= p->free; j++)
-        for (int i = 0; i < samples.count; i++)
-            samples.values[j][i] = along(p, &p->stretch[j], samples.angles[i], &samples.slopes[j][i]);
+    for (int j = 0; j <= p->free; j++) plain &= p->stretch[j].straight < 0;
+    sample(p, &samples, ends, 2);
     for (unsigned choice = 0; choice < 2u << p->free; choice++) {
-        double signs[MOST + 2], highest = -p->row->tolerance, lowest = highest;
-        int curved = straight, plain = 1;
+        double highest = -p->row->tolerance, lowest = highest, spent = 0;
+        int curved = straight;
         for (int j = 0; j <= p->free; j++) {
-            signs[j] = (choice >> j) & 1 ? 1 : -1;
-            curved += signs[j] > 0 && j < p->free && p->stretch[j].straight < 0;
-            plain &= p->stretch[j].straight < 0;
-            double first = samples.values[j][0], last = samples.values[j][samples.count - 1];
-            highest += signs[j] > 0 ? first : -last;
-            lowest += signs[j] > 0 ? last : -first;
+            int up = (choice >> j) & 1, before = (choice >> (j ? j - 1 : p->free)) & 1;
+            double first = samples.values[j][0], last = samples.values[j][1];
+            curved += up && j < p->free && p->stretch[j].straight < 0;
+            highest += up ? first : -last;
+            lowest += up ? last : -first;
+            spent += samples.least[j][before + 2 * up][0];
         }
         /* Plain stretches add less and less with u. */
-        if (curved > 2 || (plain && (lowest > 1e-9 || highest < -1e-9))) continue;
-        follow(p, signs, &samples);
+        if (curved > 2 || (plain && (lowest > 1e-9 || highest < -1e-9)) || !(spent < allowed(p))) continue;
+        kept[choices++] = choice;
     }
+    if (!choices) return;
+    double angles[INTERVALS + 5];
+    sample(p, &samples, angles, grid(p, angles));
+    for (int i = 0; i < choices; i++) follow(p, kept[i], &samples);
 }
 
 /* Two straight coasts of fixed direction, or two in one free stretch: u itself is given. */

@@ -7,7 +7,7 @@ static void examine(Row *row, Active *on)
 {
     Problem p = {.row = row, .on = on, .last = 1};
     cplx A[MOST + 1] = {0};
-    double inverse[MOST + 2] = {0};
+    double inverse[MOST + 2] = {0}, rate[MOST + 2] = {0};
     int straight[MOST + 1][2], straights[MOST + 1] = {0}, stretch = 0, next = 0, count = 0;
     for (int k = 0; k < row->trims; k++) {
         A[stretch] += row->D[k];
@@ -16,6 +16,7 @@ static void examine(Row *row, Active *on)
         if (fabs(row->rate[k]) > STRAIGHT) {
             A[stretch] -= row->C[k];
             A[++stretch] = row->C[k];
+            rate[stretch] = row->rate[k];
             inverse[stretch] = 1 / row->rate[k];
         } else {
             if (straights[stretch] == 2) return;
@@ -26,7 +27,7 @@ static void examine(Row *row, Active *on)
     int last = on->bound_heading ? stretch : -1, doubled = -1;
     if (on->bound_heading && !stretch) return;
     p.rest = row->goal;
-    if (last >= 0) p.last = turned(on->target);
+    if (last >= 0) { p.last = turned(on->target); p.last_rate = rate[last]; }
     for (int j = 0; j <= stretch; j++) {
         cplx factor = j == last ? p.last : 1;
         if (j == 0 || j == last) {
@@ -40,6 +41,7 @@ static void examine(Row *row, Active *on)
         }
         Stretch *s = &p.stretch[p.free];
         s->A = A[j];
+        s->rate = rate[j];
         s->a = inverse[j] - (j < stretch ? inverse[j + 1] : 0);
         s->size = cabs(A[j]);
         s->straight = s->other = -1;

@@ -58,6 +58,7 @@ typedef struct {                 /* times that are taken to be not 0 */
 typedef struct {                 /* a stretch whose heading is free */
     cplx A, w;
     double a, size, speed, limit, turned;
+    double rate;                 /* of the turn that it begins with */
     int straight;                /* place in the walk of its straight coast; -1 without */
     int other;                   /* a second one; -1 without */
     cplx w_other;

@@ -53,6 +53,7 @@ class Plan:
         reason: why there is no plan, or why it is not called optimal.
         lower_bound: seconds that no plan can undercut, where known.
         solve_time: seconds of computing; outside every hash.
+        alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
     """
 
     status: Status
@@ -69,6 +70,7 @@ class Plan:
     reason: str = ""
     lower_bound: float | None = None
     solve_time: float = 0.0
+    alpha: float | None = None
 
     @property
     def found(self) -> bool:
@@ -126,6 +128,7 @@ class _PlanFile(FileModel):
     lower_bound: FiniteFloat | None = None
     verified: bool
     solve_time: NonNegativeFloat
+    alpha: FiniteFloat | None = None
 
 
 def plan_content(plan: Plan) -> dict[str, Any]:
@@ -139,6 +142,7 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "mission": plan.mission,
         "policy": plan.policy,
         "gamma": plan.gamma,
+        "alpha": plan.alpha,
         "tolerance": plan.tolerance,
         "cost": plan.cost if plan.found else None,
         "sequence": list(plan.sequence),
@@ -195,6 +199,7 @@ def _to_plan(content: _PlanFile) -> Plan:
         verified=content.verified,
         reason=content.reason or "",
         lower_bound=content.lower_bound,
+        alpha=content.alpha,
         solve_time=content.solve_time,
     )
     _refuse_contradictions(plan, content)

@@ -1,6 +1,5 @@
 """`maneuver plan`: a mission in, a plan out; `maneuver plan check`: whether a plan keeps its word."""
 
-import io
 import json as json_module
 import sys
 from dataclasses import replace
@@ -21,11 +20,13 @@ from flight.plan import Plan, plan_text, read_plan
 from planner.check import problems
 from planner.nominal import Nominal
 from planner.policy import Planner
+from planner.price_of_robustness import PriceOfRobustness
 from planner.worst_case import WorstCase
 from review.plan_picture import plan_picture
 
 from .files import find_library, find_mission, refuse_existing
-from .policies import FlownPolicy
+from .policies import PlannedPolicy
+from .prices import png, show_prices
 
 NO_PLAN = 1
 
@@ -41,8 +42,11 @@ def plan(
     /,
     *,
     library: str = "gtmax-sim",
-    policy: FlownPolicy = "worst-case",
+    policy: PlannedPolicy = "worst-case",
     gamma: float = 1.0,
+    alpha: float = 1.2,
+    pareto: Annotated[bool, Parameter(negative="")] = False,
+    max_nodes: PositiveInt | None = None,
     max_trims: PositiveInt | None = None,
     out: Path | None = None,
     picture: Path | None = None,
@@ -53,8 +57,10 @@ def plan(
 
     The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
     and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
-    the deciding gamma. Every plan is flown again by code that shares nothing with the search. The exit code
-    is 1 where there is no plan.
+    the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case time stays, at
+    it and at every smaller one, within alpha times the nominal optimum; --pareto shows the whole curve.
+    Every plan is flown again by code that shares nothing with the search. The exit code is 1 where there is
+    no plan.
 
     For example:
 
@@ -64,11 +70,18 @@ def plan(
 
         maneuver plan my-mission.toml --library my-library.json --out plan.json
 
+        maneuver plan gtmax-1 --policy price-of-robustness --alpha 1.1
+
+        maneuver plan gtmax-1 --pareto --picture price.png
+
     Args:
         mission: name or path.
         library: name or path.
         policy: which planner.
         gamma: uncertainty level of the worst-case planner, 0 to 1.
+        alpha: worst-case time that the price-of-robustness planner accepts, in nominal optima, at least 1.
+        pareto: show the price of robustness, from gamma 0 to 1, instead of a plan.
+        max_nodes: sequences at one gamma that may be solved before the best plan so far is given.
         max_trims: longest sequence; the mission's by default.
         out: file for the plan, as JSON.
         picture: file for a picture of the plan, as PNG.
@@ -79,12 +92,13 @@ def plan(
         if path is not None:
             refuse_existing(path, force=force)
     primitives, task = find_library(library), _asked(mission, max_trims)
-    planner: Planner = Nominal(primitives) if policy == "nominal" else WorstCase(primitives, gamma)
-    answer = planner.plan(task)
+    if pareto:
+        return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
+    answer = _planner(primitives, policy, gamma, alpha, max_nodes).plan(task)
     if out is not None:
         publish_bytes(plan_text(answer).encode(), out, force=force)
     if picture is not None and answer.found:
-        publish_bytes(_png(answer, primitives, task), picture, force=force)
+        publish_bytes(png(plan_picture(answer, primitives, task)), picture, force=force)
     if json:
         sys.stdout.write(plan_text(answer))
     else:
@@ -148,6 +162,16 @@ def show(answer: Plan, library: Library) -> None:
     console.print(f"{answer.status}, {verdict}{bound}; {1e3 * answer.solve_time:.0f} ms", soft_wrap=True)
 
 
+def _planner(
+    library: Library, policy: PlannedPolicy, gamma: float, alpha: float, max_nodes: int | None
+) -> Planner:
+    if policy == "nominal":
+        return Nominal(library, max_nodes=max_nodes)
+    if policy == "price-of-robustness":
+        return PriceOfRobustness(library, alpha)
+    return WorstCase(library, gamma, max_nodes=max_nodes)
+
+
 def _walk(answer: Plan, library: Library) -> Table:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("hold trim", "", "for, s", "then maneuver", "to trim"):
@@ -177,9 +201,3 @@ def _asked(name: str, max_trims: int | None) -> Mission:
     if task.max_trims > MOST_TRIMS:
         raise FlightError(f"expected at most {MOST_TRIMS} trims in a sequence, got {task.max_trims}")
     return task
-
-
-def _png(answer: Plan, library: Library, mission: Mission) -> bytes:
-    stream = io.BytesIO()
-    plan_picture(answer, library, mission).savefig(stream, format="png", metadata={"Software": None})
-    return stream.getvalue()

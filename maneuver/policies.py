@@ -4,3 +4,6 @@ from typing import Literal
 
 FlownPolicy = Literal["nominal", "worst-case"]
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
+
+PlannedPolicy = Literal["nominal", "worst-case", "price-of-robustness"]
+"""What a single mission can be planned with."""

@@ -21,15 +21,18 @@ TIME_AGREEMENT = 1e-9
 """Seconds by which a stated cost may differ from the sum of its parts."""
 
 
-def problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+def problems(
+    plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
+) -> tuple[str, ...]:
     """Returns what is wrong with a plan; nothing for one that keeps its word.
 
     Args:
         plan: the plan.
         library: the one it says it was planned with.
         mission: the one it says it answers.
+        known_hash: of the library, where it is at hand.
     """
-    found = _identity(plan, library, mission)
+    found = _identity(plan, known_hash or library_hash(library), library.name, mission)
     if not plan.found:
         return tuple(found)
     try:
@@ -49,10 +52,10 @@ def problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
     return tuple(found)
 
 
-def _identity(plan: Plan, library: Library, mission: Mission) -> list[str]:
+def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
     found = []
-    if plan.library_hash != library_hash(library):
-        found.append(f"library_hash: planned with another library than this {library.name}")
+    if plan.library_hash != hash_now:
+        found.append(f"library_hash: planned with another library than this {name}")
     if plan.mission != mission.name:
         found.append(f"mission: answers {plan.mission}, not {mission.name}")
     if plan.tolerance != mission.tolerance:

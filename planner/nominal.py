@@ -12,10 +12,13 @@ class Nominal:
 
     Args:
         library: the primitives.
+        max_nodes: as for `LibraryPlanner`.
     """
 
-    def __init__(self, library: Library) -> None:
-        self._planner = LibraryPlanner(library, policy="nominal", gamma=0.0, gammas=(0.0,))
+    def __init__(self, library: Library, *, max_nodes: int | None = None) -> None:
+        self._planner = LibraryPlanner(
+            library, policy="nominal", gamma=0.0, gammas=(0.0,), max_nodes=max_nodes
+        )
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest plan found, or an honest no.

@@ -12,9 +12,12 @@ from flight.mission import Mission
 from flight.plan import Plan, Policy, Scenario
 
 from .check import problems
+from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
 from .search import Answer, search
 from .walk_table import WalkTable, tabulate
+
+STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
 NOT_PROVED = (
     "not proved optimal: walks were left out by bounds or as unpromising, and coasting times were sought "
@@ -41,12 +44,21 @@ class LibraryPlanner:
         policy: name that plans carry.
         gamma: uncertainty level that plans carry.
         gammas: the levels that every walk must reach the goal at.
+        max_nodes: walks at one level that the exact search may solve; None for all it needs.
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
     """
 
-    def __init__(self, library: Library, *, policy: Policy, gamma: float, gammas: tuple[float, ...]) -> None:
+    def __init__(
+        self,
+        library: Library,
+        *,
+        policy: Policy,
+        gamma: float,
+        gammas: tuple[float, ...],
+        max_nodes: int | None = None,
+    ) -> None:
         for level in gammas:
             refuse_negative_durations(library, level)
         self._library = library
@@ -54,6 +66,8 @@ class LibraryPlanner:
         self._policy: Policy = policy
         self._gamma = gamma
         self._gammas = gammas
+        self._max_nodes = max_nodes
+        self._exact = ExactSearch(library, gammas)
         self._tables = cache(self._tabulate)
 
     def plan(self, mission: Mission) -> Plan:
@@ -63,9 +77,14 @@ class LibraryPlanner:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        answer = search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+        answer = self._answer(mission)
         plan = self._verified(self._assembled(answer, mission), mission)
         return replace(plan, solve_time=perf_counter() - began)
+
+    def _answer(self, mission: Mission) -> Answer:
+        if self._exact.can(mission):
+            return self._exact.answer(mission, max_nodes=self._max_nodes)
+        return search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
 
     def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
         return tabulate(self._library, self._gammas, start_trim, max_trims, goal_trim)
@@ -83,13 +102,13 @@ class LibraryPlanner:
         )
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
         if not isfinite(answer.lower_bound):
-            return replace(plan, status="infeasible", reason=f"every walk {depth} provably ends elsewhere")
+            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
         if not answer.walk:
             return replace(plan, reason=f"no coasting times were found for any walk {depth}")
         return replace(
             plan,
-            status="feasible",
-            reason=NOT_PROVED,
+            status="optimal" if answer.exhausted else "feasible",
+            reason="" if answer.exhausted else STOPPED if self._max_nodes is not None else NOT_PROVED,
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             scenarios=tuple(
@@ -103,7 +122,7 @@ class LibraryPlanner:
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = problems(plan, self._library, mission)
+        wrong = problems(plan, self._library, mission, known_hash=self._hash)
         if not wrong:
             return replace(plan, verified=True)
         return replace(

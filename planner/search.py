@@ -31,12 +31,14 @@ class Answer:
         times: seconds, one tuple for each level.
         costs: seconds, one for each level.
         lower_bound: seconds that no plan undercuts; infinite where it is proved that there is none.
+        exhausted: whether every walk was searched exactly, or excluded by a bound.
     """
 
     walk: Walk
     times: tuple[Times, ...]
     costs: tuple[float, ...]
     lower_bound: float
+    exhausted: bool = False
 
 
 def search(tables: tuple[WalkTable, ...], mission: Mission) -> Answer:

@@ -17,16 +17,19 @@ class WorstCase:
     Args:
         library: the primitives.
         gamma: uncertainty level, from 0 (nominal) to 1 (the errors of the library).
+        max_nodes: as for `LibraryPlanner`.
 
     Raises:
         GammaError: the level is outside [0, 1].
         NegativeDurationError: the level turns a maneuver's duration negative.
     """
 
-    def __init__(self, library: Library, gamma: float) -> None:
+    def __init__(self, library: Library, gamma: float, *, max_nodes: int | None = None) -> None:
         refuse_gamma(gamma)
         gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
-        self._planner = LibraryPlanner(library, policy="worst-case", gamma=gamma, gammas=gammas)
+        self._planner = LibraryPlanner(
+            library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes
+        )
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the plan with the least worst time found, or an honest no.

@@ -137,9 +137,9 @@ def test_a_vehicle_that_stands_still_goes_nowhere() -> None:
     assert plan.status == "infeasible"
 
 
-def test_a_goal_behind_a_vehicle_that_cannot_turn_is_unknown_not_a_number() -> None:
+def test_a_goal_behind_a_vehicle_that_cannot_turn_is_proved_infeasible() -> None:
     plan = Nominal(one_trim(Twist(1.0, 0.0, 0.0))).plan(Mission("behind", HERE, 1, (-10.0, 0.0), 1.0))
-    assert plan.status == "unknown"
+    assert plan.status == "infeasible"
     assert plan.reason
     assert not plan.found
 
@@ -191,7 +191,7 @@ def test_a_mission_with_an_unknown_trim_is_refused(trims: dict[str, int]) -> Non
 
 
 def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("planner.policy.problems", lambda *_: ("broken on purpose",))
+    monkeypatch.setattr("planner.policy.problems", lambda *_, **__: ("broken on purpose",))
     plan = Nominal(thesis_kinematic()).plan(shipped("kinematic-1"))
     assert plan.status == "unknown"
     assert not plan.found

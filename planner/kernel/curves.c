@@ -1,0 +1,412 @@
+/* The one equation in u, and the closed forms: see times.c. */
+#include "times.c"
+
+typedef struct {
+    Row *row;
+    const Active *on;
+    int free;                    /* stretches with a free heading; after them the goal's, which closes the way */
+    Stretch stretch[MOST + 2];
+    int fixed;                   /* straight coasts whose direction is fixed */
+    int fixed_place[MOST];
+    cplx fixed_velocity[MOST];
+    cplx rest;                   /* goal less everything that is fixed */
+    cplx last;                   /* factor of a fixed last heading */
+    double last_rate;            /* of the turn that leads to it; 0 where the last heading is free */
+    double most;                 /* largest u */
+} Problem;
+
+typedef struct {
+    double u;
+    cplx alpha;                  /* exp(i alpha) */
+    cplx chi[MOST + 2];          /* exp(i chi_j) */
+    double straight[MOST];
+} Point;
+
+static double root_of(double share, double sign) { return sign * sqrt(fmax(0.0, 1 - share * share)); }
+
+/* exp(i chi) of a stretch at u, and what the stretch adds to the way, seen from alpha. */
+static cplx add(const Stretch *s, double u, double c, Point *point, int j)
+{
+    if (s->straight < 0) {
+        cplx seen = c + I * (s->size > 0 ? u * s->a / s->size : 0);
+        point->chi[j] = s->size > 0 ? conj(s->A) / s->size * seen : seen;
+        return s->size * seen;
+    }
+    cplx chi = conj(s->w) / s->speed * (-u / s->speed + I * c);
+    double time = (u * s->a - cimag(chi * s->A)) / (s->speed * c);
+    point->chi[j] = chi;
+    point->straight[s->straight] = time;
+    return chi * (s->A + time * s->w);
+}
+
+static void take(const Problem *p, Point *point)
+{
+    cplx heading[MOST + 2], alpha = point->alpha / cabs(point->alpha);
+    for (int j = 0; j < p->free; j++) heading[j + 1] = alpha * point->chi[j];
+    heading[p->free + 1] = p->last;
+    from_headings(p->row, p->on, heading, point->straight, alpha / point->u);
+}
+
+/* What a stretch adds along alpha, but for its sign, at u = most sin(angle); and how that changes with the angle.
+ * Across alpha all stretches add u a_j, which sums to 0 with the goal's. */
+static double along(const Problem *p, const Stretch *s, double angle, double *slope)
+{
+    double u = p->most * sin(angle), onward = p->most * cos(angle);
+    int limits = s->limit <= p->most * (1 + 1e-12);
+    if (s->straight < 0) {
+        if (limits) {
+            *slope = -s->size * sin(angle);
+            return s->size * cos(angle);
+        }
+        double value = sqrt(fmax(0.0, s->size * s->size - s->a * s->a * u * u));
+        *slope = s->a == 0 ? 0 : -s->a * s->a * u / value * onward;
+        return value;
+    }
+    double share = u / s->speed, c = limits ? cos(angle) : sqrt(1 - share * share);
+    double number = s->turned + s->a * u * share;
+    *slope = -onward * (2 * s->a * share / c + number * share / (s->speed * c * c * c));
+    return -number / c;
+}
+
+static double sum(const Problem *p, const double *signs, double angle, double *slope)
+{
+    double total = -p->row->tolerance, one;
+    *slope = 0;
+    for (int j = 0; j <= p->free; j++) {
+        total += signs[j] * along(p, &p->stretch[j], angle, &one);
+        *slope += signs[j] * one;
+    }
+    return total;
+}
+
+static void found(const Problem *p, const double *signs, double angle)
+{
+    Point point;
+    point.u = p->most * sin(angle);
+    for (int j = 0; j <= p->free; j++) {
+        const Stretch *s = &p->stretch[j];
+        double c = s->limit <= p->most * (1 + 1e-12) ? signs[j] * cos(angle) : root_of(point.u / s->limit, signs[j]);
+        add(s, point.u, c, &point, j);
+    }
+    point.alpha = conj(point.chi[p->free]);
+    take(p, &point);
+}
+
+/* The root between two angles whose values differ in sign: Newton, kept in by bisection. */
+static void refine(const Problem *p, const double *signs, double low, double high, double f_low)
+{
+    double angle = 0.5 * (low + high), slope;
+    for (int round = 0; round < 60; round++) {
+        double f = sum(p, signs, angle, &slope), next = angle - f / slope;
+        if ((f > 0) == (f_low > 0)) low = angle; else high = angle;
+        if (!(next > low && next < high)) next = 0.5 * (low + high);
+        double step = fabs(next - angle);
+        angle = next;
+        if (step < 1e-11) break;
+    }
+    found(p, signs, angle);
+}
+
+/* Between two angles of one sign with the nearest to 0 between them: two roots, if that is beyond 0. */
+static void dip(const Problem *p, const double *signs, double low, double high, double sign)
+{
+    double slope, first = low, last = high;
+    for (int round = 0; round < 40 && high - low > 1e-9; round++) {
+        double angle = 0.5 * (low + high), f = sum(p, signs, angle, &slope);
+        if (f * sign <= 0) {
+            refine(p, signs, first, angle, sign);
+            refine(p, signs, angle, last, -sign);
+            return;
+        }
+        if (slope * sign < 0) low = angle; else high = angle;
+    }
+}
+
+static int grid(const Problem *p, double *angles)
+{
+    static const double near[] = {1.5e-2, 2e-3, 2e-4, 1e-5};
+    int count = 0, pole = 0;
+    for (int j = 0; j <= p->free; j++)
+        pole |= p->stretch[j].straight >= 0 && p->stretch[j].limit <= p->most * (1 + 1e-12);
+    for (int i = 0; i < INTERVALS + !pole; i++) angles[count++] = fmax(1e-6, i * M_PI_2 / INTERVALS);
+    for (int k = 0; pole && k < 4; k++) angles[count++] = M_PI_2 - near[k];
+    return count;
+}
+
+typedef struct {
+    int count;
+    double angles[INTERVALS + 5], values[MOST + 2][INTERVALS + 5], slopes[MOST + 2][INTERVALS + 5];
+    double least[MOST + 2][4][INTERVALS + 5];    /* s of the turn into each stretch, for the signs of both */
+} Samples;
+
+/* The least seconds of the turn from one heading to another, over an interval in which both are monotone. */
+static double least_turn(double rate, const double *from, const double *to)
+{
+    double low = fmin(to[0], to[1]) - fmax(from[0], from[1]), high = fmax(to[0], to[1]) - fmin(from[0], from[1]);
+    if (rate < 0) { double swap = -low; low = -high; high = swap; }
+    low -= 1e-6;
+    double rest = low - 2 * M_PI * floor(low / (2 * M_PI));
+    return rest + (high + 1e-6 - low) >= 2 * M_PI ? 0 : rest / fabs(rate);
+}
+
+/* The headings of every stretch along the curve, with either sign, and from them the least time of every turn. */
+static void turns(const Problem *p, Samples *s)
+{
+    double chi[MOST + 2][2][INTERVALS + 5], fixed[2] = {p->on->target, p->on->target};
+    for (int j = 0; j <= p->free; j++) {
+        const Stretch *one = &p->stretch[j];
+        double aside = carg(one->straight < 0 ? one->A : one->w);
+        for (int i = 0; i < s->count; i++) {
+            double u = p->most * sin(s->angles[i]);
+            if (one->straight < 0) {
+                double bent = one->size > 0 ? asin(fmax(-1, fmin(1, u * one->a / one->size))) : 0;
+                chi[j][1][i] = bent - aside;
+                chi[j][0][i] = M_PI - bent - aside;
+            } else {
+                double bent = M_PI_2 + asin(fmin(1, u / one->speed));
+                chi[j][1][i] = bent - aside;
+                chi[j][0][i] = -bent - aside;
+            }
+        }
+    }
+    for (int j = 0; j <= p->free; j++)
+        for (int pair = 0; pair < 4; pair++)
+            for (int i = 0; i + 1 < s->count; i++) {
+                /* The goal's own heading is -alpha, and what is fixed is seen from alpha through it. */
+                const double *before = &chi[j ? j - 1 : p->free][pair & 1][i], *after = &chi[j][pair >> 1][i];
+                double moved[2] = {fixed[0] + chi[p->free][pair >> 1][i], fixed[1] + chi[p->free][pair >> 1][i + 1]};
+                if (j < p->free) s->least[j][pair][i] = least_turn(p->stretch[j].rate, before, after);
+                else s->least[j][pair][i] = p->last_rate == 0 ? 0 : least_turn(p->last_rate, before, moved);
+            }
+}
+
+/* Seconds that the turns may take; straight lines that stand for slow turns take another time than they will. */
+static double allowed(const Problem *p) { return p->on->slow ? INFINITY : p->row->best - p->row->fixed; }
+
+static void sample(const Problem *p, Samples *s, const double *angles, int count)
+{
+    s->count = count;
+    memcpy(s->angles, angles, sizeof(double) * (size_t)count);
+    for (int j = 0; j <= p->free; j++)
+        for (int i = 0; i < count; i++)
+            s->values[j][i] = along(p, &p->stretch[j], angles[i], &s->slopes[j][i]);
+    turns(p, s);
+}
+
+/* All roots with one choice of signs. */
+static void follow(const Problem *p, unsigned choice, const Samples *s)
+{
+    double spent[INTERVALS + 5] = {0}, signs[MOST + 2];
+    int possible = 0;
+    for (int j = 0; j <= p->free; j++) signs[j] = (choice >> j) & 1 ? 1 : -1;
+    for (int j = 0; j <= p->free; j++) {
+        int pair = (signs[j ? j - 1 : p->free] > 0) + 2 * (signs[j] > 0);
+        for (int i = 0; i + 1 < s->count; i++) spent[i] += s->least[j][pair][i];
+    }
+    for (int i = 0; i + 1 < s->count; i++) possible |= spent[i] < allowed(p);
+    if (!possible) return;
+    double f[INTERVALS + 5];
+    for (int i = 0; i < s->count; i++) f[i] = -p->row->tolerance;
+    for (int j = 0; j <= p->free; j++)
+        for (int i = 0; i < s->count; i++) f[i] += signs[j] * s->values[j][i];
+    for (int i = 0; i + 1 < s->count; i++) {
+        if (!(spent[i] < allowed(p))) continue;
+        if ((f[i] > 0) != (f[i + 1] > 0)) {
+            refine(p, signs, s->angles[i], s->angles[i + 1], f[i]);
+            continue;
+        }
+        double sign = f[i] > 0 ? 1 : -1, left = 0, right = 0;
+        for (int j = 0; j <= p->free; j++) {
+            left += signs[j] * s->slopes[j][i];
+            right += signs[j] * s->slopes[j][i + 1];
+        }
+        if (!(left * sign < 0 && right * sign > 0)) continue;
+        /* Where the tangents meet is beyond the curve, unless it bends twice. */
+        double width = s->angles[i + 1] - s->angles[i];
+        double meet = (f[i + 1] - f[i] - right * width) / (left - right);
+        if ((f[i] + left * meet) * sign > 0.5 * fmin(f[i] * sign, f[i + 1] * sign)) continue;
+        dip(p, signs, s->angles[i], s->angles[i + 1], sign);
+    }
+}
+
+/* Every choice of signs. Two equations can hold no more than two directions in which the cost curves down: each
+ * plain stretch with the sign + has one, each with a straight coast has one. */
+static void all_curves(Problem *p)
+{
+    Stretch *goal = &p->stretch[p->free];
+    *goal = (Stretch){.A = -p->rest, .size = cabs(p->rest), .straight = -1, .other = -1};
+    for (int j = 0; j < p->free; j++) goal->a -= p->stretch[j].a;
+    goal->limit = goal->a != 0 ? goal->size / fabs(goal->a) : INFINITY;
+    if (p->fixed) {
+        goal->straight = p->fixed_place[0];
+        goal->w = p->fixed_velocity[0];
+        goal->limit = goal->speed = cabs(goal->w);
+    }
+    p->most = INFINITY;
+    int straight = 0;
+    for (int j = 0; j <= p->free; j++) {
+        Stretch *s = &p->stretch[j];
+        p->most = fmin(p->most, s->limit);
+        if (s->straight >= 0) s->turned = cimag(s->A * conj(s->w)) / s->speed;
+        straight += s->straight >= 0 && j < p->free;
+    }
+    if (!(p->most > 1e-9 && p->most < INFINITY) || straight > 2) return;
+    /* First the two ends of the curves alone: they exclude most choices. */
+    static const double ends[] = {1e-6, M_PI_2};
+    unsigned kept[2u << MOST];
+    int choices = 0, plain = 1;
+    Samples samples;
+    for (int j = 0; j <= p->free; j++) plain &= p->stretch[j].straight < 0;
+    sample(p, &samples, ends, 2);
+    for (unsigned choice = 0; choice < 2u << p->free; choice++) {
+        double highest = -p->row->tolerance, lowest = highest, spent = 0;
+        int curved = straight;
+        for (int j = 0; j <= p->free; j++) {
+            int up = (choice >> j) & 1, before = (choice >> (j ? j - 1 : p->free)) & 1;
+            double first = samples.values[j][0], last = samples.values[j][1];
+            curved += up && j < p->free && p->stretch[j].straight < 0;
+            highest += up ? first : -last;
+            lowest += up ? last : -first;
+            spent += samples.least[j][before + 2 * up][0];
+        }
+        /* Plain stretches add less and less with u. */
+        if (curved > 2 || (plain && (lowest > 1e-9 || highest < -1e-9)) || !(spent < allowed(p))) continue;
+        kept[choices++] = choice;
+    }
+    if (!choices) return;
+    double angles[INTERVALS + 5];
+    sample(p, &samples, angles, grid(p, angles));
+    for (int i = 0; i < choices; i++) follow(p, kept[i], &samples);
+}
+
+/* Two straight coasts of fixed direction, or two in one free stretch: u itself is given. */
+static void given_u(Problem *p, int doubled)
+{
+    cplx one, two, multiplier;
+    if (doubled >= 0) { one = conj(p->stretch[doubled].w); two = conj(p->stretch[doubled].w_other); }
+    else { one = p->fixed_velocity[0]; two = p->fixed_velocity[1]; }
+    double area = cross(one, two);
+    if (!(fabs(area) > 1e-9 * cabs(one) * cabs(two))) return;
+    multiplier = I * (two - one) / area;
+    double u = 1 / cabs(multiplier);
+    int others = p->free - (doubled >= 0), extra = doubled >= 0 ? p->fixed : 0;
+    for (unsigned signs = 0; signs < 1u << (others + extra); signs++) {
+        Point point = {.u = u};
+        cplx way = -p->row->tolerance;
+        int bit = 0, possible = 1;
+        for (int j = 0; j < p->free && possible; j++) {
+            if (j == doubled) continue;
+            const Stretch *s = &p->stretch[j];
+            possible = u < s->limit;
+            way += add(s, u, root_of(u / s->limit, (signs >> bit++) & 1 ? -1.0 : 1.0), &point, j);
+        }
+        if (!possible) continue;
+        if (doubled < 0) {
+            point.alpha = multiplier * u;
+            cplx remaining = p->rest - point.alpha * way;
+            point.straight[p->fixed_place[0]] = cross(remaining, two) / area;
+            point.straight[p->fixed_place[1]] = cross(one, remaining) / area;
+            take(p, &point);
+            continue;
+        }
+        const Stretch *s = &p->stretch[doubled];
+        cplx chi = point.chi[doubled] = conj(multiplier) * u;
+        double slope = -cimag(chi * s->w) / cimag(chi * s->w_other);
+        double begin = (u * s->a - cimag(chi * s->A)) / cimag(chi * s->w_other);
+        cplx base = way + chi * (s->A + begin * s->w_other), moves = chi * (s->w + slope * s->w_other);
+        double solved[2];
+        int count = 0;
+        if (p->fixed) {
+            cplx v = p->fixed_velocity[0];
+            double speed = cabs(v);
+            if (!(u < speed)) continue;
+            point.alpha = v / speed / (-u / speed + I * root_of(u / speed, (signs >> bit) & 1 ? -1.0 : 1.0));
+            cplx remaining = p->rest - point.alpha * base, moved = point.alpha * moves;
+            double wide = cross(moved, v);
+            if (!(fabs(wide) > 1e-12)) continue;
+            solved[count++] = cross(remaining, v) / wide;
+            point.straight[p->fixed_place[0]] = cross(moved, remaining) / wide;
+        } else {
+            double qa = dot(moves, moves), qb = dot(moves, base), qc = dot(base, base) - dot(p->rest, p->rest);
+            double inside = qb * qb - qa * qc;
+            if (!(inside >= 0 && qa > 0)) continue;
+            solved[count++] = (-qb + sqrt(inside)) / qa;
+            solved[count++] = (-qb - sqrt(inside)) / qa;
+        }
+        for (int i = 0; i < count; i++) {
+            point.straight[s->straight] = solved[i];
+            point.straight[s->other] = begin + slope * solved[i];
+            if (!p->fixed) point.alpha = p->rest / (base + solved[i] * moves);
+            take(p, &point);
+        }
+    }
+}
+
+/* As many times as equations: intersections of lines and circles. */
+static void determined(Problem *p)
+{
+    cplx heading[MOST + 2] = {0}, rest = p->rest;
+    double straight[MOST] = {0}, d = p->row->tolerance;
+    heading[p->free + 1] = p->last;
+    if (d > 0 && p->free == 1) {
+        cplx A = p->stretch[0].A;
+        double cosine = (dot(A, A) + dot(rest, rest) - d * d) / (2 * cabs(A) * cabs(rest));
+        if (!(fabs(cosine) <= 1)) return;
+        for (int way = -1; way <= 1; way += 2) {
+            heading[1] = turned(carg(rest / A) + way * acos(cosine));
+            from_headings(p->row, p->on, heading, straight, 0);
+        }
+        return;
+    }
+    if (d == 0 && p->free == 2) {
+        cplx A = p->stretch[0].A, B = p->stretch[1].A;
+        double cosine = (dot(rest, rest) - dot(A, A) - dot(B, B)) / (2 * cabs(A) * cabs(B));
+        if (!(fabs(cosine) <= 1 + 1e-12)) return;
+        double opening = acos(fmax(-1.0, fmin(1.0, cosine)));
+        for (int way = -1; way <= 1; way += 2) {
+            cplx bent = turned(way * opening - carg(B / A));
+            heading[1] = rest / (A + bent * B);
+            heading[2] = heading[1] * bent;
+            from_headings(p->row, p->on, heading, straight, 0);
+        }
+        return;
+    }
+    if (p->fixed == 2) {
+        double area = cross(p->fixed_velocity[0], p->fixed_velocity[1]);
+        if (!(fabs(area) > 1e-12)) return;
+        straight[p->fixed_place[0]] = cross(rest, p->fixed_velocity[1]) / area;
+        straight[p->fixed_place[1]] = cross(p->fixed_velocity[0], rest) / area;
+        from_headings(p->row, p->on, heading, straight, 0);
+        return;
+    }
+    /* |offset + line t| = radius: a straight coast meets a circle. */
+    int within = p->free == 1 && !p->fixed;
+    const Stretch *s = &p->stretch[0];
+    cplx line = within ? s->w : -p->fixed_velocity[0], offset = within ? s->A : rest;
+    double radius = within ? cabs(rest) : d > 0 ? d : s->size;
+    double square = dot(line, line), along = dot(line, offset), area = cross(line, offset);
+    double inside = radius * radius * square - area * area;
+    if (!(inside >= -1e-12 * radius * radius * square && square > 0)) return;
+    for (int way = -1; way <= 1; way += 2) {
+        double time = (-along + way * sqrt(fmax(0.0, inside))) / square;
+        straight[within ? s->straight : p->fixed_place[0]] = time;
+        if (within) heading[1] = rest / (s->A + time * s->w);
+        else if (p->free) heading[1] = (rest + time * line) / s->A;
+        from_headings(p->row, p->on, heading, straight, 0);
+    }
+}
+
+/* One time for two equations: right only where the goal happens to lie on its line or circle. */
+static void in_line(Problem *p)
+{
+    double times[MOST] = {0};
+    const Active *on = p->on;
+    if (on->bound_heading || on->count != 1) return;
+    int place = on->place[0];
+    if (p->free) {
+        double rate = p->row->rate[place], time = carg(p->rest / p->stretch[0].A) / rate;
+        times[place] = time < 0 ? time + 2 * M_PI / fabs(rate) : time;
+    } else
+        times[place] = creal(p->rest / p->fixed_velocity[0]);
+    keep(p->row, times);
+}

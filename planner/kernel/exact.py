@@ -1,0 +1,114 @@
+"""The exact search: all candidates of every walk that no bound excludes, in compiled code."""
+
+import ctypes
+from functools import cache
+from math import inf
+
+from flight.library import Library
+from flight.mission import Mission
+from flight.se2 import rotate
+from planner.candidates import ROUNDING
+from planner.coasting import wants_heading
+from planner.search import Answer
+
+from .build import kernel
+from .tables import CTable, Table, tables
+
+MOST = 12
+"""Trims in a walk, and uncertainty levels, that the kernel has room for."""
+
+NO_LIMIT = 2**62
+
+EQUAL_TURNS = 2
+"""With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
+
+
+class _Task(ctypes.Structure):
+    _fields_ = (
+        *((name, ctypes.c_double) for name in ("north", "east", "tolerance", "heading", "heading_tolerance")),
+        *((name, ctypes.c_long) for name in ("wants_heading", "levels", "tables", "most_nodes")),
+    )
+
+
+class _Answer(ctypes.Structure):
+    _fields_ = (
+        ("cost", ctypes.c_double),
+        ("bound", ctypes.c_double),
+        ("least", ctypes.c_double),
+        ("times", ctypes.c_double * (MOST * MOST)),
+        ("costs", ctypes.c_double * MOST),
+        *((name, ctypes.c_long) for name in ("table", "walk", "nodes", "complete")),
+    )
+
+
+class ExactSearch:
+    """Finds the best walk of one library over some uncertainty levels.
+
+    Args:
+        library: the primitives.
+        gammas: the levels.
+    """
+
+    def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
+        self._library = library
+        self._gammas = gammas
+        self._prepared = cache(self._prepare)
+
+    def can(self, mission: Mission) -> bool:
+        """Whether there is a kernel, and it has room for the mission."""
+        return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
+
+    def answer(self, mission: Mission, *, max_nodes: int | None = None) -> Answer:
+        """Returns the walk whose worst level is best.
+
+        Args:
+            mission: from where to where.
+            max_nodes: walks at one level that may be solved; then the best so far is returned, with a bound.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        compiled = kernel()
+        assert compiled is not None
+        every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
+        found = _Answer()
+        task = self._task(mission, len(every), NO_LIMIT if max_nodes is None else max_nodes)
+        if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
+            raise MemoryError("the list of walks")
+        return self._read(found, every, mission)
+
+    def _prepare(
+        self, start_trim: int, max_trims: int, goal_trim: int | None
+    ) -> tuple[tuple[Table, ...], "ctypes.Array[CTable]"]:
+        every = tables(self._library, self._gammas, start_trim, max_trims, goal_trim)
+        structures = (CTable * len(every))()
+        for table, structure in zip(every, structures, strict=True):
+            table.fill(structure)
+        return every, structures
+
+    def _task(self, mission: Mission, count: int, most_nodes: int) -> _Task:
+        start = mission.start
+        north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
+        heading = (mission.goal_heading or 0.0) - start.heading
+        return _Task(
+            north,
+            east,
+            mission.tolerance * (1 - ROUNDING),
+            heading,
+            mission.heading_tolerance * (1 - ROUNDING),
+            int(wants_heading(mission)),
+            len(self._gammas),
+            count,
+            most_nodes,
+        )
+
+    def _read(self, found: _Answer, every: tuple[Table, ...], mission: Mission) -> Answer:
+        hidden = wants_heading(mission) and any(table.equal_turns > EQUAL_TURNS for table in every)
+        exhausted = bool(found.complete) and not hidden
+        bound = found.least if hidden else found.bound
+        if found.walk < 0:
+            return Answer((), (), (), inf if exhausted else bound, exhausted)
+        walk = tuple(every[found.table].walks[found.walk].tolist())
+        levels = range(len(self._gammas))
+        times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
+        return Answer(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)

@@ -1,0 +1,153 @@
+"""Every walk from a trim as the arrays that the kernel reads, a table for each length."""
+
+import ctypes
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float, Int
+
+from flight.library import Library
+
+
+class CTable(ctypes.Structure):
+    """`Table` of search.c."""
+
+    _fields_ = (
+        *(
+            (name, ctypes.c_void_p)
+            for name in (
+                "rate",
+                "velocity",
+                "centre",
+                "displacement",
+                "bearing_displacement",
+                "bearing_velocity",
+                "size_displacement",
+                "speed",
+                "fixed",
+                "turned",
+            )
+        ),
+        ("trims", ctypes.c_int),
+        ("walks", ctypes.c_int),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """Walks of one length at every uncertainty level.
+
+    A row is a walk at a level. Headings are those that coasting alone makes: what the maneuvers before have
+    turned is folded into the vectors.
+
+    Attributes:
+        walks: trim ids.
+        arrays: what the kernel reads, in the order of its structure; kept alive here.
+        equal_turns: the most coasts of one walk that turn at the same rate.
+    """
+
+    walks: Int[np.ndarray, "walks trims"]
+    arrays: tuple[np.ndarray, ...]
+    equal_turns: int
+
+    def fill(self, structure: CTable) -> None:
+        """Points a structure of the kernel to the arrays."""
+        for (name, *_), array in zip(CTable._fields_, self.arrays, strict=False):
+            setattr(structure, name, array.ctypes.data)
+        structure.walks, structure.trims = self.walks.shape
+
+
+def tables(
+    library: Library, gammas: tuple[float, ...], start_trim: int, max_trims: int, goal_trim: int | None
+) -> tuple[Table, ...]:
+    """Returns the walks of at most so many trims from a trim, with their numbers at every level.
+
+    Raises:
+        UnknownTrimError: the library has no such start or goal trim.
+    """
+    place = {trim.id: index for index, trim in enumerate(library.trims)}
+    library.trim(start_trim)
+    if goal_trim is not None:
+        library.trim(goal_trim)
+    ids = np.array([trim.id for trim in library.trims])
+    onward = [
+        [index for index, one in enumerate(library.maneuvers) if place[one.from_trim] == trim]
+        for trim in range(len(ids))
+    ]
+    to = np.array([place[one.to_trim] for one in library.maneuvers], dtype=int)
+    numbers = _Numbers.of(library, gammas)
+    trims, steps = np.array([[place[start_trim]]]), np.zeros((1, 0), dtype=int)
+    found = []
+    for length in range(1, max_trims + 1):
+        if length > 1:
+            fan = [onward[last] for last in trims[:, -1].tolist()]
+            many = np.repeat(np.arange(len(trims)), [len(one) for one in fan])
+            step = np.array([index for one in fan for index in one], dtype=int)
+            steps = np.column_stack([steps[many], step])
+            trims = np.column_stack([trims[many], to[step]])
+        wanted = slice(None) if goal_trim is None else trims[:, -1] == place[goal_trim]
+        if len(trims[wanted]):
+            found.append(numbers.table(ids, trims[wanted], steps[wanted]))
+    return tuple(found)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Numbers:
+    """The library's numbers at every level."""
+
+    velocity: Complex[np.ndarray, "levels trims"]
+    rate: Float[np.ndarray, "levels trims"]
+    displacement: Complex[np.ndarray, "levels maneuvers"]
+    turn: Float[np.ndarray, "levels maneuvers"]
+    duration: Float[np.ndarray, "levels maneuvers"]
+
+    @classmethod
+    def of(cls, library: Library, gammas: tuple[float, ...]) -> "_Numbers":
+        twists = [[trim.at(gamma) for trim in library.trims] for gamma in gammas]
+        outcomes = [[maneuver.at(gamma) for maneuver in library.maneuvers] for gamma in gammas]
+        moved = [[one.displacement for one in level] for level in outcomes]
+        return cls(
+            velocity=np.array([[complex(one.forward, one.side) for one in level] for level in twists]),
+            rate=np.array([[one.yaw_rate for one in level] for level in twists]),
+            displacement=np.array([[complex(one.x, one.y) for one in level] for level in moved]),
+            turn=np.array([[one.heading for one in level] for level in moved]),
+            duration=np.array([[one.duration for one in level] for level in outcomes]),
+        )
+
+    def table(
+        self,
+        ids: Int[np.ndarray, "all"],
+        trims: Int[np.ndarray, "walks trims"],
+        steps: Int[np.ndarray, "walks steps"],
+    ) -> Table:
+        rate = _rows(self.rate, trims)
+        nothing = np.zeros((len(rate), 1))
+        turned = np.hstack([nothing, np.cumsum(_rows(self.turn, steps), axis=1)])
+        velocity = _rows(self.velocity, trims) * np.exp(1j * turned)
+        displacement = np.hstack([nothing, _rows(self.displacement, steps) * np.exp(1j * turned[:, :-1])])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            centre = np.where(rate != 0, velocity / (1j * rate), 0)
+        ordered = np.sort(rate, axis=1)
+        equal = (np.diff(ordered, axis=1) == 0) & (ordered[:, 1:] != 0)
+        arrays = (
+            rate,
+            velocity,
+            centre,
+            displacement,
+            np.angle(displacement),
+            np.angle(velocity),
+            np.abs(displacement),
+            np.abs(velocity),
+            _rows(self.duration, steps).sum(axis=1),
+            turned[:, -1],
+        )
+        return Table(
+            ids[trims],
+            tuple(np.ascontiguousarray(array) for array in arrays),
+            1 + int(equal.sum(axis=1).max(initial=0)),
+        )
+
+
+def _rows(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:
+    """Returns numbers along walks: row = walk x levels + level."""
+    return np.moveaxis(by_level[:, index], 0, 1).reshape(len(by_level) * len(index), index.shape[1])

@@ -1,0 +1,142 @@
+"""The exact search in compiled code: never worse than the other search, and the same wherever it runs."""
+
+from dataclasses import replace
+from math import cos, pi, sin
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import libraries
+from flight.library import Library
+from flight.library_file import read_library
+from flight.mission import Mission
+from flight.plan import Plan
+from flight.se2 import SE2
+from planner.coasting import reaches
+from planner.kernel import build
+from planner.kernel.exact import ExactSearch
+from planner.kinematics import motion
+from planner.nominal import Nominal
+from planner.search import search
+from planner.walk_table import tabulate
+from planner.worst_case import WorstCase
+from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
+
+AGREEMENT = 1e-4
+"""Seconds by which no other search may be faster."""
+
+needs_kernel = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
+
+
+def shipped() -> tuple[Library, ...]:
+    return tuple(
+        read_library(libraries.FOLDER / f"{name}.json")
+        for name in ("thesis-kinematic", "thesis-gtmax", "gtmax-sim")
+    )
+
+
+def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -> Mission:
+    angle, distance = rng.uniform(-pi, pi), rng.uniform(1, 80)
+    mission = Mission(
+        "random",
+        SE2(1.0, -2.0, float(rng.uniform(-pi, pi))),
+        int(rng.choice([trim.id for trim in library.trims])),
+        (1.0 + distance * cos(angle), -2.0 + distance * sin(angle)),
+        float(rng.choice([0.0, 0.5, 3.0, 0.1 * distance])),
+        max_trims=max_trims,
+    )
+    if rng.random() > 0.25:
+        return mission
+    width = float(rng.choice([0.0, 0.1, 0.5]))
+    return replace(mission, goal_heading=float(rng.uniform(-pi, pi)), heading_tolerance=width)
+
+
+@needs_kernel
+@pytest.mark.parametrize("seed", range(24))
+def test_no_plan_of_the_other_search_is_faster(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    library = shipped()[seed % 3]
+    gamma = float(rng.choice([0.1, 0.5, 1.0]))
+    gammas = (0.0, -gamma, gamma)
+    mission = random_mission(rng, library, max_trims=3)
+    exact = ExactSearch(library, gammas).answer(mission)
+    other = search(tabulate(library, gammas, mission.start_trim, 3, None), mission)
+    assert exact.exhausted
+    assert max(exact.costs, default=np.inf) <= max(other.costs, default=np.inf) + AGREEMENT
+    for level, times in zip(gammas, exact.times, strict=False):
+        assert reaches(motion(library, exact.walk, level).end(mission.start, times), mission)
+
+
+@needs_kernel
+@pytest.mark.parametrize("seed", range(8))
+def test_a_search_that_is_stopped_gives_a_bound_that_holds_and_a_plan_no_better(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    library = thesis_gtmax()
+    mission = random_mission(rng, library, max_trims=4)
+    best = WorstCase(library, 0.7).plan(mission)
+    stopped = WorstCase(library, 0.7, max_nodes=40).plan(mission)
+    assert stopped.cost >= best.cost - 1e-9
+    assert stopped.lower_bound is None or stopped.lower_bound <= best.cost + 1e-9
+    assert WorstCase(library, 0.7, max_nodes=40).plan(mission).scenarios == stopped.scenarios
+
+
+@needs_kernel
+def test_a_longer_walk_is_never_slower() -> None:
+    mission = Mission("deep", SE2.identity(), 2, (20.0, -14.0), 0.0)
+    costs = [WorstCase(thesis_gtmax(), 0.5).plan(replace(mission, max_trims=n)).cost for n in range(2, 7)]
+    assert costs == sorted(costs, reverse=True)
+
+
+@needs_kernel
+def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
+    library = shipped()[1]
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        mission = random_mission(rng, library, max_trims=4)
+        plan = Nominal(library).plan(mission)
+        if not plan.found or mission.goal_heading is not None:
+            continue
+        # The goal moved to where this walk ends without any coasting at all.
+        end = motion(library, plan.sequence, 0.0).end(mission.start, (0.0,) * len(plan.sequence))
+        there = Nominal(library).plan(replace(mission, goal=end.position, tolerance=0.5))
+        assert there.cost <= motion(library, plan.sequence, 0.0).fixed_time + 1e-9
+
+
+def test_without_a_compiler_the_plan_is_the_same_but_not_called_optimal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    mission = Mission("fallback", SE2.identity(), 1, (30.0, 12.0), 0.0)
+
+    def plan() -> Plan:
+        return WorstCase(thesis_kinematic(), 0.5).plan(mission)
+
+    known = plan()
+    monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+    fallback = plan()
+    assert fallback.status == "feasible"
+    assert fallback.cost == pytest.approx(known.cost, abs=1e-6)
+    assert fallback.sequence == known.sequence
+
+
+@needs_kernel
+def test_machine_code_is_made_where_the_cache_is_and_only_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    build.kernel.cache_clear()
+    assert build.kernel() is not None
+    (made,) = (tmp_path / "maneuver-automaton").iterdir()
+    written = made.stat().st_mtime_ns
+    build.kernel.cache_clear()
+    assert build.kernel() is not None
+    assert made.stat().st_mtime_ns == written
+
+
+def test_a_machine_without_a_compiler_has_no_kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    monkeypatch.setenv("PATH", "")
+    build.kernel.cache_clear()
+    assert build.kernel() is None
+    monkeypatch.undo()
+    build.kernel.cache_clear()

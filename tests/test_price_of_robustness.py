@@ -1,0 +1,76 @@
+"""How much uncertainty a mission can take for how much time."""
+
+import json
+from math import isclose
+from pathlib import Path
+
+import pytest
+
+import missions
+from flight.mission import read_mission
+from flight.plan import plan_text, read_plan
+from maneuver.app import run
+from planner.check import problems
+from planner.nominal import Nominal
+from planner.price_of_robustness import AlphaError, PriceOfRobustness, prices
+from planner.worst_case import WorstCase
+from tools.thesis_libraries import thesis_kinematic
+
+LIBRARY = thesis_kinematic()
+MISSION = read_mission(missions.FOLDER / "kinematic-1.toml")
+
+
+def test_for_the_nominal_time_there_is_no_robustness() -> None:
+    plan = PriceOfRobustness(LIBRARY, 1.0).plan(MISSION)
+    assert plan.gamma < 1e-5
+    assert plan.cost == pytest.approx(Nominal(LIBRARY).plan(MISSION).cost, abs=1e-6)
+
+
+def test_the_price_of_a_level_buys_that_level_and_the_plan_keeps_its_word() -> None:
+    nominal, worst = Nominal(LIBRARY).plan(MISSION), WorstCase(LIBRARY, 0.5).plan(MISSION)
+    plan = PriceOfRobustness(LIBRARY, worst.cost / nominal.cost).plan(MISSION)
+    assert plan.gamma == pytest.approx(0.5, abs=1e-5)
+    assert plan.cost <= worst.cost + 1e-6
+    assert problems(plan, LIBRARY, MISSION) == ()
+
+
+def test_just_above_the_level_bought_the_price_is_exceeded() -> None:
+    plan = PriceOfRobustness(LIBRARY, 1.1).plan(MISSION)
+    limit = 1.1 * Nominal(LIBRARY).plan(MISSION).cost
+    assert plan.cost <= limit + 1e-6 < WorstCase(LIBRARY, plan.gamma + 1e-4).plan(MISSION).cost
+
+
+def test_a_price_that_buys_everything_buys_gamma_1() -> None:
+    assert PriceOfRobustness(LIBRARY, 5.0).plan(MISSION).gamma == 1.0
+
+
+def test_the_curve_begins_at_the_nominal_optimum_and_its_price_never_falls() -> None:
+    curve = prices(LIBRARY, MISSION, steps=10)
+    assert [point.gamma for point in curve] == pytest.approx([step / 10 for step in range(11)])
+    assert isclose(curve[0].alpha, 1.0)
+    alphas = [point.alpha for point in curve]
+    assert alphas == sorted(alphas)
+    # Tables 12 to 16 of the thesis, at gamma 0.3, 0.5, 0.8 and 1.
+    costs = [curve[place].cost for place in (3, 5, 8, 10)]
+    assert costs == pytest.approx([21.070642, 21.934793, 23.342808, 24.369183], abs=1e-4)
+
+
+def test_a_price_below_1_is_refused() -> None:
+    with pytest.raises(AlphaError, match=r"alpha must be >= 1, got 0\.9"):
+        PriceOfRobustness(LIBRARY, 0.9)
+
+
+def test_the_price_travels_in_the_plan_file(tmp_path: Path) -> None:
+    plan = PriceOfRobustness(LIBRARY, 1.1).plan(MISSION)
+    path = tmp_path / "plan.json"
+    path.write_text(plan_text(plan))
+    assert read_plan(path) == plan
+
+
+def test_the_verb_prints_the_curve_and_draws_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    picture = tmp_path / "price.png"
+    arguments = ["plan", "kinematic-1", "--library", "thesis-kinematic", "--pareto"]
+    assert run([*arguments, "--json", "--picture", str(picture)]) == 0
+    points = json.loads(capsys.readouterr().out)["points"]
+    assert points[0]["alpha"] == 1.0
+    assert picture.read_bytes().startswith(b"\x89PNG")

@@ -45,6 +45,7 @@ def build() -> App:
     app.command("maneuver.review:review")
     app.command("maneuver.thesis:thesis")
     app.command("maneuver.library:app", name="library")
+    app.command("maneuver.verify:verify")
     return app
 
 

@@ -76,7 +76,7 @@ class StabiliserBar:
 
 @dataclass(frozen=True, slots=True)
 class TailRotor:
-    """The rotor that holds the heading: lengths in m, speed in rad/s."""
+    """The rotor that holds the heading: lengths in m, speed in rad/s; its yaw-rate gyro in s and rad/s."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     radius: Positive
@@ -87,6 +87,8 @@ class TailRotor:
     speed: Positive
     arm: Positive
     height: Positive
+    gyro_gain: Annotated[float, Field(ge=0.0)]
+    gyro_bandwidth: Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +109,7 @@ class Airframe:
 
 @dataclass(frozen=True, slots=True)
 class Servos:
-    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s."""
+    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s, transport delay in s."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     bandwidth: Positive
@@ -118,6 +120,7 @@ class Servos:
     pedal_high: Finite
     rate: Positive
     pedal_rate: Positive
+    delay: Annotated[float, Field(ge=0.0)]
 
 
 @dataclass(frozen=True, slots=True)

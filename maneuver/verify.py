@@ -45,10 +45,20 @@ def verify(
 
 def measure() -> Iterable[Figure]:
     """Yields every figure."""
+    from sim.controller_check import (
+        check_adaptation,
+        check_delay,
+        check_limits,
+        check_margins,
+        check_response,
+    )
     from sim.parameters import read_parameters
     from sim.vehicle_check import check_vehicle
 
-    yield from check_vehicle(read_parameters())
+    parameters = read_parameters()
+    yield from check_vehicle(parameters)
+    for check in (check_response, check_limits, check_margins, check_delay, check_adaptation):
+        yield from check(parameters)
 
 
 def _show(figures: list[Figure]) -> None:

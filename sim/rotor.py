@@ -219,7 +219,11 @@ def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Lo
     force = ca.vertcat(
         -thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust
     )
-    moment = ca.vertcat(stiffness * state.disc_right, stiffness * state.disc_back, -power / rotor.speed)
+    moment = ca.vertcat(
+        stiffness * state.disc_right,
+        stiffness * state.disc_back + rotor.hub_forward * thrust,
+        rotor.hub_forward * force[1] - power / rotor.speed,
+    )
     return Loads(force, moment, power)
 
 

@@ -13,7 +13,7 @@ from flight.se2 import Twist
 from .controller import Controller
 from .equilibrium import EquilibriumFinder
 from .gains import Gains
-from .helicopter import Helicopter
+from .helicopter import DEFAULT_STEP, Helicopter
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
 from .parameters import Parameters
@@ -63,6 +63,7 @@ def respond(
     wind: str = "calm",
     seed: int = 1,
     skip: int = 0,
+    plant_step: float = DEFAULT_STEP,
 ) -> Response:
     """Flies a list of velocities, the first held from the start.
 
@@ -76,9 +77,10 @@ def respond(
         wind: wind class.
         seed: of the wind.
         skip: rows left off at the start.
+        plant_step: s; a whole number of them makes 10 ms.
     """
     believed, start = believed or vehicle, targets[0][0]
-    helicopter = Helicopter(vehicle)
+    helicopter = Helicopter(vehicle, step=plant_step)
     helicopter.place(EquilibriumFinder(believed).find(start), altitude=_HEIGHT, heading=1.0)
     controller = Controller(believed, height=_HEIGHT, step=_STEP, gains=gains, adaptive=adaptive)
     generator = ManeuverGenerator(start, step=_STEP)

@@ -33,7 +33,7 @@ class Gains:
     descent: float = 3.0
     model_frequency: float = 7.0
     model_damping: float = 0.8
-    lead: float = 0.1
+    lead: float = 0.04
     attitude: tuple[float, float] = (4.0, 3.5)
     attitude_damping: float = 0.4
     yaw_rate: float = 3.0

@@ -68,7 +68,7 @@ class Helicopter:
 
     def __init__(self, parameters: Parameters, *, step: float = DEFAULT_STEP) -> None:
         self.step_length = step
-        self._model = _load_model(parameters, step)
+        self._model = load_model(parameters, step)
         self._data = mujoco.MjData(self._model)
         self._warnings = self._data.warning.number
         self._steps = 0
@@ -203,7 +203,8 @@ def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
     )
 
 
-def _load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns the shape with the parameters' mass, inertia and gravity; step in s."""
     spec = mujoco.MjSpec.from_file(str(models.FOLDER / "gtmax.xml"))
     body, numbers = spec.body("helicopter"), parameters.body
     body.mass = numbers.mass

@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -54,3 +55,9 @@ def test_the_ground_carries_a_part_of_the_rotor() -> None:
     fast = Twist(10.0, 0.0, 0.0)
     near, free = (EquilibriumFinder(PARAMETERS, height=z).find(fast).power for z in (1.0, None))
     assert near > 0.99 * free
+
+
+def test_the_spectra_are_drawn(tmp_path: Path) -> None:
+    path = tmp_path / "spectrum.png"
+    assert run(("verify", "--topics", "wind", "--spectrum", str(path), "--json")) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")

@@ -1,6 +1,7 @@
 """Steady level flight, straight or turning: controls and attitude that hold a trim in still air."""
 
 from dataclasses import dataclass, replace
+from math import cos
 
 import casadi as ca
 
@@ -8,6 +9,7 @@ from flight.errors import FlightError
 from flight.se2 import Twist
 
 from . import rotor
+from .motion import Controls
 from .parameters import Parameters
 from .rotor import Air, RotorState
 
@@ -40,8 +42,8 @@ class Equilibrium:
         lateral: cyclic pitch in rad; positive tilts the disc to the right.
         longitudinal: cyclic pitch in rad; positive tilts the disc back.
         collective: rad.
-        pedal: tail rotor pitch in rad.
-        rotor_state: the ten entries of `rotor.RotorState`.
+        pedal: tail rotor pitch in rad that is commanded; the gyro takes its part off.
+        rotor_state: the entries of `rotor.RotorState`.
         power: shaft power of both rotors in W.
     """
 
@@ -55,15 +57,24 @@ class Equilibrium:
     rotor_state: tuple[float, ...]
     power: float
 
+    @property
+    def controls(self) -> Controls:
+        """Servo commands that hold it."""
+        return Controls(self.lateral, self.longitudinal, self.collective, self.pedal)
+
 
 class EquilibriumFinder:
-    """Finds equilibria of one vehicle; every one found serves as a start for the next."""
+    """Finds equilibria of one vehicle, each reached in strides from hover.
 
-    def __init__(self, parameters: Parameters) -> None:
-        """Builds the balance of forces and its root finder."""
-        self._servos = parameters.servos
+    Args:
+        parameters: the vehicle.
+        height: above ground in m; None is far from it.
+    """
+
+    def __init__(self, parameters: Parameters, *, height: float | None = None) -> None:
+        self._servos, self._gyro_gain = parameters.servos, parameters.tail_rotor.gyro_gain
         unknowns, velocity = ca.SX.sym("unknowns", 12), ca.SX.sym("velocity", 3)
-        residual, power = balance(parameters, unknowns, velocity)
+        residual, power = balance(parameters, unknowns, velocity, height=height)
         self._balance = ca.Function("balance", [unknowns, velocity], [residual, power])
         problem = {"x": unknowns, "p": velocity, "g": residual}
         self._solve = ca.rootfinder("equilibrium", "newton", problem, {"error_on_fail": False})
@@ -80,7 +91,11 @@ class EquilibriumFinder:
         for stride in range(strides + 1):
             unknowns = self._solve(unknowns, ca.DM(wanted) * (stride / strides))
         roll, pitch, *state = (float(value) for value in unknowns.elements())
-        found = Equilibrium(velocity, roll, pitch, state[0], state[1], state[2], state[3], tuple(state), 0.0)
+        gyro = self._gyro_gain * velocity.yaw_rate * cos(roll) * cos(pitch)
+        lateral, longitudinal, collective, pedal = state[:4]
+        found = Equilibrium(
+            velocity, roll, pitch, lateral, longitudinal, collective, pedal + gyro, (*state, gyro), 0.0
+        )
         worst, power = self.residual(found)
         if not worst <= RESIDUAL:
             raise NoEquilibriumError(velocity, f"residual {worst:.1e}, expected at most {RESIDUAL:.0e}")
@@ -94,7 +109,7 @@ class EquilibriumFinder:
             ("lateral cyclic", found.lateral, -cyclic, cyclic),
             ("longitudinal cyclic", found.longitudinal, -cyclic, cyclic),
             ("collective", found.collective, servos.collective_low, servos.collective_high),
-            ("pedal", found.pedal, servos.pedal_low, servos.pedal_high),
+            ("pedal", found.rotor_state[3], servos.pedal_low, servos.pedal_high),
         ):
             if not low <= value <= high:
                 reason = f"{name} pitch {value:.3f} rad is beyond its travel, {low:g} to {high:g} rad"
@@ -103,30 +118,34 @@ class EquilibriumFinder:
     def residual(self, equilibrium: Equilibrium) -> tuple[float, float]:
         """Returns the largest imbalance of a state said to be balanced, and its power in W."""
         velocity = equilibrium.velocity
-        unknowns = ca.DM([equilibrium.roll, equilibrium.pitch, *equilibrium.rotor_state])
+        unknowns = ca.DM([equilibrium.roll, equilibrium.pitch, *equilibrium.rotor_state[:10]])
         wanted = ca.DM([velocity.forward, velocity.side, velocity.yaw_rate])
         residual, power = self._balance(unknowns, wanted)
         return float(ca.norm_inf(residual)), float(power)
 
 
-def balance(parameters: Parameters, unknowns: ca.SX, velocity: ca.SX) -> tuple[ca.SX, ca.SX]:
+def balance(
+    parameters: Parameters, unknowns: ca.SX, velocity: ca.SX, *, height: float | None = None
+) -> tuple[ca.SX, ca.SX]:
     """States the balance of steady level flight in still air.
 
     Args:
         parameters: the vehicle.
-        unknowns: roll, pitch and the ten entries of the rotor state, shape (12, 1).
+        unknowns: roll, pitch and the rotor state without the gyro, shape (12, 1).
         velocity: forward, side (m/s) and yaw rate (rad/s) in the heading frame, shape (3, 1).
+        height: above ground in m; None is far from it.
 
     Returns:
         What must vanish, shape (12, 1): accelerations, angular accelerations, flapping and inflow; and the
         power.
     """
     roll, pitch = unknowns[0], unknowns[1]
-    state = RotorState(*(unknowns[2 + i] for i in range(10)))
+    state = RotorState._make([*ca.vertsplit(unknowns[2:]), ca.SX(0)])
     body_level = rotation_body_level(roll, pitch)
+    nearness = 0.0 if height is None else rotor.ground_nearness(parameters, ca.SX(height))
     velocity_body = body_level @ ca.vertcat(velocity[0], velocity[1], 0)
     rates = body_level @ ca.vertcat(0, 0, velocity[2])
-    air = rotor.still_air(velocity_body, rates)
+    air = rotor.still_air(velocity_body, rates, nearness=nearness)
     acceleration, angular = accelerations(parameters, state, air, down_body=body_level[:, 2])
     flapping = rotor.flapping_targets(parameters, state, air)
     main, tail = rotor.inflow_targets(parameters, state, air)

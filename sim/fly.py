@@ -27,6 +27,7 @@ from flight.vehicle import Leg, Vehicle
 from flight.version import VERSION
 
 from .controller import Controller
+from .discrete_gust import DiscreteGust
 from .equilibrium import EquilibriumFinder
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import Channel, ManeuverGenerator, Reference
@@ -94,7 +95,13 @@ class SimulatedHelicopter:
             rng=random_stream(specification.seed, Stream.NAVIGATION),
         )
         self._generator = ManeuverGenerator(self._target, step=CONTROL_PERIOD)
-        self._controller = Controller(parameters, height=specification.altitude, step=CONTROL_PERIOD)
+        self._gusts = [DiscreteGust(**dict(gust)) for gust in specification.gusts]
+        self._controller = Controller(
+            parameters,
+            height=specification.altitude,
+            step=CONTROL_PERIOD,
+            adaptive=specification.adaptive,
+        )
         self._recorder = Recorder(height=specification.altitude)
         self._periods = 0
         self._timed_out = False
@@ -229,6 +236,8 @@ class SimulatedHelicopter:
             velocity_north=c * truth.forward - s * truth.side,
             velocity_east=s * truth.forward + c * truth.side,
         )
+        for gust in self._gusts:
+            wind = gust.add_to(wind, self.time)
         self._recorder.add_period(
             self.time, controls=controls, servos=self._helicopter.servo_positions(), wind=wind
         )

@@ -5,6 +5,7 @@ first axis leads from either to the project's axes and back, so vectors change t
 components.
 """
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import cos, isfinite, pi, remainder, sin
@@ -31,6 +32,7 @@ _INFLOW_ITERATIONS = 4
 # The skids reach this far below the centre of mass, in m.
 _GROUND_HEIGHT = 0.65
 _BODY = 1
+_REMEMBERED = len(RotorState._fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,6 +46,7 @@ class HelicopterState:
         rates: body rates in rad/s.
         rotor_state: as in `rotor.RotorState`.
         heading: rad, not wrapped.
+        pending: servo commands on their way, one for each plant step of the transport delay.
     """
 
     position: tuple[float, ...]
@@ -52,6 +55,7 @@ class HelicopterState:
     rates: tuple[float, ...]
     rotor_state: tuple[float, ...]
     heading: float
+    pending: tuple[tuple[float, ...], ...]
 
 
 class Helicopter:
@@ -64,13 +68,15 @@ class Helicopter:
 
     def __init__(self, parameters: Parameters, *, step: float = DEFAULT_STEP) -> None:
         self.step_length = step
-        self._model = _load_model(parameters, step)
+        self._model = load_model(parameters, step)
         self._data = mujoco.MjData(self._model)
         self._warnings = self._data.warning.number
         self._steps = 0
         self._heading = 0.0
         self._inputs = np.zeros(10)
-        self._rotor_states = (np.zeros(10), np.zeros(10))
+        self._rotor_states = (np.zeros(_REMEMBERED), np.zeros(_REMEMBERED))
+        self._delay = round(parameters.servos.delay / step)
+        self._pending: deque[Controls] = deque()
         self._current = 0
         self._observation = np.zeros(13)
         plant = _plant_function(parameters, step)
@@ -117,6 +123,7 @@ class Helicopter:
                 ),
                 rotor_state=equilibrium.rotor_state,
                 heading=heading,
+                pending=(equilibrium.controls,) * self._delay,
             )
         )
 
@@ -129,6 +136,7 @@ class Helicopter:
         self._data.qvel[3:] = _flip(state.rates)
         self._rotor_states[self._current][:] = state.rotor_state
         self._heading = state.heading
+        self._pending = deque(Controls._make(command) for command in state.pending)
         self._steps = 0
 
     def state(self) -> HelicopterState:
@@ -141,6 +149,7 @@ class Helicopter:
             rates=_flip(velocity[3:]),
             rotor_state=tuple(self._rotor_states[self._current].tolist()),
             heading=self.motion().heading,
+            pending=tuple(self._pending),
         )
 
     def advance(self, controls: Controls, wind: Wind, *, steps: int) -> None:
@@ -149,10 +158,12 @@ class Helicopter:
         Raises:
             FlightLostError: the motion diverged or met the ground.
         """
-        self._inputs[:4] = controls
         self._inputs[4:] = wind
+        inputs, pending = self._inputs, self._pending
         model, data, step = self._model, self._data, mujoco.mj_step
         for _ in range(steps):
+            pending.append(controls)
+            inputs[:4] = pending.popleft()
             self._plants[self._current].evaluate()
             self._current = 1 - self._current
             step(model, data)
@@ -188,10 +199,12 @@ def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
         rates=state.rates,
         rotor_state=state.rotor_state,
         heading=state.heading + turn,
+        pending=state.pending,
     )
 
 
-def _load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns the shape with the parameters' mass, inertia and gravity; step in s."""
     spec = mujoco.MjSpec.from_file(str(models.FOLDER / "gtmax.xml"))
     body, numbers = spec.body("helicopter"), parameters.body
     body.mass = numbers.mass
@@ -240,14 +253,15 @@ _FLIP = ca.diag(ca.DM([1.0, -1.0, -1.0]))
 def _plant_function(parameters: Parameters, step: float) -> ca.Function:
     """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step."""
     position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
-    remembered, inputs = ca.SX.sym("rotor_state", 10), ca.SX.sym("inputs", 10)
+    remembered, inputs = ca.SX.sym("rotor_state", _REMEMBERED), ca.SX.sym("inputs", 10)
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - inputs[4:7])
     rates = _FLIP @ velocity[3:]
     air_rates = rates + rotation.T @ inputs[7:]
     u, v, w = ca.vertsplit(air_velocity)
     p, q, r = ca.vertsplit(air_rates)
-    air = Air(u, v, w, p, q, r, roll_rate=rates[0], pitch_rate=rates[1])
+    nearness = rotor.ground_nearness(parameters, position[2])
+    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
     state = RotorState(*ca.vertsplit(remembered))
     state = advance(parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS)
     load = rotor.loads(parameters, state, air)

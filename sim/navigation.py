@@ -57,18 +57,18 @@ class NavigationErrors:
 
 
 # A differential receiver, a tactical inertial unit and a magnetometer, after a filter; chosen, no data sheet
-# of the GT-Max's could be read. The delay is that of computing and passing on.
+# of the GT-Max's could be read. What computing and passing on takes is the servos' transport delay.
 GPS_AIDED = NavigationErrors(
     position_noise=0.01,
     position_wander=Wander(0.05, 60.0),
     position_walk=0.005,
     velocity_noise=0.01,
-    velocity_wander=Wander(0.04, 5.0),
-    attitude_wander=Wander(radians(0.3), 30.0),
+    velocity_wander=Wander(0.025, 5.0),
+    attitude_wander=Wander(radians(0.2), 30.0),
     heading_wander=Wander(radians(1.0), 120.0),
     rate_noise=radians(0.2),
     rate_wander=Wander(radians(0.05), 300.0),
-    delay_periods=2,
+    delay_periods=0,
 )
 # What is believed is what is so, at once.
 IDEAL = NavigationErrors(

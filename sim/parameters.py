@@ -3,7 +3,7 @@
 import hashlib
 import json
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Annotated, ClassVar
@@ -54,6 +54,7 @@ class MainRotor:
     profile_drag: Positive
     speed: Positive
     hub_height: Positive
+    hub_forward: Finite
     hub_spring: Positive
     flapping_time: Positive
     coupling_back_from_right: Finite
@@ -76,7 +77,7 @@ class StabiliserBar:
 
 @dataclass(frozen=True, slots=True)
 class TailRotor:
-    """The rotor that holds the heading: lengths in m, speed in rad/s."""
+    """The rotor that holds the heading: lengths in m, speed in rad/s; its yaw-rate gyro in s and rad/s."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     radius: Positive
@@ -87,6 +88,8 @@ class TailRotor:
     speed: Positive
     arm: Positive
     height: Positive
+    gyro_gain: Annotated[float, Field(ge=0.0)]
+    gyro_bandwidth: Positive
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +110,7 @@ class Airframe:
 
 @dataclass(frozen=True, slots=True)
 class Servos:
-    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s."""
+    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s, transport delay in s."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     bandwidth: Positive
@@ -118,6 +121,7 @@ class Servos:
     pedal_high: Finite
     rate: Positive
     pedal_rate: Positive
+    delay: Annotated[float, Field(ge=0.0)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,6 +137,34 @@ class Parameters:
     tail_rotor: TailRotor
     airframe: Airframe
     servos: Servos
+
+
+def change_vehicle(
+    parameters: Parameters,
+    *,
+    mass: float = 1.0,
+    lift: float = 1.0,
+    hub_forward: float = 0.0,
+    extra_delay: float = 0.0,
+) -> Parameters:
+    """Returns a vehicle that is not the one its controller was made for.
+
+    Args:
+        parameters: the vehicle to change.
+        mass: factor of the mass; the inertia stays.
+        lift: factor of the main rotor's lift slope.
+        hub_forward: by which the hub moves ahead of the centre of mass, m.
+        extra_delay: added to the servos' transport delay, s.
+    """
+    body, rotor, servos = parameters.body, parameters.main_rotor, parameters.servos
+    return replace(
+        parameters,
+        body=replace(body, mass=mass * body.mass),
+        main_rotor=replace(
+            rotor, lift_slope=lift * rotor.lift_slope, hub_forward=rotor.hub_forward + hub_forward
+        ),
+        servos=replace(servos, delay=servos.delay + extra_delay),
+    )
 
 
 def read_parameters(path: Path | None = None) -> Parameters:

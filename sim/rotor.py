@@ -5,7 +5,7 @@ Body axes forward-right-down at the centre of mass. Minimum-complexity rotor aft
 (2000). The main rotor turns clockwise seen from above.
 """
 
-from math import pi
+from math import pi, sqrt
 from typing import NamedTuple
 
 import casadi as ca
@@ -21,8 +21,9 @@ _PROFILE_POWER_GROWTH = 4.6
 class Air(NamedTuple):
     """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included.
 
-    Disc and bar are gyroscopes: they answer to the body's own rates, `roll_rate` and `pitch_rate` in rad/s. A
-    gust rate reaches them through lift only, as an angle of rate over rotor speed, which is neglected.
+    Disc, bar and gyro answer to the body's own rates, `roll_rate`, `pitch_rate` and `yaw_rate` in rad/s. A
+    gust rate reaches the disc through lift only, as an angle of rate over rotor speed, which is neglected.
+    `nearness` is (R / 4 z)^2 with the rotor's height z over the ground; 0 far from it.
     """
 
     u: ca.SX
@@ -33,17 +34,30 @@ class Air(NamedTuple):
     r: ca.SX
     roll_rate: ca.SX
     pitch_rate: ca.SX
+    yaw_rate: ca.SX
+    nearness: ca.SX
 
 
-def still_air(velocity: ca.SX, rates: ca.SX) -> Air:
+def still_air(velocity: ca.SX, rates: ca.SX, *, nearness: ca.SX | float = 0.0) -> Air:
     """Returns motion through still air from body velocity and body rates, shapes (3, 1)."""
     u, v, w = ca.vertsplit(velocity)
     p, q, r = ca.vertsplit(rates)
-    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q)
+    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q, yaw_rate=r, nearness=ca.SX(nearness))
+
+
+def ground_nearness(parameters: Parameters, height: ca.SX) -> ca.SX:
+    """Returns (R / 4 z)^2 of the main rotor (Cheeseman and Bennett 1955).
+
+    Args:
+        parameters: the vehicle.
+        height: of the centre of mass above ground, m; the rotor is not taken as nearer than 0.6 radii.
+    """
+    rotor = parameters.main_rotor
+    return (rotor.radius / (4.0 * ca.fmax(height + rotor.hub_height, 0.6 * rotor.radius))) ** 2
 
 
 class RotorState(NamedTuple):
-    """What the actuators and rotors remember: blade pitch and flapping in rad, inflow in m/s."""
+    """What the actuators and rotors remember: blade pitch, flapping and gyro in rad, inflow in m/s."""
 
     lateral: ca.SX
     longitudinal: ca.SX
@@ -55,6 +69,7 @@ class RotorState(NamedTuple):
     bar_right: ca.SX
     inflow: ca.SX
     tail_inflow: ca.SX
+    gyro: ca.SX
 
 
 class Flapping(NamedTuple):
@@ -113,6 +128,15 @@ def _main_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca
     return at_disc, at_disc + (2.0 / 3.0) * rotor.speed * rotor.radius * state.collective
 
 
+def _felt_inflow(state: RotorState, air: Air) -> ca.SX:
+    """Returns the main rotor's inflow that is left by the ground, in m/s.
+
+    Cheeseman and Bennett (ARC R&M 3021): the ground's image takes its share in hover, and less with speed.
+    """
+    swept = (air.u**2 + air.v**2) / (state.inflow**2 + _ROOT_FLOOR)
+    return state.inflow * (1.0 - air.nearness / (1.0 + swept))
+
+
 def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
     rotor = parameters.tail_rotor
     at_disc = air.v - rotor.arm * air.r + rotor.height * air.p
@@ -121,13 +145,18 @@ def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca
 
 def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
     """Returns the inflow of main and tail rotor, in m/s, that momentum theory answers to the present ones."""
-    density = parameters.environment.air_density
+    density, main, tail = parameters.environment.air_density, parameters.main_rotor, parameters.tail_rotor
+    (main_axial, main_blade), (tail_axial, tail_blade) = (
+        _main_axial(parameters, state, air),
+        _tail_axial(parameters, state, air),
+    )
+    main_thrust = _thrust(main, density, main_blade, _felt_inflow(state, air))
+    tail_thrust = _thrust(tail, density, tail_blade, state.tail_inflow)
     targets = []
-    for rotor, (axial, at_blade), in_plane, inflow in (
-        (parameters.main_rotor, _main_axial(parameters, state, air), air.u**2 + air.v**2, state.inflow),
-        (parameters.tail_rotor, _tail_axial(parameters, state, air), air.u**2 + air.w**2, state.tail_inflow),
+    for rotor, thrust, axial, in_plane, inflow in (
+        (main, main_thrust, main_axial, air.u**2 + air.v**2, state.inflow),
+        (tail, tail_thrust, tail_axial, air.u**2 + air.w**2, state.tail_inflow),
     ):
-        thrust = _thrust(rotor, density, at_blade, inflow)
         targets.append(
             _momentum_inflow(
                 rotor, density, thrust=thrust, in_plane_squared=in_plane, axial=axial, inflow=inflow
@@ -177,15 +206,24 @@ def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Fla
 def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
     rotor, density = parameters.main_rotor, parameters.environment.air_density
     axial, at_blade = _main_axial(parameters, state, air)
-    thrust = _thrust(rotor, density, at_blade, state.inflow)
-    power = thrust * (state.inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
-    in_plane_x = -parameters.body.mass * rotor.drag_forward * air.u
-    in_plane_y = -parameters.body.mass * rotor.drag_side * air.v
+    inflow = _felt_inflow(state, air)
+    thrust = _thrust(rotor, density, at_blade, inflow)
+    power = thrust * (inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
+    # The wake's share of the force in the disc plane goes with the inflow; the identified one is hover's.
+    weight = parameters.body.mass * parameters.environment.gravity
+    hover_inflow = sqrt(weight / (2.0 * density * pi)) / rotor.radius
+    fading = parameters.body.mass * state.inflow / hover_inflow
+    in_plane_x = -fading * rotor.drag_forward * air.u
+    in_plane_y = -fading * rotor.drag_side * air.v
     stiffness = rotor.hub_spring + thrust * rotor.hub_height
     force = ca.vertcat(
         -thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust
     )
-    moment = ca.vertcat(stiffness * state.disc_right, stiffness * state.disc_back, -power / rotor.speed)
+    moment = ca.vertcat(
+        stiffness * state.disc_right,
+        stiffness * state.disc_back + rotor.hub_forward * thrust,
+        rotor.hub_forward * force[1] - power / rotor.speed,
+    )
     return Loads(force, moment, power)
 
 

@@ -9,7 +9,7 @@ from .rotor import Air, RotorState, flapping_targets, settle_inflow
 def advance(
     parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int
 ) -> RotorState:
-    """Steps servos, then flapping and bar, then inflow.
+    """Steps servos, then flapping, bar and gyro, then inflow.
 
     Args:
         parameters: the vehicle.
@@ -21,6 +21,7 @@ def advance(
     """
     state = follow_commands(parameters.servos, state, command, step=step)
     target = flapping_targets(parameters, state, air)
+    turned = parameters.tail_rotor.gyro_gain * air.yaw_rate
     disc = ca.exp(-step / parameters.main_rotor.flapping_time)
     bar = ca.exp(-step / parameters.stabiliser_bar.time)
     state = state._replace(
@@ -28,12 +29,13 @@ def advance(
         disc_right=target.disc_right + (state.disc_right - target.disc_right) * disc,
         bar_back=target.bar_back + (state.bar_back - target.bar_back) * bar,
         bar_right=target.bar_right + (state.bar_right - target.bar_right) * bar,
+        gyro=turned + (state.gyro - turned) * ca.exp(-parameters.tail_rotor.gyro_bandwidth * step),
     )
     return settle_inflow(parameters, state, air, iterations=iterations)
 
 
 def follow_commands(servos: Servos, state: RotorState, command: ca.SX, *, step: float) -> RotorState:
-    """Steps the first-order servos within their rates and travels."""
+    """Steps the first-order servos within their rates and travels; the gyro works against the pedal."""
     share = 1.0 - ca.exp(-servos.bandwidth * step)
 
     def follow(position: ca.SX, wanted: ca.SX, low: float, high: float, rate: float) -> ca.SX:
@@ -45,5 +47,7 @@ def follow_commands(servos: Servos, state: RotorState, command: ca.SX, *, step: 
         lateral=follow(state.lateral, command[0], -cyclic, cyclic, rate),
         longitudinal=follow(state.longitudinal, command[1], -cyclic, cyclic, rate),
         collective=follow(state.collective, command[2], servos.collective_low, servos.collective_high, rate),
-        pedal=follow(state.pedal, command[3], servos.pedal_low, servos.pedal_high, servos.pedal_rate),
+        pedal=follow(
+            state.pedal, command[3] - state.gyro, servos.pedal_low, servos.pedal_high, servos.pedal_rate
+        ),
     )

@@ -20,6 +20,14 @@ class _Pose(FileModel):
     heading: FiniteFloat = 0.0
 
 
+class _Gust(FileModel):
+    start: FiniteFloat
+    duration: FiniteFloat = Field(gt=0.0)
+    north: FiniteFloat = 0.0
+    east: FiniteFloat = 0.0
+    down: FiniteFloat = 0.0
+
+
 class FlightSpecification(FileModel):
     """One flight of the simulated helicopter.
 
@@ -30,6 +38,8 @@ class FlightSpecification(FileModel):
         wind: wind class; `calm` switches wind and turbulence off.
         wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
             to within the heading error of settling; drawn from the seed where None.
+        gusts: discrete gusts, one minus cosine: start and duration in s, peak in m/s.
+        adaptive: whether the controller's adaptive element learns.
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
         start: true pose at time 0.
@@ -45,6 +55,8 @@ class FlightSpecification(FileModel):
     seed: int = Field(ge=0)
     wind: str = "calm"
     wind_from: FiniteFloat | None = None
+    gusts: tuple[_Gust, ...] = ()
+    adaptive: bool = True
     altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
     ideal_navigation: bool = False
     start: _Pose = _Pose()

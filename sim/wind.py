@@ -120,7 +120,7 @@ def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
     )
 
 
-class _Longitudinal:
+class LongitudinalGust:
     """Unit gust with the spectrum of the standard's u."""
 
     def __init__(self, noise: float) -> None:
@@ -133,13 +133,13 @@ class _Longitudinal:
         return self.value
 
 
-class _Lateral:
+class LateralGust:
     """Unit gust with the spectrum of the standard's v and w."""
 
     def __init__(self, noise: tuple[float, float]) -> None:
         # The stationary law: variances 1/2 and 1/4, covariance 1/4.
-        self._x0 = sqrt(0.5) * noise[0]
-        self._x1 = 0.5 * self._x0 + sqrt(0.125) * noise[1]
+        self.x0 = sqrt(0.5) * noise[0]
+        self.x1 = 0.5 * self.x0 + sqrt(0.125) * noise[1]
 
     def step(self, ratio: float, noise: tuple[float, float]) -> float:
         """Moves on by `ratio` time constants."""
@@ -151,14 +151,15 @@ class _Lateral:
         l00 = sqrt(q00)
         l10 = q01 / l00
         l11 = sqrt(max(0.0, q11 - l10 * l10))
-        x0 = self._x0
-        self._x0 = e * x0 + l00 * noise[0]
-        self._x1 = e * self._x1 + ratio * e * x0 + l10 * noise[0] + l11 * noise[1]
+        x0 = self.x0
+        self.x0 = e * x0 + l00 * noise[0]
+        self.x1 = e * self.x1 + ratio * e * x0 + l10 * noise[0] + l11 * noise[1]
         return self.value
 
     @property
     def value(self) -> float:
-        return sqrt(3.0) * self._x0 + (1.0 - sqrt(3.0)) * self._x1
+        """The gust now, in units of its standard deviation."""
+        return sqrt(3.0) * self.x0 + (1.0 - sqrt(3.0)) * self.x1
 
 
 class _Slope:
@@ -205,9 +206,9 @@ class DrydenWind:
         self._mean_wind, self._step, self._rng = wind.mean_wind, step, rng
         self._still = wind.wind_at_20_ft == 0.0
         first = rng.standard_normal(6).tolist()
-        self._u = _Longitudinal(first[0])
-        self._v, self._w = _Lateral((first[1], first[2])), _Lateral((first[3], first[4]))
-        self._p = _Longitudinal(first[5])
+        self._u = LongitudinalGust(first[0])
+        self._v, self._w = LateralGust((first[1], first[2])), LateralGust((first[3], first[4]))
+        self._p = LongitudinalGust(first[5])
         self._v_slope, self._w_slope = _Slope(self._v.value), _Slope(self._w.value)
         self._noise = rng.standard_normal((_BLOCK, 6)).tolist()
         self._row = 0

@@ -23,7 +23,7 @@ def flying(velocity: Twist, *, heading: float = 0.3, step: float = 0.005) -> tup
     trim = FINDER.find(velocity)
     helicopter = Helicopter(PARAMETERS, step=step)
     helicopter.place(trim, altitude=30.0, heading=heading)
-    return helicopter, Controls(trim.lateral, trim.longitudinal, trim.collective, trim.pedal)
+    return helicopter, trim.controls
 
 
 def test_the_shape_file_weighs_what_the_parameters_say() -> None:
@@ -149,7 +149,10 @@ def test_the_ground_ends_a_flight() -> None:
 def test_servos_keep_their_rate_and_travel() -> None:
     helicopter, controls = flying(Twist(0.0, 0.0, 0.0))
     before = helicopter.servo_positions()
-    helicopter.advance(controls._replace(lateral=9.0, pedal=-9.0), STILL_AIR, steps=2)
+    moved = controls._replace(lateral=9.0, pedal=-9.0)
+    helicopter.advance(moved, STILL_AIR, steps=round(PARAMETERS.servos.delay / 0.005))
+    assert helicopter.servo_positions().lateral == pytest.approx(before.lateral, abs=1e-12)
+    helicopter.advance(moved, STILL_AIR, steps=2)
     after = helicopter.servo_positions()
     assert after.lateral - before.lateral == pytest.approx(0.01 * PARAMETERS.servos.rate)
     assert before.pedal - after.pedal == pytest.approx(0.01 * PARAMETERS.servos.pedal_rate)

@@ -5,8 +5,10 @@ from math import cos, pi, sin, sqrt
 import numpy as np
 import pytest
 
+from sim.discrete_gust import DiscreteGust
 from sim.motion import STILL_AIR, Wind
 from sim.wind import WIND_CLASSES, DrydenWind, UnknownWindError, WindClass, dryden, wind_class
+from sim.wind_check import FIXED_POINT_BAR, RATIOS, check_wind, lateral_variance
 
 FOOT = 0.3048
 
@@ -93,3 +95,30 @@ def test_an_unknown_wind_class_is_refused_with_the_known_ones() -> None:
 
 def test_still_air_is_no_wind() -> None:
     assert Wind(0.0, 0.0, 0.0, 0.0, 0.0, 0.0) == STILL_AIR
+
+
+def test_a_discrete_gust_comes_and_goes_as_a_cosine() -> None:
+    gust = DiscreteGust(start=2.0, duration=4.0, north=3.0, east=-1.0, down=0.5)
+    assert gust.add_to(STILL_AIR, 1.9) == STILL_AIR
+    assert gust.add_to(STILL_AIR, 6.1) == STILL_AIR
+    assert gust.add_to(STILL_AIR, 4.0) == pytest.approx((3.0, -1.0, 0.5, 0.0, 0.0, 0.0))
+    assert gust.add_to(STILL_AIR, 3.0).north == pytest.approx(1.5)
+    with pytest.raises(ValueError, match="duration must be > 0 s, got 0"):
+        DiscreteGust(start=0.0, duration=0.0, north=1.0, east=0.0, down=0.0)
+
+
+@pytest.mark.parametrize("ratio", RATIOS)
+def test_the_covariance_of_the_discrete_filter_is_that_of_the_standard(ratio: float) -> None:
+    assert lateral_variance(ratio) == pytest.approx(1.0, abs=FIXED_POINT_BAR)
+
+
+def test_ensembles_and_spectra_are_the_standards() -> None:
+    assert [figure for figure in check_wind() if not figure.holds] == []
+
+
+def test_an_euler_step_would_be_found() -> None:
+    """The negative control: the gust that Euler's step makes is too strong."""
+    tau, step = 0.5, 0.01
+    ratio = step / tau
+    variance = 2.0 * ratio / (1.0 - (1.0 - ratio) ** 2)
+    assert abs(variance - 1.0) > 1e6 * FIXED_POINT_BAR

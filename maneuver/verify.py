@@ -1,0 +1,119 @@
+"""`maneuver verify`: the checks of physics that need no test runner, every figure beside its bar."""
+
+import json as json_module
+import sys
+from collections.abc import Callable, Iterable
+from dataclasses import asdict
+from math import hypot
+from pathlib import Path
+from statistics import median
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from sim.figure import Figure
+
+from .files import find_library
+
+CHECK_FAILED = 1
+# Of the table where it goes to a file.
+_WIDTH = 150
+
+
+def verify(
+    *,
+    topics: Annotated[tuple[str, ...], Parameter(consume_multiple=True)] = (),
+    spectrum: Path | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Measures the simulator against its bars; ends with 1 where one is missed.
+
+    Examples:
+        maneuver verify
+        maneuver verify --topics trim modes
+        maneuver verify --topics wind --spectrum spectrum.png
+        maneuver verify --json
+
+    Args:
+        topics: show and judge these alone, of trim, power, ground, modes, shape, response, limits, margins,
+            delay, adaptation, wind and numerics.
+        spectrum: also draw the gusts' spectra beside the standard's to this file.
+        json: print one JSON document.
+    """
+    if spectrum is not None:
+        _draw(spectrum)
+    figures = list(measure(topics))
+    if json:
+        rows = [asdict(figure) | {"holds": figure.holds} for figure in figures]
+        sys.stdout.write(json_module.dumps({"figures": rows}, indent=2) + "\n")
+    else:
+        _show(figures)
+    return 0 if figures and all(figure.holds for figure in figures) else CHECK_FAILED
+
+
+def _draw(path: Path) -> None:
+    from review.spectrum_picture import draw_spectra
+    from sim.wind_check import spectra
+
+    frequency, found = spectra()
+    draw_spectra(frequency, found, path)
+
+
+def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
+    """Yields every figure of the topics; of all where none is named."""
+    from sim.controller_check import (
+        check_adaptation,
+        check_delay,
+        check_limits,
+        check_margins,
+        check_response,
+    )
+    from sim.numerics_check import check_numerics
+    from sim.parameters import read_parameters
+    from sim.vehicle_check import check_vehicle
+    from sim.wind_check import check_wind
+
+    vehicle = read_parameters()
+    checks: tuple[tuple[set[str], Callable[[], Iterable[Figure]]], ...] = (
+        ({"trim", "power", "ground", "modes", "shape"}, lambda: check_vehicle(vehicle)),
+        ({"response"}, lambda: check_response(vehicle)),
+        ({"limits"}, lambda: check_limits(vehicle)),
+        ({"margins"}, lambda: check_margins(vehicle)),
+        ({"delay"}, lambda: check_delay(vehicle)),
+        ({"adaptation"}, lambda: check_adaptation(vehicle)),
+        ({"wind"}, check_wind),
+        (
+            {"numerics"},
+            lambda: check_numerics(vehicle, displacement_error=_median_displacement_error()),
+        ),
+    )
+    for covered, check in checks:
+        if not topics or covered.intersection(topics):
+            yield from (figure for figure in check() if not topics or figure.topic in topics)
+
+
+def _median_displacement_error() -> float:
+    """Returns the median over the shipped library's maneuvers of their displacement errors, in m."""
+    maneuvers = find_library("gtmax-sim").maneuvers
+    return median(hypot(maneuver.error.forward, maneuver.error.side) for maneuver in maneuvers)
+
+
+def _show(figures: list[Figure]) -> None:
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=_WIDTH)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("topic", "figure", "value", "unit", "bar", "", "beside"):
+        table.add_column(heading, justify="right" if heading == "value" else "left")
+    for figure in figures:
+        verdict = "" if not figure.bar else "holds" if figure.holds else "MISSED"
+        table.add_row(
+            *(figure.topic, figure.name, f"{figure.value:.4g}", figure.unit),
+            *(figure.bar, verdict, figure.beside),
+        )
+    console.print(table)
+    missed = sum(not figure.holds for figure in figures)
+    console.print(f"{len(figures)} figures, {missed} missed their bar")

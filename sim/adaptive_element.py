@@ -1,0 +1,69 @@
+"""The adaptive element: a network with a single hidden layer that learns what the inversion gets wrong.
+
+Laws of Johnson and Kannan (Adaptive Trajectory Control for Autonomous Helicopters, 2005), with
+e-modification. With e = wanted - flown the error obeys e'' = -K_d e' - K_p e + output - model error, which
+gives the training signal r = e^T P B.
+"""
+
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from jaxtyping import Float
+
+HIDDEN = 5
+OUTPUTS = 6
+"""Accelerations north, east, down in m/s2; angular accelerations in roll, pitch, yaw in rad/s2."""
+INPUTS = 9
+INNER_WEIGHTS, OUTER_WEIGHTS = INPUTS * HIDDEN, (HIDDEN + 1) * OUTPUTS
+
+# Steepness of the hidden neurons, and how fast the inner weights learn beside the outer ones.
+_STEEPNESS, _INNER_RATE = 1.0, 0.5
+
+
+class Weights(NamedTuple):
+    """Inner weights (inputs, hidden) and outer weights (hidden and a constant, outputs)."""
+
+    inner: ca.SX
+    outer: ca.SX
+
+
+def first_inner_weights() -> Float[np.ndarray, "weights"]:
+    """Returns inner weights, column-major, that make every hidden neuron see something else."""
+    place = np.arange(INPUTS * HIDDEN).reshape(HIDDEN, INPUTS)
+    # A fixed pattern; were all alike, they would stay so.
+    return np.asarray(0.5 * np.cos(2.4 * place)).ravel()
+
+
+def output(weights: Weights, seen: ca.SX) -> ca.SX:
+    """Returns what the network adds up to, shape (6, 1), for what it sees, shape (9, 1)."""
+    return ca.SX(weights.outer.T @ _hidden(weights, seen)[0])
+
+
+def learn(
+    weights: Weights, seen: ca.SX, *, training: ca.SX, rates: ca.SX, forgetting: float, step: float
+) -> Weights:
+    """Moves the weights on by one period.
+
+    Args:
+        weights: before.
+        seen: inputs of the network, shape (9, 1).
+        training: r, shape (6, 1), in the units of the outputs times s.
+        rates: learning rates of the outputs, shape (6, 1); zeros freeze the network.
+        forgetting: kappa of the e-modification.
+        step: s.
+    """
+    hidden, slopes = _hidden(weights, seen)
+    driven = rates * training
+    size = ca.sqrt(ca.dot(driven, driven) + 1e-12)
+    linear = ca.vertcat(0, slopes * (weights.inner.T @ seen))
+    outer_rate = -(hidden - linear) @ driven.T - forgetting * size * weights.outer
+    back = slopes * (weights.outer[1:, :] @ driven)
+    inner_rate = -_INNER_RATE * (seen @ back.T)
+    return Weights(weights.inner + step * inner_rate, weights.outer + step * outer_rate)
+
+
+def _hidden(weights: Weights, seen: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Returns the constant and the hidden neurons' values, and the slopes of the neurons."""
+    values = 1.0 / (1.0 + ca.exp(-_STEEPNESS * (weights.inner.T @ seen)))
+    return ca.vertcat(1, values), _STEEPNESS * values * (1.0 - values)

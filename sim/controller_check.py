@@ -1,0 +1,166 @@
+"""What is asked of the controller: response, margins at every trim, and what the adaptive element buys."""
+
+from collections.abc import Callable, Iterator, Sequence
+
+import numpy as np
+
+from flight.se2 import Twist
+
+from .closed_loop import Response, respond
+from .controller import Controller
+from .figure import Figure
+from .gains import Gains
+from .margins import close_loop, margins, stable
+from .motion import Controls
+from .parameters import Parameters, change_vehicle
+
+GAIN_BAR, PHASE_BAR = 6.0, 45.0
+_FOOT = 0.3048
+_STEP, _HEIGHT = 0.01, 30.0
+# The trims of the thesis's Table 9.
+TRIMS = tuple(
+    Twist(speed * _FOOT, 0.0, rate)
+    for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
+)
+# Changes of speed in ft/s and yaw rate in rad/s, with the settling time that the thesis's tables imply.
+_CHANGES = (
+    *((start, 0.0, end, 0.0, 4.2) for start, end in ((0, 3), (0, 10), (3, 10), (10, 3), (10, 0))),
+    *((10, start, 10, end, 3.2) for start, end in ((0.0, 0.6), (0.6, 0.0), (0.6, -0.6))),
+    (3, 0.0, 10, 0.6, 4.2),
+    (10, -0.6, 3, 0.0, 4.2),
+)
+_CHANGED = {
+    "as believed": {},
+    "mass +20 %": {"mass": 1.2},
+    "rotor gain -15 %": {"lift": 0.85},
+    "centre of mass 3 cm back": {"hub_forward": 0.03},
+    "all three": {"mass": 1.2, "lift": 0.85, "hub_forward": 0.03},
+}
+_WALK = (0, 1, 2, 6, 2, 5, 1, 0)
+_LEG = 10.0
+_FAST = TRIMS[2]
+# A flight whose body rates are beyond this has lost its stability, rad/s.
+_WILD = 1.0
+
+
+def check_response(parameters: Parameters) -> Iterator[Figure]:
+    """Yields settling times in still air with ideal sensors (thesis, 2.6.2), and what the tilt came to."""
+    for start, turn, end, next_turn, settling in _CHANGES:
+        before, after = Twist(start * _FOOT, 0.0, turn), Twist(end * _FOOT, 0.0, next_turn)
+        flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
+        name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"
+        straight = start != end
+        field = "forward" if straight else "yaw_rate"
+        values = flown.column(field)
+        time = settling_time(values, start=getattr(before, field), end=getattr(after, field))
+        yield Figure("response", f"{name}, 5 % settling", time, "s", 0.9 * settling, 1.1 * settling)
+
+
+def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: float) -> float:
+    """Returns when a response, sampled every 10 ms, comes within 5 % of its change for good, in s."""
+    outside = np.nonzero(np.abs(np.asarray(values) - end) > 0.05 * abs(end - start))[0]
+    return float(outside.max(initial=-1) + 1) * _STEP
+
+
+def check_margins(
+    parameters: Parameters, *, gains: Gains | None = None, extra_delay: float = 0.0
+) -> Iterator[Figure]:
+    """Yields, for every path, its smallest margins over all trims and masses, with the full delay."""
+    controller = Controller(parameters, height=_HEIGHT, step=_STEP, gains=gains)
+    worst: dict[str, tuple[float, float]] = {}
+    settled = True
+    for mass in (0.8, 1.0, 1.2):
+        vehicle = change_vehicle(parameters, mass=mass, extra_delay=extra_delay)
+        for velocity in TRIMS:
+            loop = close_loop(vehicle, controller, parameters, velocity, height=_HEIGHT, step=_STEP)
+            settled = settled and stable(loop)
+            for path, margin in margins(loop).items():
+                gain, phase = worst.get(path, (np.inf, np.inf))
+                worst[path] = min(gain, margin.gain), min(phase, margin.phase)
+    where = f"{len(TRIMS)} trims, mass -20 %, 0, +20 %"
+    for path, (gain, phase) in worst.items():
+        yield Figure("margins", f"gain at {path}", gain, "dB", low=GAIN_BAR, beside=where)
+        yield Figure("margins", f"phase at {path}", phase, "deg", low=PHASE_BAR, beside=where)
+    yield Figure("margins", "loops that settle, share", float(settled), "-", low=1.0, beside=where)
+
+
+def check_delay(parameters: Parameters) -> Iterator[Figure]:
+    """Yields the delay that the loop bears beyond the modelled one: computed, flown, flown adapting."""
+    controller = Controller(parameters, height=_HEIGHT, step=_STEP)
+    loop = close_loop(parameters, controller, parameters, _FAST, height=_HEIGHT, step=_STEP)
+    computed = _largest(lambda periods: stable(loop, extra_delay=periods)) * _STEP
+    frozen, adapting = (bearable_delay(parameters, adaptive=on) for on in (False, True))
+    beside = "10 ft/s, all servos at once"
+    yield Figure("delay", "borne beyond the modelled, computed", computed, "s", low=0.02, beside=beside)
+    yield Figure("delay", "flown, share of the computed", frozen / computed, "-", 0.9, 1.1, beside)
+    yield Figure("delay", "flown with adaptation", adapting, "s", low=0.02, beside=beside)
+
+
+def bearable_delay(parameters: Parameters, *, adaptive: bool) -> float:
+    """Returns the largest injected delay, in s, with which a disturbed flight at 10 ft/s calms down."""
+    nudged = Twist(_FAST.forward + 0.1, 0.1, 0.02)
+
+    def calms(periods: int) -> bool:
+        vehicle = change_vehicle(parameters, extra_delay=periods * _STEP)
+        return not _wild(respond([(nudged, 1.0), (_FAST, 39.0)], vehicle=vehicle, adaptive=adaptive))
+
+    return _largest(calms) * _STEP
+
+
+def _largest(holds: Callable[[int], bool]) -> int:
+    """Returns the largest number of periods below one second for which something holds, by bisection."""
+    good, bad = 0, round(1.0 / _STEP)
+    while bad - good > 1:
+        middle = (good + bad) // 2
+        good, bad = (middle, bad) if holds(middle) else (good, middle)
+    return good
+
+
+def _wild(flown: Response) -> bool:
+    """Whether a flight ended, or swings more in its last quarter than in the third."""
+    if flown.lost:
+        return True
+    rates = np.abs(np.stack([flown.column(name) for name in ("roll_rate", "pitch_rate", "yaw_rate")]))
+    third, last = (part.max() for part in np.array_split(rates, 4, axis=1)[2:])
+    return bool(last > _WILD or last > max(1.2 * third, 1e-3 + np.abs(flown.reference[-1, 2])))
+
+
+def check_adaptation(parameters: Parameters) -> Iterator[Figure]:
+    """Yields the velocity error with the adaptive element as a share of that without it."""
+    for name, change in _CHANGED.items():
+        vehicle = change_vehicle(parameters, **change)
+        high = 1.0 if not change else 0.5
+        without, adapting = (
+            fly_walk(vehicle, parameters, adaptive=on).velocity_error for on in (False, True)
+        )
+        beside = f"{without:.3f} m/s without, {adapting:.3f} m/s with; wind class gtmax"
+        share = adapting / without
+        yield Figure("adaptation", f"velocity error, {name}, share", share, "-", high=high, beside=beside)
+
+
+def fly_walk(
+    vehicle: Parameters, believed: Parameters, *, adaptive: bool, gains: Gains | None = None
+) -> Response:
+    """Flies every trim in turn in wind class `gtmax`; the first 10 s, in hover, are left off."""
+    legs = [(TRIMS[0], _LEG), *((TRIMS[place], _LEG) for place in _WALK)]
+    return respond(
+        legs,
+        vehicle=vehicle,
+        believed=believed,
+        adaptive=adaptive,
+        gains=gains,
+        wind="gtmax",
+        skip=round(_LEG / _STEP),
+    )
+
+
+def check_limits(parameters: Parameters) -> Iterator[Figure]:
+    """Yields how much of attitude limit and servo rates the maneuvers in wind class `gtmax` use."""
+    flown = fly_walk(parameters, parameters, adaptive=True)
+    tilt = max(np.abs(flown.column(name)).max() for name in ("roll", "pitch"))
+    yield Figure("limits", "largest tilt of the walk", float(tilt), "rad", high=Gains().tilt_limit)
+    servos = parameters.servos
+    fastest = np.abs(np.diff(flown.servos, axis=0)).max(axis=0) / _STEP
+    for name, rate in zip(Controls._fields, fastest.tolist(), strict=True):
+        limit = servos.pedal_rate if name == "pedal" else servos.rate
+        yield Figure("limits", f"fastest {name} servo of the walk", rate, "rad/s", high=0.99 * limit)

@@ -1,0 +1,42 @@
+"""The discrete gust of MIL-F-8785C, 3.7.1.3: one minus cosine up, then, by the same way, down again."""
+
+from dataclasses import dataclass
+from math import cos, pi
+
+from .motion import Wind
+
+
+@dataclass(frozen=True, slots=True)
+class DiscreteGust:
+    """A gust that comes at a time and goes.
+
+    Attributes:
+        start: s.
+        duration: from nothing over the peak to nothing, s.
+        north: velocity of the air at the peak, m/s.
+        east: likewise.
+        down: likewise.
+    """
+
+    start: float
+    duration: float
+    north: float
+    east: float
+    down: float
+
+    def __post_init__(self) -> None:
+        """Refuses a gust without a length."""
+        if not self.duration > 0.0:
+            raise ValueError(f"duration must be > 0 s, got {self.duration} s")
+
+    def add_to(self, wind: Wind, time: float) -> Wind:
+        """Returns the wind with the gust at a time in s."""
+        along = (time - self.start) / self.duration
+        if not 0.0 < along < 1.0:
+            return wind
+        share = 0.5 * (1.0 - cos(2.0 * pi * along))
+        return wind._replace(
+            north=wind.north + share * self.north,
+            east=wind.east + share * self.east,
+            down=wind.down + share * self.down,
+        )

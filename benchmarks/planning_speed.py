@@ -48,7 +48,8 @@ def sample(library: Library, depth: int, count: int, *, seed: int) -> list[Missi
 def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float], float]:
     """Returns seconds of each worst-case plan with its tables warm, and of the slowest first one."""
     planner = WorstCase(library, GAMMA)
-    warm, cold = [], []
+    warm: list[float] = []
+    cold: list[float] = []
     for mission in sample(library, depth, missions, seed=4):
         for times in (cold, warm):
             began = perf_counter()

@@ -350,3 +350,15 @@ int search(const Task *task, const Table *tables, Answer *answer)
     free(entries);
     return 0;
 }
+
+/* The least cost of every row on its own; infinite where it does not reach the goal. */
+void each(const Task *task, const Table *table, double *costs)
+{
+    for (long index = 0; index < table->walks; index++) {
+        Row row;
+        load(&row, task, table, index);
+        row.best = INFINITY;
+        solve(&row, 0, MOST);
+        costs[index] = row.best;
+    }
+}

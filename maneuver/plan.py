@@ -27,6 +27,7 @@ from review.plan_picture import plan_picture
 from .files import find_library, find_mission, refuse_existing
 from .policies import PlannedPolicy
 from .prices import png, show_prices
+from .signs import signs
 
 NO_PLAN = 1
 
@@ -34,6 +35,7 @@ NO_PLAN = 1
 MOST_TRIMS = 8
 
 app = App(name="plan")
+app.command(signs)
 
 
 @app.default

@@ -4,6 +4,10 @@ import ctypes
 from functools import cache
 from math import inf
 
+import numpy as np
+from jaxtyping import Float
+
+from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from flight.se2 import rotate
@@ -21,6 +25,13 @@ NO_LIMIT = 2**62
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
+
+
+class NoKernelError(FlightError):
+    """What only compiled code can do in reasonable time was asked for on a machine without a C compiler."""
+
+    def __init__(self) -> None:
+        super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
 class _Task(ctypes.Structure):
@@ -72,7 +83,8 @@ class ExactSearch:
         assert compiled is not None
         every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
         found = _Answer()
-        task = self._task(mission, len(every), NO_LIMIT if max_nodes is None else max_nodes)
+        most_nodes = NO_LIMIT if max_nodes is None else max_nodes
+        task = _task(mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes)
         if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
             raise MemoryError("the list of walks")
         return self._read(found, every, mission)
@@ -86,22 +98,6 @@ class ExactSearch:
             table.fill(structure)
         return every, structures
 
-    def _task(self, mission: Mission, count: int, most_nodes: int) -> _Task:
-        start = mission.start
-        north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
-        heading = (mission.goal_heading or 0.0) - start.heading
-        return _Task(
-            north,
-            east,
-            mission.tolerance * (1 - ROUNDING),
-            heading,
-            mission.heading_tolerance * (1 - ROUNDING),
-            int(wants_heading(mission)),
-            len(self._gammas),
-            count,
-            most_nodes,
-        )
-
     def _read(self, found: _Answer, every: tuple[Table, ...], mission: Mission) -> Answer:
         hidden = wants_heading(mission) and any(table.equal_turns > EQUAL_TURNS for table in every)
         exhausted = bool(found.complete) and not hidden
@@ -112,3 +108,37 @@ class ExactSearch:
         levels = range(len(self._gammas))
         times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
         return Answer(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
+
+
+def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "walks"]:
+    """Returns the exact least cost of each walk of a table in seconds; infinite where it ends elsewhere.
+
+    Args:
+        table: of one level.
+        mission: from where to where.
+    """
+    compiled = kernel()
+    if compiled is None:
+        raise NoKernelError
+    structure = CTable()
+    table.fill(structure)
+    costs = np.empty(len(table.walks))
+    task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT)
+    compiled.each(ctypes.byref(task), ctypes.byref(structure), ctypes.c_void_p(costs.ctypes.data))
+    return costs
+
+
+def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int) -> _Task:
+    start = mission.start
+    north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
+    return _Task(
+        north,
+        east,
+        mission.tolerance * (1 - ROUNDING),
+        (mission.goal_heading or 0.0) - start.heading,
+        mission.heading_tolerance * (1 - ROUNDING),
+        int(wants_heading(mission)),
+        levels,
+        tables,
+        most_nodes,
+    )

@@ -221,6 +221,8 @@ typedef struct {
     long table, walk, nodes, complete;
 } Answer;
 
+#define SHORT 4           /* trims */
+
 typedef struct { double bound; int table, walk; } Entry;
 
 static int by_bound(const void *one, const void *other)
@@ -318,12 +320,18 @@ int search(const Task *task, const Table *tables, Answer *answer)
     answer->least = INFINITY;
     for (long i = 0; i < used; i++) answer->least = fmin(answer->least, entries[i].bound);
     qsort(entries, (size_t)used, sizeof(Entry), by_bound);
-    int equations = (task->tolerance > 0 ? 1 : 2) + (task->wants_heading ? 1 : 0);
-    for (long i = 0; i < used && answer->complete; i++) {
-        if (entries[i].bound >= answer->cost) break;
-        if (answer->nodes >= task->most_nodes) { answer->complete = 0; answer->bound = entries[0].bound; }
-        else try_walk(task, tables, &entries[i], 0, equations, answer);
-    }
+    /* Closed forms aim at the middle of the tolerance. */
+    Task middle = *task;
+    middle.tolerance = 0;
+    int equations = 2 + (task->wants_heading ? 1 : 0);
+    /* Short walks first: they soon give a plan that excludes most of the long ones. */
+    for (int longer = 0; longer < 2; longer++)
+        for (long i = 0; i < used && answer->complete; i++) {
+            if (entries[i].bound >= answer->cost) break;
+            if ((tables[entries[i].table].trims > SHORT) != longer) continue;
+            if (answer->nodes >= task->most_nodes) { answer->complete = 0; answer->bound = entries[0].bound; }
+            else try_walk(&middle, tables, &entries[i], 0, equations, answer);
+        }
     for (long i = 0; i < used && answer->complete; i++) {
         if (entries[i].bound >= answer->cost) break;
         if (answer->nodes >= task->most_nodes) { answer->complete = 0; answer->bound = entries[i].bound; }
@@ -341,4 +349,16 @@ int search(const Task *task, const Table *tables, Answer *answer)
     if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
     free(entries);
     return 0;
+}
+
+/* The least cost of every row on its own; infinite where it does not reach the goal. */
+void each(const Task *task, const Table *table, double *costs)
+{
+    for (long index = 0; index < table->walks; index++) {
+        Row row;
+        load(&row, task, table, index);
+        row.best = INFINITY;
+        solve(&row, 0, MOST);
+        costs[index] = row.best;
+    }
 }

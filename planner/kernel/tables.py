@@ -120,32 +120,59 @@ class _Numbers:
         trims: Int[np.ndarray, "walks trims"],
         steps: Int[np.ndarray, "walks steps"],
     ) -> Table:
-        rate = _rows(self.rate, trims)
-        nothing = np.zeros((len(rate), 1))
-        turned = np.hstack([nothing, np.cumsum(_rows(self.turn, steps), axis=1)])
-        velocity = _rows(self.velocity, trims) * np.exp(1j * turned)
-        displacement = np.hstack([nothing, _rows(self.displacement, steps) * np.exp(1j * turned[:, :-1])])
-        with np.errstate(divide="ignore", invalid="ignore"):
-            centre = np.where(rate != 0, velocity / (1j * rate), 0)
-        ordered = np.sort(rate, axis=1)
-        equal = (np.diff(ordered, axis=1) == 0) & (ordered[:, 1:] != 0)
-        arrays = (
-            rate,
-            velocity,
-            centre,
-            displacement,
-            np.angle(displacement),
-            np.angle(velocity),
-            np.abs(displacement),
-            np.abs(velocity),
-            _rows(self.duration, steps).sum(axis=1),
-            turned[:, -1],
-        )
-        return Table(
+        return fold(
             ids[trims],
-            tuple(np.ascontiguousarray(array) for array in arrays),
-            1 + int(equal.sum(axis=1).max(initial=0)),
+            velocity=_rows(self.velocity, trims),
+            rate=_rows(self.rate, trims),
+            displacement=_rows(self.displacement, steps),
+            turn=_rows(self.turn, steps),
+            fixed=_rows(self.duration, steps).sum(axis=1),
         )
+
+
+def fold(
+    walks: Int[np.ndarray, "walks trims"],
+    *,
+    velocity: Complex[np.ndarray, "rows trims"],
+    rate: Float[np.ndarray, "rows trims"],
+    displacement: Complex[np.ndarray, "rows steps"],
+    turn: Float[np.ndarray, "rows steps"],
+    fixed: Float[np.ndarray, "rows"],
+) -> Table:
+    """Returns a table of walks of one length.
+
+    Args:
+        walks: trim ids.
+        velocity: body velocities, forward + i side, metres per second.
+        rate: yaw rates in radians per second.
+        displacement: of the maneuvers, in the body frame at entry, metres.
+        turn: heading changes of the maneuvers, radians.
+        fixed: seconds in maneuvers.
+    """
+    nothing = np.zeros((len(rate), 1))
+    turned = np.hstack([nothing, np.cumsum(turn, axis=1)])
+    velocity = velocity * np.exp(1j * turned)
+    displacement = np.hstack([nothing, displacement * np.exp(1j * turned[:, :-1])])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        centre = np.where(rate != 0, velocity / (1j * rate), 0)
+    equal = (rate[:, :, None] == rate[:, None, :]) & (rate != 0)[:, :, None]
+    arrays = (
+        rate,
+        velocity,
+        centre,
+        displacement,
+        np.angle(displacement),
+        np.angle(velocity),
+        np.abs(displacement),
+        np.abs(velocity),
+        fixed,
+        turned[:, -1],
+    )
+    return Table(
+        walks,
+        tuple(np.ascontiguousarray(array) for array in arrays),
+        int(equal.sum(axis=1).max(initial=0)),
+    )
 
 
 def _rows(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:

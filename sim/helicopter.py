@@ -70,7 +70,8 @@ class Helicopter:
         self.step_length = step
         self._model = load_model(parameters, step)
         self._data = mujoco.MjData(self._model)
-        self._warnings = self._data.warning.number
+        self._warnings = memoryview(self._data.warning.number)
+        self._position, self._velocity = memoryview(self._data.qpos), memoryview(self._data.qvel)
         self._steps = 0
         self._heading = 0.0
         self._inputs = np.zeros(10)
@@ -161,18 +162,24 @@ class Helicopter:
         self._inputs[4:] = wind
         inputs, pending = self._inputs, self._pending
         model, data, step = self._model, self._data, mujoco.mj_step
+        position, velocity, held = self._position, self._velocity, None
         for _ in range(steps):
             pending.append(controls)
-            inputs[:4] = pending.popleft()
+            command = pending.popleft()
+            if command is not held:
+                inputs[:4] = held = command
             self._plants[self._current].evaluate()
             self._current = 1 - self._current
             step(model, data)
             self._steps += 1
-            height = data.qpos[2]
-            if self._warnings.any() or not isfinite(height + data.qvel[3]):
+            height = position[2]
+            # MuJoCo warns, and would start again, where these are not finite.
+            if not isfinite(height + velocity[0] + velocity[3]):
                 raise FlightLostError(self.time, "the motion diverged")
             if height < _GROUND_HEIGHT:
                 raise FlightLostError(self.time, "the helicopter met the ground")
+        if any(self._warnings):
+            raise FlightLostError(self.time, "the motion diverged")
 
     def servo_positions(self) -> Controls:
         """Returns where the servos are."""

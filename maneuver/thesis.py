@@ -11,11 +11,13 @@ from rich.console import Console
 from rich.table import Table
 
 from flight.library import Library
+from planner.kernel.build import kernel
 from planner.nominal import Nominal
 from planner.sequences import walks
 from planner.worst_case import WorstCase
 
 from .files import find_library, find_mission
+from .thesis_examples import example_rows
 
 TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
 """Sequences of up to four trims from each start trim (thesis, Table 11)."""
@@ -107,7 +109,8 @@ def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     """Prints what the thesis prints beside what is computed from its own tables, differences marked.
 
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
-    cannot be. The exit code is 1 where a figure differs without an explanation.
+    cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 31 and 33 follow, misprints marked.
+    The exit code is 1 where a figure differs without an explanation.
 
     For example:
 
@@ -118,7 +121,7 @@ def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     Args:
         json: print one JSON document.
     """
-    rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED)]
+    rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED), *examples()]
     if json:
         document = {"comparisons": [asdict(row) for row in rows], "not_compared": NOT_COMPARED}
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
@@ -135,6 +138,23 @@ def sequence_counts(library: Library) -> list[Comparison]:
         verdict = "same" if computed == printed else "differs"
         rows.append(Comparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
     return rows
+
+
+def examples() -> list[Comparison]:
+    """Returns problems 4.3, 4.4 and appendix B's tables beside what is computed; none without a compiler."""
+    if kernel() is None:
+        return []
+    return [
+        Comparison(
+            table=table,
+            what=what,
+            printed=printed,
+            computed=computed,
+            sequence="",
+            verdict="same" if abs(printed - computed) <= AGREEMENT else explanation or "differs",
+        )
+        for table, what, printed, computed, explanation in example_rows()
+    ]
 
 
 def compare(printed: PrintedCost) -> Comparison:

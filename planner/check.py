@@ -21,6 +21,10 @@ TIME_AGREEMENT = 1e-9
 """Seconds by which a stated cost may differ from the sum of its parts."""
 
 
+OPTIMALITY = 1e-6
+"""Seconds by which an optimal plan's cost may exceed its lower bound."""
+
+
 def problems(
     plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
 ) -> tuple[str, ...]:
@@ -49,6 +53,8 @@ def problems(
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
+    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - OPTIMALITY:
+        found.append(f"lower_bound: called optimal at {plan.cost} s, the bound is {plan.lower_bound} s")
     return tuple(found)
 
 

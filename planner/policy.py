@@ -19,6 +19,11 @@ from .walk_table import WalkTable, tabulate
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
+FREEDOM = (
+    "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
+    "that the search does not see"
+)
+
 NOT_PROVED = (
     "not proved optimal: walks were left out by bounds or as unpromising, and coasting times were sought "
     "from finitely many starts"
@@ -108,7 +113,7 @@ class LibraryPlanner:
         return replace(
             plan,
             status="optimal" if answer.exhausted else "feasible",
-            reason="" if answer.exhausted else STOPPED if self._max_nodes is not None else NOT_PROVED,
+            reason="" if answer.exhausted else self._doubt(mission),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             scenarios=tuple(
@@ -118,6 +123,11 @@ class LibraryPlanner:
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
         )
+
+    def _doubt(self, mission: Mission) -> str:
+        if not self._exact.can(mission):
+            return NOT_PROVED
+        return FREEDOM if self._max_nodes is None else STOPPED
 
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:

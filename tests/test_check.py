@@ -23,7 +23,9 @@ from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 def case() -> tuple[Plan, Library, Mission]:
     library = thesis_gtmax()
     mission = read_mission(missions.FOLDER / "gtmax-1.toml")
-    return WorstCase(library, 0.5).plan(mission), library, mission
+    plan = WorstCase(library, 0.5).plan(mission)
+    # As compiled code calls it; a machine without a compiler does not.
+    return replace(plan, status="optimal", reason="", lower_bound=plan.cost), library, mission
 
 
 def with_scenario(plan: Plan, place: int, **changes: object) -> Plan:
@@ -80,6 +82,11 @@ BREAKAGES: dict[str, tuple[Callable[[Plan], Plan], str]] = {
     "a cost too good": (lambda plan: with_scenario(plan, 1, cost=plan.scenarios[1].cost - 1e-6), "cost"),
     "an end elsewhere": (lambda plan: with_scenario(plan, 2, end=SE2(0.0, 0.0, 0.0)), "end"),
     "a time longer": (lambda plan: later(plan, 1, 0.01), "end"),
+    "optimal with a bound below the cost": (
+        lambda plan: replace(plan, lower_bound=plan.cost - 1e-3),
+        "lower_bound",
+    ),
+    "optimal without a bound": (lambda plan: replace(plan, lower_bound=None), "lower_bound"),
     "a bound above the cost": (lambda plan: replace(plan, lower_bound=plan.cost + 1.0), "lower_bound"),
 }
 
@@ -113,6 +120,45 @@ def test_every_small_lie_about_times_is_found() -> None:
         times = list(plan.scenarios[place].coasting_times)
         times[trim] += float(10 ** rng.uniform(-5, 0))
         assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
+
+
+def broken(plan: Plan, rng: np.random.Generator) -> Plan:
+    """The plan with one lie of at least 1e-5 in it."""
+    place, lie = int(rng.integers(3)), float(10 ** rng.uniform(-5, 1)) * float(rng.choice([-1, 1]))
+    scenario = plan.scenarios[place]
+    trims = list(plan.sequence)
+    trims[int(rng.integers(len(trims)))] = int(rng.choice([0, 8, 9]))
+    at = int(rng.integers(len(trims)))
+    times = tuple(time + lie * (k == at) for k, time in enumerate(scenario.coasting_times))
+    end = scenario.end
+    text = list(plan.library_hash)
+    text[int(rng.integers(len(text)))] = "x"
+    lies = (
+        with_scenario(plan, place, coasting_times=times),
+        with_scenario(plan, place, coasting_times=times, cost=scenario.cost + lie),
+        with_scenario(plan, place, cost=scenario.cost + lie),
+        with_scenario(plan, place, end=SE2(end.x + lie, end.y, end.heading)),
+        with_scenario(plan, place, end=SE2(end.x, end.y, end.heading + lie / 4)),
+        with_scenario(plan, place, gamma=scenario.gamma + lie),
+        replace(plan, sequence=tuple(trims)),
+        replace(plan, sequence=plan.sequence[::-1]),
+        replace(plan, library_hash="".join(text)),
+        replace(plan, lower_bound=plan.cost + lie),
+        replace(plan, tolerance=plan.tolerance + lie),
+    )
+    return lies[int(rng.integers(len(lies)))]
+
+
+def test_a_thousand_broken_plans_are_all_rejected() -> None:
+    plan, library, mission = case()
+    rng = np.random.default_rng(2)
+    known = plan.library_hash
+    passed = [
+        lie
+        for lie in (broken(plan, rng) for _ in range(1000))
+        if not problems(lie, library, mission, known_hash=known)
+    ]
+    assert passed == []
 
 
 def test_the_verb_tells_good_from_broken_by_its_exit_code(

@@ -6,47 +6,17 @@ from pathlib import Path
 import pytest
 
 import missions
-from flight.library import Library
-from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission, read_mission
 from flight.plan import plan_text
-from flight.se2 import SE2, Twist
-from flight.trim import Trim
+from flight.se2 import SE2
 from maneuver.app import run
+from maneuver.thesis_examples import TABLE_33, simple_example
 from planner.kernel.build import kernel
 from planner.signs import TooManyScenariosError, all_signs
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 pytestmark = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
-
-PRINTED = {
-    (-1, -1): 22.7273,
-    (-1, 0): 13.6250,
-    (-1, 1): 10.1724,
-    (0, -1): 22.4545,
-    (0, 0): 13.2500,
-    (0, 1): 9.7586,
-    (1, -1): 22.1818,
-    (1, 0): 12.8750,
-    (1, 1): 9.3448,
-}
-"""Seconds by the signs of the maneuver and of trim 2 (thesis, Table 33).
-
-Trim 1 is not held, so its sign does not matter. Three of the 27 printed rows are misprints and stand here as
-the others have them: (0, 0, 0) is printed 12.0000, (1, 1, 0) 11.6250 and (0, 0, -1) 20.1818.
-"""
-
-
-def simple_example() -> tuple[Library, Mission]:
-    """Tables 27 and 28, with the error of 1.8 m/s on trim 2 that Table 33 was computed with."""
-    trims = (
-        Trim(1, "slow", Twist(1.0, 0.0, 0.0), Twist(0.1, 0.0, 0.0)),
-        Trim(2, "fast", Twist(4.0, 0.0, 0.0), Twist(1.8, 0.0, 0.0)),
-    )
-    faster = Maneuver(2, 1, 2, 2.0, SE2(5.0, 0.0, 0.0), ManeuverError(-0.5, -0.5, 0.0, 0.0))
-    library = Library("appendix-b", "", "", trims, (faster,))
-    return library, Mission("simple", SE2.identity(), 1, (50.0, 0.0))
 
 
 def test_table_33_is_reproduced_but_for_its_misprints() -> None:
@@ -55,7 +25,7 @@ def test_table_33_is_reproduced_but_for_its_misprints() -> None:
     assert len(signs.scenarios) == 27
     for scenario in signs.scenarios:
         _, change, fast = scenario.signs
-        assert scenario.cost == pytest.approx(PRINTED[change, fast], abs=1e-4)
+        assert scenario.cost == pytest.approx(TABLE_33[change, fast], abs=1e-4)
 
 
 def test_in_the_simple_example_the_single_gamma_is_the_worst() -> None:

@@ -2,7 +2,8 @@
 
 import pytest
 
-from maneuver.thesis import PRINTED, PrintedCost, compare, sequence_counts
+from maneuver.thesis import PRINTED, PrintedCost, compare, examples, sequence_counts
+from planner.kernel.build import kernel
 from tools.thesis_libraries import thesis_gtmax
 
 
@@ -26,3 +27,11 @@ def test_tables_19_to_26_are_shown_with_the_reason_why_they_differ() -> None:
     row = compare(next(row for row in PRINTED if row.table == 19))
     assert row.computed == pytest.approx(16.721, abs=1e-3)
     assert "start trim is not printed" in row.verdict
+
+
+@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+def test_the_small_examples_are_reproduced_but_for_what_is_misprinted() -> None:
+    verdicts = {(row.table, row.what): row.verdict for row in examples()}
+    assert "differs" not in verdicts.values()
+    assert sum(verdict == "same" for (table, _), verdict in verdicts.items() if table == 33) == 24
+    assert sum(verdict == "same" for (table, _), verdict in verdicts.items() if table == 4) == 5

@@ -1,0 +1,78 @@
+"""The thesis's small examples: problems 4.3 and 4.4, and appendix B's Tables 31 and 33."""
+
+from math import sqrt
+
+from flight.library import Library
+from flight.maneuver import Maneuver, ManeuverError
+from flight.mission import Mission
+from flight.se2 import SE2, Twist
+from flight.trim import Trim
+from planner.example_problems import nominal_example, robust_example
+from planner.signs import all_signs
+
+ALPHA = 1.5
+"""At which problem 4.4 is compared, with a = 1."""
+
+SLIP = "not reproduced: a slip in print; the minimum of x^2 + y^2 on y = x + a is a^2/2 at x = -a/2, y = a/2"
+MIXED_UP = "not reproduced: the rows are mixed up; 50 m at 0.9, 1 and 1.1 m/s take 55.5556, 50 and 45.4545 s"
+MISPRINTED = (
+    "not reproduced: a misprint; rows that differ only in the sign of trim 1, not held, say otherwise"
+)
+
+PROBLEMS = (
+    ("problem 4.3, x at a = 1", -0.5, ""),
+    ("problem 4.3, y at a = 1", -1.0, SLIP),
+    ("problem 4.3, J at a = 1", -1.0, SLIP),
+    (f"problem 4.4, x at a = 1, alpha = {ALPHA:g}", -sqrt(ALPHA) / 2, ""),
+    (f"problem 4.4, y at a = 1, alpha = {ALPHA:g}", sqrt(ALPHA) / 2, ""),
+    (f"problem 4.4, a at a = 1, alpha = {ALPHA:g}", sqrt(ALPHA), ""),
+    (f"problem 4.4, J at a = 1, alpha = {ALPHA:g}", ALPHA / 2, ""),
+)
+
+TABLE_31 = {-1: 50.0, 0: 45.4545, 1: 50.0}
+
+TABLE_33 = {
+    (-1, -1): 22.7273,
+    (-1, 0): 13.6250,
+    (-1, 1): 10.1724,
+    (0, -1): 22.4545,
+    (0, 0): 13.2500,
+    (0, 1): 9.7586,
+    (1, -1): 22.1818,
+    (1, 0): 12.8750,
+    (1, 1): 9.3448,
+}
+"""Seconds by the signs of the maneuver and of trim 2; trim 1 is not held, so its sign does not matter."""
+
+MISPRINTS = {(0, 0, 0): 12.0000, (1, 1, 0): 11.6250, (0, 0, -1): 20.1818}
+"""What Table 33 prints for trim 1, maneuver and trim 2 where it contradicts its other rows."""
+
+
+def simple_example() -> tuple[Library, Mission]:
+    """Returns Tables 27 and 28, with the error of 1.8 m/s on trim 2 that Table 33 was computed with."""
+    trims = (
+        Trim(1, "slow forward", Twist(1.0, 0.0, 0.0), Twist(0.1, 0.0, 0.0)),
+        Trim(2, "fast forward", Twist(4.0, 0.0, 0.0), Twist(1.8, 0.0, 0.0)),
+    )
+    faster = Maneuver(2, 1, 2, 2.0, SE2(5.0, 0.0, 0.0), ManeuverError(-0.5, -0.5, 0.0, 0.0))
+    library = Library("appendix-b", "", "", trims, (faster,))
+    return library, Mission("appendix-b", SE2.identity(), 1, (50.0, 0.0))
+
+
+def example_rows() -> list[tuple[int, str, float, float, str]]:
+    """Returns table (4 for chapter 4), what, printed, computed, and why they may differ."""
+    nominal, robust = nominal_example(1.0), robust_example(1.0, ALPHA)
+    computed = (nominal.x, nominal.y, nominal.cost, robust.x, robust.y, robust.a, robust.cost)
+    rows = [
+        (4, what, printed, value, why) for (what, printed, why), value in zip(PROBLEMS, computed, strict=True)
+    ]
+    library, mission = simple_example()
+    for scenario in all_signs(library, mission, (1,), (50.0,)).scenarios:
+        (sign,) = scenario.signs
+        rows.append((31, f"sign {sign}", TABLE_31[sign], scenario.cost, MIXED_UP))
+    for scenario in all_signs(library, mission, (1, 2), (0.0, 0.0)).scenarios:
+        slow, change, fast = scenario.signs
+        printed = MISPRINTS.get((slow, change, fast), TABLE_33[change, fast])
+        why = MISPRINTED if scenario.signs in MISPRINTS else ""
+        rows.append((33, f"signs {slow} {change} {fast}", printed, scenario.cost, why))
+    return rows

@@ -78,7 +78,7 @@ def predict(step: float, gravity: float, noise: ca.DM, wanders: tuple[_Wander, .
         added[place, place] = 0.0
         added[3 + place, 3 + place] = step**2 * noise[place]
         added[6 + place, 6 + place] = step**2 * noise[3 + place]
-    spread = ca.densify(transition @ covariance @ transition.T + added)
+    spread = _symmetric(transition @ _symmetric(covariance) @ transition.T + added)
     return ca.Function("predict", [nominal, covariance, reading], [after, spread])
 
 
@@ -103,7 +103,7 @@ def correct_fix(antenna: tuple[float, float, float], age: float, variances: tupl
     slopes[3:, 3:6] = ca.SX.eye(3)
     slopes[3:, 6:9] = -turn @ ca.skew(swing) + age * leaning
     slopes[3:, 9:12] = age * turn
-    error, after = ca.SX.zeros(ERRORS), covariance
+    error, after = ca.SX.zeros(ERRORS), _symmetric(covariance)
     for row in range(6):
         error, after = _correct(error, after, slopes[row, :], innovation[row], variances[row])
     return ca.Function(
@@ -123,7 +123,9 @@ def correct_slow(heading_variance: float) -> ca.Function:
     slopes = ca.SX(1, ERRORS)
     slopes[0, 7], slopes[0, 8] = turn[2, 1] / level, turn[2, 2] / level
     slopes[0, ERRORS - 1] = 1.0
-    error, covariance_after = _correct(ca.SX.zeros(ERRORS), covariance, slopes, innovation, heading_variance)
+    error, covariance_after = _correct(
+        ca.SX.zeros(ERRORS), _symmetric(covariance), slopes, innovation, heading_variance
+    )
     slopes = ca.SX(1, ERRORS)
     slopes[0, 2] = -1.0
     error, covariance_after = _correct(error, covariance_after, slopes, height + nominal[2], variance)
@@ -145,7 +147,13 @@ def _correct(
     gain[ESTIMATED:] = 0.0
     gain = ca.if_else(left**2 <= GATE**2 * spread, gain, ca.SX.zeros(ERRORS))
     crossed = gain @ reach.T
-    return error + gain * left, covariance - crossed - crossed.T + spread * (gain @ gain.T)
+    smaller = covariance - crossed - crossed.T + spread * (gain @ gain.T)
+    return error + gain * left, _symmetric(smaller)
+
+
+def _symmetric(matrix: ca.SX) -> ca.SX:
+    """Returns a symmetric matrix from its upper half, so that the other half costs nothing."""
+    return ca.densify(ca.triu2symm(ca.triu(matrix)))
 
 
 def believe() -> ca.Function:

@@ -39,7 +39,7 @@ def verify(
 
     Args:
         topics: show and judge these alone, of trim, power, ground, modes, shape, response, limits, margins,
-            delay, adaptation, wind and numerics.
+            delay, adaptation, wind, navigation and numerics.
         spectrum: also draw the gusts' spectra beside the standard's to this file.
         json: print one JSON document.
     """
@@ -71,6 +71,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
         check_margins,
         check_response,
     )
+    from sim.navigation_check import check_navigation
     from sim.numerics_check import check_numerics
     from sim.parameters import read_parameters
     from sim.vehicle_check import check_vehicle
@@ -85,6 +86,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
         ({"delay"}, lambda: check_delay(vehicle)),
         ({"adaptation"}, lambda: check_adaptation(vehicle)),
         ({"wind"}, check_wind),
+        ({"navigation"}, lambda: check_navigation(vehicle)),
         (
             {"numerics"},
             lambda: check_numerics(vehicle, displacement_error=_median_displacement_error()),

@@ -32,7 +32,7 @@ from .equilibrium import EquilibriumFinder
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import Channel, ManeuverGenerator, Reference
 from .motion import Motion
-from .navigation import GPS_AIDED, IDEAL, Navigation
+from .navigation import IdealNavigation, Navigation
 from .parameters import Parameters, model_hash, read_parameters
 from .recorder import Recorder
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
@@ -89,11 +89,6 @@ class SimulatedHelicopter:
             step=CONTROL_PERIOD,
             rng=random_stream(specification.seed, Stream.WIND),
         )
-        self._navigation = Navigation(
-            IDEAL if specification.ideal_navigation else GPS_AIDED,
-            step=CONTROL_PERIOD,
-            rng=random_stream(specification.seed, Stream.NAVIGATION),
-        )
         self._generator = ManeuverGenerator(self._target, step=CONTROL_PERIOD)
         self._gusts = [DiscreteGust(**dict(gust)) for gust in specification.gusts]
         self._controller = Controller(
@@ -120,7 +115,17 @@ class SimulatedHelicopter:
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
         self._truth = self._helicopter.motion()
-        self._estimate = self._navigation.step(self._truth)
+        self._estimate = self._truth
+        self._navigation = (
+            IdealNavigation()
+            if specification.ideal_navigation
+            else Navigation(
+                self._truth,
+                step=CONTROL_PERIOD,
+                gravity=self._parameters.environment.gravity,
+                rng=random_stream(specification.seed, Stream.NAVIGATION),
+            )
+        )
         self._reference = Reference(
             *(Channel(v, 0.0, 0.0) for v in (target.forward, target.side, target.yaw_rate))
         )
@@ -132,10 +137,10 @@ class SimulatedHelicopter:
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
         self._controller.turn(displacement.heading)
-        self._navigation.move(displacement)
         believed = displacement @ self._estimate.pose
         self._estimate = self._estimate._replace(north=believed.x, east=believed.y, heading=believed.heading)
         self._truth = self._helicopter.motion()
+        self._navigation.move(displacement, self._truth)
 
     @property
     def time(self) -> float:

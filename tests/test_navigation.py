@@ -1,70 +1,127 @@
-"""What the vehicle believes: errors of the declared size, old by the declared delay, or none at all."""
+"""What the vehicle believes: a filter whose claims about its own error are true, also without GPS."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
+from sim.closed_loop import respond
+from sim.controller_check import TRIMS, fly_walk
 from sim.motion import Motion
-from sim.navigation import GPS_AIDED, IDEAL, Navigation, NavigationErrors
+from sim.navigation import IdealNavigation, Navigation
+from sim.navigation_check import check_navigation, flown_errors
+from sim.parameters import read_parameters
+from sim.sensors import SensorErrors, Wander
 
-STILL = Motion(5.0, -3.0, -30.0, 1.0, 0.5, 0.0, 0.05, -0.02, 2.0, 0.0, 0.0, 0.1, 0.1)
+PARAMETERS = read_parameters()
+STILL = Motion(5.0, -3.0, -30.0, 1.0, 0.5, 0.0, 0.05, -0.02, 2.0, 0.0, 0.0, 0.0, 0.0)
 
 
-def errors(seed: int, *, periods: int, kind: NavigationErrors = GPS_AIDED) -> np.ndarray:
-    navigation = Navigation(kind, step=0.01, rng=np.random.default_rng(seed))
-    believed: np.ndarray = np.array([navigation.step(STILL) for _ in range(periods)])
-    return np.asarray(believed - np.array(STILL))
+def navigate(truth: Motion, *, seed: int = 1, errors: SensorErrors | None = None) -> Navigation:
+    rng = np.random.default_rng(seed)
+    return Navigation(truth, step=0.01, gravity=9.81, rng=rng, errors=errors)
 
 
 def test_ideal_navigation_believes_the_truth_at_once() -> None:
-    navigation = Navigation(IDEAL, step=0.01, rng=np.random.default_rng(1))
+    navigation = IdealNavigation()
     for north in (0.0, 1.0, 2.0):
         truth = STILL._replace(north=north)
+        assert navigation.step(truth) == truth
+
+
+def test_the_filter_is_consistent_over_fifty_flights() -> None:
+    assert [figure for figure in check_navigation(PARAMETERS) if not figure.holds] == []
+
+
+def test_a_filter_that_trusts_its_fixes_too_much_is_found() -> None:
+    """The negative control: fixes that wander ten times more than the filter thinks."""
+    truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
+    believed = SensorErrors(position_wander=Wander(0.003, 60.0))
+    normalised = []
+    for seed in range(10):
+        navigation = navigate(truths[0], seed=seed, errors=believed)
+        navigation._sensors._drive[6:9] *= 10.0
+        navigation._sensors._wandering[6:9] *= 10.0
+        for truth in truths[1:3000]:
+            navigation.step(truth)
+        normalised.append(navigation.normalised_error(truths[2999]))
+    assert np.sum(normalised) > chi2.ppf(0.999, 15 * 10)
+
+
+@pytest.mark.parametrize("trim", TRIMS)
+def test_two_seconds_without_gps_are_survived_in_every_trim(trim: Twist) -> None:
+    flown = respond([(trim, 30.0)], vehicle=PARAMETERS, wind="gtmax")
+    truths = [Motion._make(row) for row in flown.motion.tolist()]
+    navigation = navigate(truths[0])
+    for period, truth in enumerate(truths[1:]):
+        navigation.gps_lost = 2000 <= period < 2200
         believed = navigation.step(truth)
-        # The rate of the heading, the last, is made of body rates again.
-        assert believed[:12] == truth[:12]
+        if period > 2000:
+            assert believed.pose.distance_to(truth.pose.position) < 0.3
+            assert abs(believed.forward - truth.forward) < 0.3
+    assert navigation.normalised_error(truths[-1]) < chi2.ppf(0.9999, 15)
 
 
-def test_errors_have_the_declared_size() -> None:
-    last = np.array([errors(seed, periods=4)[-1] for seed in range(400)])
-    spread = dict(zip(Motion._fields, last.std(axis=0), strict=True))
-    # The standard error of a standard deviation from 400 samples is 3.5 %; four of them.
-    position = np.hypot(GPS_AIDED.position_noise, GPS_AIDED.position_wander.sigma)
-    assert spread["north"] == pytest.approx(position, rel=0.14)
-    assert spread["roll"] == pytest.approx(GPS_AIDED.attitude_wander.sigma, rel=0.14)
-    assert spread["heading"] == pytest.approx(GPS_AIDED.heading_wander.sigma, rel=0.14)
-    assert spread["roll_rate"] == pytest.approx(
-        np.hypot(GPS_AIDED.rate_noise, GPS_AIDED.rate_wander.sigma), rel=0.14
-    )
-    # A wrong heading turns forward speed into side speed.
-    velocity = np.hypot(GPS_AIDED.velocity_noise, GPS_AIDED.velocity_wander.sigma)
-    assert spread["side"] == pytest.approx(np.hypot(velocity, GPS_AIDED.heading_wander.sigma), rel=0.14)
+def test_a_wild_fix_is_not_believed() -> None:
+    navigation = navigate(STILL)
+    moving = replace(SensorErrors(), position_noise=(50.0, 50.0, 50.0))
+    for _ in range(500):
+        believed = navigation.step(_drift(STILL, _ * 0.01))
+    before = believed
+    # The sensors go wild, the filter still expects centimetres.
+    navigation._sensors._white[6:9] = moving.position_noise
+    for period in range(500, 1100):
+        truth = _drift(STILL, period * 0.01)
+        believed = navigation.step(truth)
+    assert before.pose.distance_to(_drift(STILL, 4.99).pose.position) < 0.3
+    assert believed.pose.distance_to(truth.pose.position) < 1.0
 
 
-def test_the_position_bias_walks_away() -> None:
-    ends = np.array([errors(seed, periods=2000)[-1, 0] for seed in range(40)])
-    walked = GPS_AIDED.position_walk * np.sqrt(20.0)
-    assert ends.std() == pytest.approx(np.hypot(walked, GPS_AIDED.position_wander.sigma), rel=0.4)
-
-
-def test_the_estimate_is_as_old_as_declared() -> None:
-    navigation = Navigation(GPS_AIDED, step=0.01, rng=np.random.default_rng(1))
-    for period in range(20):
-        believed = navigation.step(STILL._replace(north=1000.0 * period))
-    assert believed.north == pytest.approx(1000.0 * (19 - GPS_AIDED.delay_periods), abs=1.0)
-
-
-def test_moving_the_world_moves_what_was_seen() -> None:
-    navigation = Navigation(GPS_AIDED, step=0.01, rng=np.random.default_rng(1))
-    navigation.step(STILL)
+def test_moving_the_world_moves_what_is_believed() -> None:
+    navigation, other = navigate(STILL, seed=3), navigate(STILL, seed=3)
+    for period in range(800):
+        navigation.step(_drift(STILL, period * 0.01))
+        other.step(_drift(STILL, period * 0.01))
     displacement = SE2(100.0, 50.0, 0.5)
-    moved = displacement @ STILL.pose
-    navigation.move(displacement)
-    believed = navigation.step(STILL._replace(north=moved.x, east=moved.y, heading=moved.heading))
-    assert believed.pose.distance_to(moved.position) < 0.5
-    assert believed.heading == pytest.approx(moved.heading, abs=0.1)
+    now, moved = (_drift(STILL, seconds) for seconds in (7.99, 8.0))
+    other.move(displacement, _moved(now, displacement))
+    plain, turned = navigation.step(moved), other.step(_moved(moved, displacement))
+    expected = displacement @ plain.pose
+    assert turned.pose.distance_to(expected.position) < 1e-9
+    assert turned.heading == pytest.approx(expected.heading, abs=1e-9)
+    assert turned[3:8] == pytest.approx(plain[3:8], abs=1e-9)
+    assert other.normalised_error(_moved(moved, displacement)) == pytest.approx(
+        navigation.normalised_error(moved), rel=1e-6
+    )
 
 
 def test_one_seed_gives_one_set_of_errors() -> None:
-    assert errors(4, periods=600).tobytes() == errors(4, periods=600).tobytes()
-    assert errors(4, periods=600).tobytes() != errors(5, periods=600).tobytes()
+    def last(seed: int) -> Motion:
+        navigation = navigate(STILL, seed=seed)
+        for period in range(600):
+            believed = navigation.step(_drift(STILL, period * 0.01))
+        return believed
+
+    assert last(4) == last(4)
+    assert last(4) != last(5)
+
+
+def test_errors_are_small_and_not_nothing() -> None:
+    spread = np.array([flown_errors(PARAMETERS, seed=seed, seconds=20.0) for seed in range(4)]).std(
+        axis=(0, 1)
+    )
+    assert 0.005 < spread[0] < 0.1
+    assert 0.002 < spread[3] < 0.03
+
+
+def _drift(motion: Motion, seconds: float) -> Motion:
+    """Goes on straight, at the heading-frame velocity."""
+    pose = motion.pose @ SE2(motion.forward * seconds, motion.side * seconds, 0.0)
+    return motion._replace(north=pose.x, east=pose.y)
+
+
+def _moved(motion: Motion, displacement: SE2) -> Motion:
+    pose = displacement @ motion.pose
+    return motion._replace(north=pose.x, east=pose.y, heading=pose.heading)

@@ -36,8 +36,8 @@ class Gains:
     lead: float = 0.04
     attitude: tuple[float, float] = (4.0, 3.5)
     attitude_damping: float = 0.4
-    yaw_rate: float = 3.0
-    heading: float = 9.0
+    yaw_rate: float = 7.0
+    heading: float = 25.0
     heading_memory: float = 60.0
     tilt_limit: float = 0.45
     learning_velocity: float = 0.6

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
-from cyclopts.types import PositiveInt
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -25,6 +24,7 @@ from planner.worst_case import WorstCase
 from review.plan_picture import plan_picture
 
 from .files import find_library, find_mission, refuse_existing
+from .numbers import Count
 from .policies import PlannedPolicy
 from .prices import png, show_prices
 from .signs import signs
@@ -48,8 +48,8 @@ def plan(
     gamma: float = 1.0,
     alpha: float = 1.2,
     pareto: Annotated[bool, Parameter(negative="")] = False,
-    max_nodes: PositiveInt | None = None,
-    max_trims: PositiveInt | None = None,
+    max_nodes: Count | None = None,
+    max_trims: Count | None = None,
     out: Path | None = None,
     picture: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -120,7 +120,8 @@ def check(
     """Checks a plan against its library and mission, without the search and without the solver.
 
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
-    the library be the one planned with. The exit code is 1 where the plan fails.
+    the library be the one planned with. The exit code is 1 where the plan fails, or where there is none: that
+    nothing exists is not checked.
 
     For example:
 
@@ -138,7 +139,10 @@ def check(
     task = find_mission(mission or answer.mission)
     # A search may have been asked for longer sequences than the mission's file says.
     task = replace(task, max_trims=max(task.max_trims, len(answer.sequence)))
-    wrong = problems(answer, find_library(library or answer.library), task)
+    primitives = find_library(library or answer.library)
+    wrong = problems(answer, primitives, task)
+    if not answer.found:
+        wrong = (*wrong, f"it holds no plan, only the word that there is none ({answer.status})")
     if json:
         sys.stdout.write(json_module.dumps({"passed": not wrong, "problems": wrong}, indent=2) + "\n")
     else:

@@ -157,3 +157,17 @@ def test_the_program_starts_and_lists_its_verbs() -> None:
     )
     for verb in ("demo", "fly", "identify", "regenerate", "plan", "validate", "review", "thesis", "library"):
         assert verb in done.stdout
+
+
+def test_that_no_plan_exists_is_not_a_plan_that_keeps_its_word(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    mission, out = tmp_path / "far.toml", tmp_path / "plan.json"
+    mission.write_text(
+        'name = "far"\n[start]\nposition = [0.0, 0.0]\nheading = 0.0\ntrim = 1\n'
+        "[goal]\nposition = [-30.0, 0.0]\ntolerance = 0.0\n[planner]\nmax_trims = 1\n"
+    )
+    asked = ("plan", str(mission), "--library", "thesis-gtmax", "--policy", "nominal", "--out", str(out))
+    assert run(asked) == 1
+    assert run(("plan", "check", str(out), "--mission", str(mission), "--library", "thesis-gtmax")) == 1
+    assert "it holds no plan" in capsys.readouterr().out

@@ -16,6 +16,7 @@ from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.bounds import least_costs
 from planner.coasting import solve
+from planner.kernel.build import kernel
 from planner.kinematics import GammaError, NegativeDurationError
 from planner.nominal import Nominal
 from planner.walk_table import tabulate
@@ -139,7 +140,8 @@ def test_a_vehicle_that_stands_still_goes_nowhere() -> None:
 
 def test_a_goal_behind_a_vehicle_that_cannot_turn_is_proved_infeasible() -> None:
     plan = Nominal(one_trim(Twist(1.0, 0.0, 0.0))).plan(Mission("behind", HERE, 1, (-10.0, 0.0), 1.0))
-    assert plan.status == "infeasible"
+    # Without a compiler nothing exhausts the coasting times, and nothing is claimed.
+    assert plan.status == ("unknown" if kernel() is None else "infeasible")
     assert plan.reason
     assert not plan.found
 

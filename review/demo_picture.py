@@ -7,7 +7,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 from matplotlib.transforms import Bbox
 
 from flight.arrival import Arrival
@@ -20,10 +19,10 @@ from flight.se2 import SE2
 from . import palette
 from .automaton_picture import draw_automaton
 from .library_picture import draw_trim_errors
+from .marks import dart, draw_goal, note
 from .planned_track import planned_track
 from .stroke import Stroke
 from .summary import arrival
-from .track_picture import dart, note
 
 PLANNED = Stroke(palette.INK, 1.2, dashes=(0.0, (4.0, 2.0)), layer=3.0)
 OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=(0.0, (2.0, 2.0)), layer=2.5)
@@ -137,8 +136,7 @@ def _draw_scenario(axes: Axes, library: Library, mission: Mission, plan: Plan, s
 
 def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
     north, east = mission.goal
-    axes.plot(east, north, marker="+", color=palette.GOAL, markersize=11, markeredgewidth=2.2, zorder=5)
-    axes.add_patch(Circle((east, north), mission.tolerance, color=palette.GOAL, alpha=0.22, linewidth=0))
+    draw_goal(axes, mission.destination)
     dart(axes, mission.start, fill=palette.INK)
     note(axes, mission.start, "start", away=-1.2, along=True)
     note(axes, SE2(north, east, 0.0), "goal", along=True)

@@ -1,10 +1,8 @@
 """A plan from above: what is coasted, what is maneuvered, and where each uncertainty level leads."""
 
-import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.patches import Circle
 from matplotlib.ticker import MaxNLocator
 
 from flight.errors import FlightError
@@ -13,6 +11,7 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 
 from . import palette
+from .marks import dart, draw_goal, note
 from .planned_track import Line, planned_track
 from .stroke import Dashes, Stroke
 
@@ -52,8 +51,9 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
     walk = " - ".join(str(trim) for trim in plan.sequence)
     palette.headline(axes, f"{plan.mission}, {_promise(plan)}: trims {walk}")
     handles = _draw_scenarios(axes, plan, library, mission)
-    handles.append(_draw_goal(axes, mission))
-    _draw_start(axes, mission)
+    handles.append(draw_goal(axes, mission.destination))
+    dart(axes, mission.start, fill=palette.INK)
+    note(axes, mission.start, "start", away=-1.2, along=True)
     axes.margins(0.1)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=palette.SMALL_TEXT
@@ -112,42 +112,3 @@ def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mi
 
 def _draw(axes: Axes, style: Stroke, line: Line) -> None:
     style.draw(axes, line[:, 1], line[:, 0])
-
-
-def _draw_start(axes: Axes, mission: Mission) -> None:
-    """Draws the start as a dot with a short arrow along its heading."""
-    x, y = mission.start.position
-    length = 0.06 * max(mission.start.distance_to(mission.goal), 1.0)
-    ahead = length * np.array([np.sin(mission.start.heading), np.cos(mission.start.heading)])
-    axes.plot(y, x, "o", color=palette.INK, markersize=6, zorder=7)
-    axes.annotate(
-        "",
-        xy=(y + ahead[0], x + ahead[1]),
-        xytext=(y, x),
-        arrowprops={"arrowstyle": "-|>", "color": palette.INK, "linewidth": 1.4, "shrinkA": 0, "shrinkB": 0},
-        zorder=7,
-    )
-    axes.annotate(
-        "start", (y, x), xytext=(-8, 8), textcoords="offset points", ha="right", fontsize=palette.TEXT_SIZE
-    )
-
-
-def _draw_goal(axes: Axes, mission: Mission) -> Line2D:
-    north, east = mission.goal
-    if mission.tolerance:
-        disc = Circle(
-            (east, north), mission.tolerance, facecolor=palette.GOAL, alpha=0.22, edgecolor="none", zorder=2
-        )
-        axes.add_patch(disc)
-    axes.plot(east, north, marker="+", color=palette.GOAL, markersize=12, markeredgewidth=2, zorder=6)
-    exactly = f"within {mission.tolerance:.3g} m" if mission.tolerance else "exactly"
-    return Line2D(
-        [],
-        [],
-        color=palette.GOAL,
-        marker="+",
-        markersize=9,
-        markeredgewidth=2,
-        linestyle="none",
-        label=f"goal, {exactly}",
-    )

@@ -1,20 +1,13 @@
 """The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
 
-from math import cos, sin
-
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.markers import MarkerStyle
 from matplotlib.offsetbox import AnchoredOffsetbox, DrawingArea, HPacker, TextArea
-from matplotlib.patches import Circle, FancyArrowPatch
-from matplotlib.path import Path
-from matplotlib.patheffects import withStroke
+from matplotlib.patches import FancyArrowPatch
 from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import Affine2D
 
-from flight.arrival import Destination
 from flight.log import (
     ESTIMATE,
     LIBRARY_ATTACHMENT,
@@ -29,6 +22,7 @@ from flight.se2 import SE2
 from . import palette, stroke
 from .attachments import goal_of_flight, plans_of_flight
 from .bounds import pose_at
+from .marks import dart, draw_goal, note
 from .planned_track import planned_track
 from .primitive_lane import trim_label, trim_palette
 from .stretches import stretches_flown
@@ -43,9 +37,6 @@ WIND_ARROW = 30.0
 
 # Where legend and wind stand, as a share of the plan view's height.
 BELOW = -0.08
-
-# Points north.
-DART = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
 
 
 def draw_track(axes: Axes, log: FlightLog) -> None:
@@ -65,7 +56,7 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
     _draw_times(axes, log)
     goal = goal_of_flight(log)
     if goal is not None:
-        handles.append(_draw_goal(axes, goal))
+        handles.append(draw_goal(axes, goal))
     axes.margins(0.12)
     if WIND.name in log.series:
         _draw_wind(axes, log)
@@ -116,40 +107,6 @@ def _draw_ends(axes: Axes, log: FlightLog) -> None:
         note(axes, pose, name, away=-1.0 if time == 0.0 else 1.0, along=True)
 
 
-def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
-    """Draws a dart at a pose, along its heading."""
-    # Markers point up, that is north, and turn counter-clockwise.
-    marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
-    axes.plot(
-        pose.y,
-        pose.x,
-        marker=marker,
-        markersize=14,
-        markerfacecolor=fill,
-        markeredgecolor=palette.INK,
-        linestyle="none",
-        zorder=7,
-    )
-
-
-def note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
-    """Writes a few words beside a pose: away to its right, or along its heading."""
-    east, north = sin(pose.heading), cos(pose.heading)
-    x, y = (east, north) if along else (north, -east)
-    axes.annotate(
-        text,
-        (pose.y, pose.x),
-        xytext=(16 * away * x, 14 * away * y),
-        textcoords="offset points",
-        ha="center",
-        va="center",
-        fontsize=palette.SMALL_TEXT,
-        color=palette.INK,
-        path_effects=[withStroke(linewidth=2.5, foreground="white")],
-        zorder=8,
-    )
-
-
 def _draw_times(axes: Axes, log: FlightLog) -> None:
     """Marks round times along the track, so that it can be read together with the time histories."""
     step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
@@ -157,27 +114,6 @@ def _draw_times(axes: Axes, log: FlightLog) -> None:
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
         note(axes, pose, f"{time:.0f} s")
-
-
-def _draw_goal(axes: Axes, goal: Destination) -> Line2D:
-    north, east = goal.position
-    axes.add_patch(
-        Circle((east, north), goal.tolerance, facecolor=palette.GOAL, alpha=0.22, edgecolor="none", zorder=2)
-    )
-    axes.add_patch(
-        Circle((east, north), goal.tolerance, fill=False, edgecolor=palette.GOAL, linewidth=1.2, zorder=3)
-    )
-    axes.plot(east, north, marker="+", color=palette.GOAL, markersize=10, markeredgewidth=2, zorder=5)
-    return Line2D(
-        [],
-        [],
-        color=palette.GOAL,
-        marker="+",
-        markersize=9,
-        markeredgewidth=2,
-        linestyle="none",
-        label=f"goal, within {goal.tolerance:.3g} m",
-    )
 
 
 def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:

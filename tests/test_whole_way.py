@@ -14,6 +14,8 @@ from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flight.log_file import read_log
 from maneuver.app import run
 from maneuver.files import find_campaign
+from maneuver.mission_flights import mission_seed
+from maneuver.validate import THESIS_MISSIONS
 from sim.parameters import model_hash
 
 SHIPPED = read_library(libraries.FOLDER / "gtmax-sim.json")
@@ -81,6 +83,14 @@ def test_the_band_of_every_trim_is_wider_than_its_scatter() -> None:
         assert abs(trim.error.forward) < band.forward
         assert abs(trim.error.side) < band.side
         assert abs(trim.error.yaw_rate) < band.yaw_rate
+
+
+def test_validation_does_not_fly_in_the_air_that_the_library_was_found_in() -> None:
+    campaign = {int(seed) for seed in SHIPPED.provenance["logs_by_seed"]}
+    missions = [mission_seed(1, name, number) for name in THESIS_MISSIONS for number in range(20)]
+    assert SHIPPED.provenance["campaign"]["seed"] == 1
+    assert len(set(missions)) == len(missions)
+    assert campaign.isdisjoint(missions)
 
 
 def test_a_mission_is_flown_to_its_goal_and_its_log_tells_it(tmp_path: Path) -> None:

@@ -1,8 +1,10 @@
 """The maneuver generator: it turns a change of trim into a smooth command of velocity and yaw rate.
 
 A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves
-like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2); the figures agree
-with the durations and displacements of its Table 10. There is no memory of position or heading.
+like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2), and its Table 10
+says which constant: changes of speed last 4 s, turns 3 s, both together 4 s. So the yaw rate takes the
+velocity's time where speed and yaw rate change together; only so do the heading changes of those rows come
+out. There is no memory of position or heading.
 """
 
 from dataclasses import dataclass
@@ -25,9 +27,10 @@ class SecondOrder:
             raise ValueError(f"frequency must be > 0 rad/s and damping in (0, 1), got {self}")
 
 
-# 5 % settling after 4.2 s and 3.2 s, as Table 10 of the thesis implies (4 s for speeds, 3 s for turns).
-VELOCITY_RESPONSE = SecondOrder(frequency=0.8, damping=0.8)
-YAW_RATE_RESPONSE = SecondOrder(frequency=1.07, damping=0.8)
+# With these, displacement and heading change of every maneuver of Table 10 come out where it ends at the
+# printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
+VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
+YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
 
 
 class Channel(NamedTuple):
@@ -46,10 +49,10 @@ class Reference(NamedTuple):
     yaw_rate: Channel
 
 
-class _Model:
-    """One channel's reference model; exact for a target held through the step."""
+class _Steps:
+    """How a response moves on by one step, exactly, while its target is held."""
 
-    def __init__(self, response: SecondOrder, *, value: float, step: float) -> None:
+    def __init__(self, response: SecondOrder, *, step: float) -> None:
         frequency, damping = response.frequency, response.damping
         decay = damping * frequency
         swing = frequency * sqrt(1.0 - damping**2)
@@ -57,16 +60,14 @@ class _Model:
         self._offset_from = (e * (c + decay / swing * s), e * s / swing)
         self._rate_from = (-e * frequency**2 / swing * s, e * (c - decay / swing * s))
         self._stiffness, self._friction = frequency**2, 2.0 * decay
-        self._value, self._rate = value, 0.0
 
-    def step(self, target: float) -> Channel:
-        offset = self._value - target
+    def after(self, before: Channel, target: float) -> Channel:
+        """Returns the channel one step later."""
+        offset = before.value - target
         a, b = self._offset_from
         c, d = self._rate_from
-        self._value = target + a * offset + b * self._rate
-        self._rate = c * offset + d * self._rate
-        acceleration = self._stiffness * (target - self._value) - self._friction * self._rate
-        return Channel(self._value, self._rate, acceleration)
+        value, rate = target + a * offset + b * before.rate, c * offset + d * before.rate
+        return Channel(value, rate, self._stiffness * (target - value) - self._friction * rate)
 
 
 class ManeuverGenerator:
@@ -78,14 +79,24 @@ class ManeuverGenerator:
     """
 
     def __init__(self, velocity: Twist, *, step: float) -> None:
-        self._forward = _Model(VELOCITY_RESPONSE, value=velocity.forward, step=step)
-        self._side = _Model(VELOCITY_RESPONSE, value=velocity.side, step=step)
-        self._yaw_rate = _Model(YAW_RATE_RESPONSE, value=velocity.yaw_rate, step=step)
+        self._speeding, self._turning = (
+            _Steps(response, step=step) for response in (VELOCITY_RESPONSE, YAW_RATE_RESPONSE)
+        )
+        self._target, self._yawing = velocity, self._turning
+        self._reference = Reference(
+            *(Channel(value, 0.0, 0.0) for value in (velocity.forward, velocity.side, velocity.yaw_rate))
+        )
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
-        return Reference(
-            self._forward.step(target.forward),
-            self._side.step(target.side),
-            self._yaw_rate.step(target.yaw_rate),
+        if target != self._target:
+            speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
+            self._yawing = self._speeding if speed_changes else self._turning
+            self._target = target
+        forward, side, yaw_rate = self._reference
+        self._reference = Reference(
+            self._speeding.after(forward, target.forward),
+            self._speeding.after(side, target.side),
+            self._yawing.after(yaw_rate, target.yaw_rate),
         )
+        return self._reference

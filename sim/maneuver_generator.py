@@ -6,10 +6,18 @@ with the durations and displacements of its Table 10. There is no memory of posi
 """
 
 from dataclasses import dataclass
+from functools import cache
+from itertools import chain
 from math import cos, exp, sin, sqrt
-from typing import NamedTuple
+
+import casadi as ca
 
 from flight.se2 import Twist
+
+from .backend import Backend
+from .bound_function import Recursion
+from .motion import Channel, Reference
+from .signals import Signals
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,45 +36,7 @@ class SecondOrder:
 # 5 % settling after 4.2 s and 3.2 s, as Table 10 of the thesis implies (4 s for speeds, 3 s for turns).
 VELOCITY_RESPONSE = SecondOrder(frequency=0.8, damping=0.8)
 YAW_RATE_RESPONSE = SecondOrder(frequency=1.07, damping=0.8)
-
-
-class Channel(NamedTuple):
-    """A command with its first and second derivative."""
-
-    value: float
-    rate: float
-    acceleration: float
-
-
-class Reference(NamedTuple):
-    """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
-
-    forward: Channel
-    side: Channel
-    yaw_rate: Channel
-
-
-class _Model:
-    """One channel's reference model; exact for a target held through the step."""
-
-    def __init__(self, response: SecondOrder, *, value: float, step: float) -> None:
-        frequency, damping = response.frequency, response.damping
-        decay = damping * frequency
-        swing = frequency * sqrt(1.0 - damping**2)
-        c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
-        self._offset_from = (e * (c + decay / swing * s), e * s / swing)
-        self._rate_from = (-e * frequency**2 / swing * s, e * (c - decay / swing * s))
-        self._stiffness, self._friction = frequency**2, 2.0 * decay
-        self._value, self._rate = value, 0.0
-
-    def step(self, target: float) -> Channel:
-        offset = self._value - target
-        a, b = self._offset_from
-        c, d = self._rate_from
-        self._value = target + a * offset + b * self._rate
-        self._rate = c * offset + d * self._rate
-        acceleration = self._stiffness * (target - self._value) - self._friction * self._rate
-        return Channel(self._value, self._rate, acceleration)
+_CHANNEL = len(Channel._fields)
 
 
 class ManeuverGenerator:
@@ -75,17 +45,61 @@ class ManeuverGenerator:
     Args:
         velocity: trim velocity held at the start.
         step: control period in s.
+        signals: where it finds the target and leaves the reference; its own where None.
+        backend: what evaluates the reference models.
     """
 
-    def __init__(self, velocity: Twist, *, step: float) -> None:
-        self._forward = _Model(VELOCITY_RESPONSE, value=velocity.forward, step=step)
-        self._side = _Model(VELOCITY_RESPONSE, value=velocity.side, step=step)
-        self._yaw_rate = _Model(YAW_RATE_RESPONSE, value=velocity.yaw_rate, step=step)
+    def __init__(
+        self,
+        velocity: Twist,
+        *,
+        step: float,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.signals = signals = signals or Signals()
+        signals.target[:] = (velocity.forward, velocity.side, velocity.yaw_rate)
+        signals.reference[:] = 0.0
+        signals.reference[::_CHANNEL] = signals.target
+        self._models = Recursion(_models(step), (signals.target, signals.reference), (), backend=backend)
+        self.run = self._models.step
+        """Moves the reference on by one control period towards the target of the signals."""
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
+        self.signals.target[:] = (target.forward, target.side, target.yaw_rate)
+        self.run()
         return Reference(
-            self._forward.step(target.forward),
-            self._side.step(target.side),
-            self._yaw_rate.step(target.yaw_rate),
+            *(Channel._make(row) for row in self.signals.reference.reshape(-1, _CHANNEL).tolist())
         )
+
+
+@cache
+def _models(step: float) -> ca.Function:
+    """Builds the reference models of all channels, (target, reference) -> reference."""
+    target, reference = ca.SX.sym("target", 3), ca.SX.sym("reference", 3 * _CHANNEL)
+    before = [ca.vertsplit(part) for part in ca.vertsplit(reference, _CHANNEL)]
+    responses = (VELOCITY_RESPONSE, VELOCITY_RESPONSE, YAW_RATE_RESPONSE)
+    after = [
+        _follow(response, channel[:2], wanted, step=step)
+        for response, channel, wanted in zip(responses, before, ca.vertsplit(target), strict=True)
+    ]
+    return ca.Function("generate", [target, reference], [ca.vertcat(*chain(*after))])
+
+
+def _follow(
+    response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Steps value and rate of one channel, exactly for a target held through the step.
+
+    Returns:
+        Value, rate and acceleration.
+    """
+    frequency, damping = response.frequency, response.damping
+    decay = damping * frequency
+    swing = frequency * sqrt(1.0 - damping**2)
+    c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
+    offset, rate_before = before[0] - target, before[1]
+    value = target + e * (c + decay / swing * s) * offset + e * s / swing * rate_before
+    rate = -e * frequency**2 / swing * s * offset + e * (c - decay / swing * s) * rate_before
+    return value, rate, frequency**2 * (target - value) - 2.0 * decay * rate

@@ -8,10 +8,18 @@ out. There is no memory of position or heading.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import cos, exp, sin, sqrt
-from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
 
 from flight.se2 import Twist
+
+from .backend import Backend
+from .bound_function import Recursion
+from .motion import Channel, Reference
+from .signals import Signals
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,43 +39,7 @@ class SecondOrder:
 # printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
 VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
 YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
-
-
-class Channel(NamedTuple):
-    """A command with its first and second derivative."""
-
-    value: float
-    rate: float
-    acceleration: float
-
-
-class Reference(NamedTuple):
-    """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
-
-    forward: Channel
-    side: Channel
-    yaw_rate: Channel
-
-
-class _Steps:
-    """How a response moves on by one step, exactly, while its target is held."""
-
-    def __init__(self, response: SecondOrder, *, step: float) -> None:
-        frequency, damping = response.frequency, response.damping
-        decay = damping * frequency
-        swing = frequency * sqrt(1.0 - damping**2)
-        c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
-        self._offset_from = (e * (c + decay / swing * s), e * s / swing)
-        self._rate_from = (-e * frequency**2 / swing * s, e * (c - decay / swing * s))
-        self._stiffness, self._friction = frequency**2, 2.0 * decay
-
-    def after(self, before: Channel, target: float) -> Channel:
-        """Returns the channel one step later."""
-        offset = before.value - target
-        a, b = self._offset_from
-        c, d = self._rate_from
-        value, rate = target + a * offset + b * before.rate, c * offset + d * before.rate
-        return Channel(value, rate, self._stiffness * (target - value) - self._friction * rate)
+_CHANNEL = len(Channel._fields)
 
 
 class ManeuverGenerator:
@@ -76,27 +48,79 @@ class ManeuverGenerator:
     Args:
         velocity: trim velocity held at the start.
         step: control period in s.
+        signals: where it finds the target and leaves the reference; its own where None.
+        backend: what evaluates the reference models.
     """
 
-    def __init__(self, velocity: Twist, *, step: float) -> None:
-        self._speeding, self._turning = (
-            _Steps(response, step=step) for response in (VELOCITY_RESPONSE, YAW_RATE_RESPONSE)
+    def __init__(
+        self,
+        velocity: Twist,
+        *,
+        step: float,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.signals = signals = signals or Signals()
+        signals.target[:] = (velocity.forward, velocity.side, velocity.yaw_rate)
+        signals.reference[:] = 0.0
+        signals.reference[::_CHANNEL] = signals.target
+        # 1 while the yaw rate takes the velocity's time, else 0.
+        self._together = np.zeros(1)
+        self._models = Recursion(
+            _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step),
+            (signals.target, self._together, signals.reference),
+            (),
+            backend=backend,
         )
-        self._target, self._yawing = velocity, self._turning
-        self._reference = Reference(
-            *(Channel(value, 0.0, 0.0) for value in (velocity.forward, velocity.side, velocity.yaw_rate))
-        )
+        self.run = self._models.step
+        """Moves the reference on by one control period towards the target of the signals."""
+
+    def aim(self, target: Twist) -> None:
+        """Asks for a velocity from now on."""
+        forward, side, yaw_rate = self.signals.target.tolist()
+        if target != Twist(forward, side, yaw_rate):
+            self._together[0] = (target.forward, target.side) != (forward, side)
+            self.signals.target[:] = (target.forward, target.side, target.yaw_rate)
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
-        if target != self._target:
-            speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
-            self._yawing = self._speeding if speed_changes else self._turning
-            self._target = target
-        forward, side, yaw_rate = self._reference
-        self._reference = Reference(
-            self._speeding.after(forward, target.forward),
-            self._speeding.after(side, target.side),
-            self._yawing.after(yaw_rate, target.yaw_rate),
+        self.aim(target)
+        self.run()
+        return Reference(
+            *(Channel._make(row) for row in self.signals.reference.reshape(-1, _CHANNEL).tolist())
         )
-        return self._reference
+
+
+@cache
+def _models(velocity: SecondOrder, yaw_rate: SecondOrder, step: float) -> ca.Function:
+    """Builds the reference models of all channels, (target, together, reference) -> reference."""
+    target, together = ca.SX.sym("target", 3), ca.SX.sym("together")
+    reference = ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw = (ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL))
+    alone, waiting = (
+        ca.vertcat(*_follow(response, yaw, target[2], step=step)) for response in (yaw_rate, velocity)
+    )
+    after = ca.vertcat(
+        *_follow(velocity, forward, target[0], step=step),
+        *_follow(velocity, side, target[1], step=step),
+        ca.if_else(together, waiting, alone),
+    )
+    return ca.Function("generate", [target, together, reference], [after])
+
+
+def _follow(
+    response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float
+) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Steps value and rate of one channel, exactly for a target held through the step.
+
+    Returns:
+        Value, rate and acceleration.
+    """
+    frequency, damping = response.frequency, response.damping
+    decay = damping * frequency
+    swing = frequency * sqrt(1.0 - damping**2)
+    c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
+    offset, rate_before = before[0] - target, before[1]
+    value = target + e * (c + decay / swing * s) * offset + e * s / swing * rate_before
+    rate = -e * frequency**2 / swing * s * offset + e * (c - decay / swing * s) * rate_before
+    return value, rate, frequency**2 * (target - value) - 2.0 * decay * rate

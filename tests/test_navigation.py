@@ -13,7 +13,8 @@ from sim.motion import Motion
 from sim.navigation import IdealNavigation, Navigation
 from sim.navigation_check import check_navigation, flown_errors
 from sim.parameters import read_parameters
-from sim.sensors import SensorErrors, Wander
+from sim.sensor_errors import SensorErrors, Wander
+from sim.signals import Signals
 
 PARAMETERS = read_parameters()
 STILL = Motion(5.0, -3.0, -30.0, 1.0, 0.5, 0.0, 0.05, -0.02, 2.0, 0.0, 0.0, 0.0, 0.0)
@@ -25,10 +26,12 @@ def navigate(truth: Motion, *, seed: int = 1, errors: SensorErrors | None = None
 
 
 def test_ideal_navigation_believes_the_truth_at_once() -> None:
-    navigation = IdealNavigation()
+    signals = Signals()
+    navigation = IdealNavigation(signals)
     for north in (0.0, 1.0, 2.0):
-        truth = STILL._replace(north=north)
-        assert navigation.step(truth) == truth
+        signals.truth[:] = STILL._replace(north=north)
+        navigation.run()
+        assert signals.estimate.tolist() == signals.truth.tolist()
 
 
 def test_the_filter_is_consistent_over_fifty_flights() -> None:
@@ -86,7 +89,8 @@ def test_moving_the_world_moves_what_is_believed() -> None:
         other.step(_drift(STILL, period * 0.01))
     displacement = SE2(100.0, 50.0, 0.5)
     now, moved = (_drift(STILL, seconds) for seconds in (7.99, 8.0))
-    other.move(displacement, _moved(now, displacement))
+    other.signals.truth[:] = _moved(now, displacement)
+    other.move(displacement)
     plain, turned = navigation.step(moved), other.step(_moved(moved, displacement))
     expected = displacement @ plain.pose
     assert turned.pose.distance_to(expected.position) < 1e-9

@@ -25,6 +25,7 @@ from mcap.writer import Writer
 
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
+from .log_check import refuse_contradictions
 
 CHUNK_SECONDS = 10.0
 LARGEST_LOG = 2 * 1024**3
@@ -161,11 +162,13 @@ def _parse(content: bytes) -> FlightLog:
         raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
-    return FlightLog(
+    log = FlightLog(
         header=_parse_header(metadata[HEADER_METADATA]),
         series=_parse_series(content, summary),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
+    refuse_contradictions(log)
+    return log
 
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:

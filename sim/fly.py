@@ -190,7 +190,7 @@ class SimulatedHelicopter:
             )
         self._trim = self._library.trim(maneuver.to_trim)
         target = self._trim.velocity
-        self._signals.target[:] = (target.forward, target.side, target.yaw_rate)
+        self._generator.aim(target)
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
         first, believed = self._periods, self._signals.estimate
         judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)

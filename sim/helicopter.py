@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import chain
 from math import cos, isfinite, sin
 
@@ -71,7 +72,7 @@ class Helicopter:
     ) -> None:
         self.step_length = step
         self.signals = signals = signals or Signals()
-        self._model = load_model(parameters, step)
+        self._model = _shared_model(parameters, step)
         self._data = data = mujoco.MjData(self._model)
         self._height, self._velocity = memoryview(data.qpos)[2:3], memoryview(data.qvel)
         self._warnings = memoryview(data.warning.number)[_DIVERGED]
@@ -229,6 +230,12 @@ def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
     spec.option.timestep = step
     spec.option.gravity = [0.0, 0.0, -parameters.environment.gravity]
     return spec.compile()
+
+
+@cache
+def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns a model that all helicopters of a kind fly by; flying does not change it."""
+    return load_model(parameters, step)
 
 
 def _flip(vector: Sequence[float]) -> tuple[float, float, float]:

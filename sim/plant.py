@@ -53,7 +53,8 @@ def plant_function(parameters: Parameters, step: float) -> ca.Function:
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
     after = ca.vertcat(*state, on_their_way[4:])
-    return ca.Function("plant", [position, velocity, controls, wind, memory], [wrench, after[:4], after])
+    results = ca.cse([wrench, after[:4], after])
+    return ca.Function("plant", [position, velocity, controls, wind, memory], results)
 
 
 @cache

@@ -25,13 +25,15 @@ from mcap.writer import Writer
 
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
+from .log_check import refuse_contradictions
 
 CHUNK_SECONDS = 10.0
 LARGEST_LOG = 2 * 1024**3
 """Bytes of a file, and of its content decompressed."""
 
-_MAGIC = b"\x89MCAP0\r\n"
-_HEADER_METADATA = "flight"
+MAGIC = b"\x89MCAP0\r\n"
+HEADER_METADATA = "flight"
+_RECOVER = "; `maneuver recover` saves what is whole"
 _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
 _MESSAGE_HEADER = [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4")]
@@ -85,7 +87,7 @@ def log_bytes(log: FlightLog) -> bytes:
     stream = io.BytesIO()
     writer = Writer(stream, chunk_size=LARGEST_LOG, enable_data_crcs=True)
     writer.start(profile="", library="maneuver")
-    writer.add_metadata(_HEADER_METADATA, {key: str(value) for key, value in asdict(log.header).items()})
+    writer.add_metadata(HEADER_METADATA, {key: str(value) for key, value in asdict(log.header).items()})
     for name, content in log.attachments.items():
         media_type = "application/json" if name.endswith(".json") else "application/octet-stream"
         writer.add_attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=content)
@@ -132,22 +134,22 @@ def read_log(path: Path) -> FlightLog:
 
 def _check(content: bytes, path: Path) -> None:
     """Refuses content whose beginning, end or checksums are not those of a complete file."""
-    if not content.startswith(_MAGIC):
+    if not content.startswith(MAGIC):
         raise BadFileError(path, "expected an MCAP file, got something else")
-    end = len(content) - len(_MAGIC) - _FOOTER.size
-    if end < len(_MAGIC) or not content.endswith(_MAGIC):
-        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing")
+    end = len(content) - len(MAGIC) - _FOOTER.size
+    if end < len(MAGIC) or not content.endswith(MAGIC):
+        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing{_RECOVER}")
     opcode, _, summary_start, _, summary_crc = _FOOTER.unpack_from(content, end)
     data_end = summary_start - _DATA_END.size
-    if opcode != Opcode.FOOTER or not len(_MAGIC) <= data_end <= end:
-        raise BadFileError(path, "is damaged: its footer points nowhere")
+    if opcode != Opcode.FOOTER or not len(MAGIC) <= data_end <= end:
+        raise BadFileError(path, f"is damaged: its footer points nowhere{_RECOVER}")
     opcode, _, data_crc = _DATA_END.unpack_from(content, data_end)
     if not data_crc or not summary_crc:
         raise BadFileError(path, "has no checksums; a flight log of this program has them all")
     if opcode != Opcode.DATA_END or zlib.crc32(content[:data_end]) != data_crc:
-        raise BadFileError(path, "is damaged: its data do not match their checksum")
+        raise BadFileError(path, f"is damaged: its data do not match their checksum{_RECOVER}")
     if zlib.crc32(content[summary_start : end + _FOOTER.size - 4]) != summary_crc:
-        raise BadFileError(path, "is damaged: its summary does not match its checksum")
+        raise BadFileError(path, f"is damaged: its summary does not match its checksum{_RECOVER}")
 
 
 def _parse(content: bytes) -> FlightLog:
@@ -156,15 +158,17 @@ def _parse(content: bytes) -> FlightLog:
     if summary is None:
         raise ValueError("it has no summary")
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-    if _HEADER_METADATA not in metadata:
-        raise ValueError(f"expected metadata {_HEADER_METADATA!r}, got {sorted(metadata)}")
+    if HEADER_METADATA not in metadata:
+        raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
-    return FlightLog(
-        header=_parse_header(metadata[_HEADER_METADATA]),
+    log = FlightLog(
+        header=_parse_header(metadata[HEADER_METADATA]),
         series=_parse_series(content, summary),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
+    refuse_contradictions(log)
+    return log
 
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:

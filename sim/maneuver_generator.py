@@ -48,7 +48,7 @@ class ManeuverGenerator:
     Args:
         velocity: trim velocity held at the start.
         step: control period in s.
-        signals: where it finds the target and leaves the reference; its own where None.
+        signals: where it leaves the reference; its own where None.
         backend: what evaluates the reference models.
     """
 
@@ -61,56 +61,50 @@ class ManeuverGenerator:
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
         self.signals = signals = signals or Signals()
-        signals.target[:] = (velocity.forward, velocity.side, velocity.yaw_rate)
+        self._target = velocity
+        # Forward, side, yaw rate, and whether the yaw rate takes the velocity's time.
+        self._asked = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
         signals.reference[:] = 0.0
-        signals.reference[::_CHANNEL] = signals.target
-        # 1 while the yaw rate takes the velocity's time, else 0.
-        self._together = np.zeros(1)
-        self._models = Recursion(
-            _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step),
-            (signals.target, self._together, signals.reference),
-            (),
-            backend=backend,
-        )
+        signals.reference[::_CHANNEL] = self._asked[:3]
+        models = _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
+        self._models = Recursion(models, (self._asked, signals.reference), (), backend=backend)
         self.run = self._models.step
-        """Moves the reference on by one control period towards the target of the signals."""
+        """Moves the reference on by one control period."""
 
     def aim(self, target: Twist) -> None:
         """Asks for a velocity from now on."""
-        forward, side, yaw_rate = self.signals.target.tolist()
-        if target != Twist(forward, side, yaw_rate):
-            self._together[0] = (target.forward, target.side) != (forward, side)
-            self.signals.target[:] = (target.forward, target.side, target.yaw_rate)
+        if target == self._target:
+            return
+        speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
+        self._asked[:] = (target.forward, target.side, target.yaw_rate, speed_changes)
+        self._target = target
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
         self.aim(target)
         self.run()
-        return Reference(
-            *(Channel._make(row) for row in self.signals.reference.reshape(-1, _CHANNEL).tolist())
-        )
+        rows = self.signals.reference.reshape(-1, _CHANNEL).tolist()
+        return Reference(*(Channel._make(row) for row in rows))
 
 
 @cache
-def _models(velocity: SecondOrder, yaw_rate: SecondOrder, step: float) -> ca.Function:
-    """Builds the reference models of all channels, (target, together, reference) -> reference."""
-    target, together = ca.SX.sym("target", 3), ca.SX.sym("together")
-    reference = ca.SX.sym("reference", 3 * _CHANNEL)
-    forward, side, yaw = (ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL))
-    alone, waiting = (
-        ca.vertcat(*_follow(response, yaw, target[2], step=step)) for response in (yaw_rate, velocity)
+def _models(speeding: SecondOrder, turning: SecondOrder, step: float) -> ca.Function:
+    """Builds the reference models of all channels, (asked, reference) -> reference."""
+    asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw_rate, together = ca.vertsplit(asked)
+    before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
+    with_speed, alone = (
+        _follow(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
     )
     after = ca.vertcat(
-        *_follow(velocity, forward, target[0], step=step),
-        *_follow(velocity, side, target[1], step=step),
-        ca.if_else(together, waiting, alone),
+        _follow(speeding, before[0], forward, step=step),
+        _follow(speeding, before[1], side, step=step),
+        ca.if_else(together, with_speed, alone),
     )
-    return ca.Function("generate", [target, together, reference], [after])
+    return ca.Function("generate", [asked, reference], [after])
 
 
-def _follow(
-    response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float
-) -> tuple[ca.SX, ca.SX, ca.SX]:
+def _follow(response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float) -> ca.SX:
     """Steps value and rate of one channel, exactly for a target held through the step.
 
     Returns:
@@ -123,4 +117,4 @@ def _follow(
     offset, rate_before = before[0] - target, before[1]
     value = target + e * (c + decay / swing * s) * offset + e * s / swing * rate_before
     rate = -e * frequency**2 / swing * s * offset + e * (c - decay / swing * s) * rate_before
-    return value, rate, frequency**2 * (target - value) - 2.0 * decay * rate
+    return ca.vertcat(value, rate, frequency**2 * (target - value) - 2.0 * decay * rate)

@@ -18,7 +18,6 @@ class Signals:
     """The numbers of one moment; arrays of doubles that share one memory.
 
     Attributes:
-        target: velocity asked for: forward, side in m/s, yaw rate in rad/s.
         truth: true motion, laid out as `Motion`.
         estimate: what the vehicle believes, likewise.
         reference: value, rate and acceleration of the channels of `Reference`.
@@ -30,12 +29,11 @@ class Signals:
     """
 
     __slots__ = (
-        *("target", "truth", "estimate", "reference", "controls", "servos", "wind"),
+        *("truth", "estimate", "reference", "controls", "servos", "wind"),
         *("motion", "period"),
     )
 
     def __init__(self) -> None:
-        self.target = np.zeros(3)
         self.motion, self.period = np.zeros(sum(_MOTION)), np.zeros(sum(_PERIOD))
         self.truth, self.estimate, self.reference = np.split(self.motion, [*accumulate(_MOTION)][:-1])
         self.controls, self.servos, self.wind = np.split(self.period, [*accumulate(_PERIOD)][:-1])

@@ -1,7 +1,7 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict
 
 from flight.errors import FlightError, FlightLostError
@@ -25,7 +25,8 @@ from flight.version import VERSION
 from .backend import Backend, best_backend, name_backend
 from .controller import Controller
 from .equilibrium import find_equilibrium
-from .faults import Faults
+from .faults import Faults, Parts
+from .gains import Gains
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
@@ -57,6 +58,7 @@ class SimulatedHelicopter:
         specification: what is flown, with the seed of all chance.
         library: names the trims and says when a maneuver has ended.
         parameters: the vehicle; that of `models/gtmax.toml` where None.
+        gains: of the controller.
         backend: what evaluates expressions; the best that there is where None. No number depends on it.
 
     Raises:
@@ -70,6 +72,7 @@ class SimulatedHelicopter:
         library: Library,
         *,
         parameters: Parameters | None = None,
+        gains: Gains | None = None,
         backend: Backend | None = None,
     ) -> None:
         if library.conditions.maneuver_end is None:
@@ -99,13 +102,13 @@ class SimulatedHelicopter:
             parameters,
             height=specification.altitude,
             step=CONTROL_PERIOD,
+            gains=gains,
             adaptive=specification.adaptive,
             signals=signals,
             backend=backend,
         )
         # What runs before the helicopter moves.
-        self._parts: tuple[Callable[[], None], ...]
-        self._parts = (self._generator.run, self._controller.run, self._wind.run)
+        self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
         self._faults: Faults | None = None
         self._periods = 0
         self._timed_out = False
@@ -125,7 +128,7 @@ class SimulatedHelicopter:
                 signals=signals,
                 helicopter=self._helicopter,
                 parameters=parameters,
-                navigation=self._navigation,
+                navigation=self.navigation,
                 parts=self._parts,
             )
             self._parts = faults.parts
@@ -136,7 +139,7 @@ class SimulatedHelicopter:
         equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
-        self._navigation = self._navigator()
+        self.navigation = self._navigator()
         self._recorder = Recorder(self._signals, height=specification.altitude)
         for _ in range(round(specification.settling_time / CONTROL_PERIOD)):
             self._advance()
@@ -144,7 +147,7 @@ class SimulatedHelicopter:
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
         self._controller.turn(displacement.heading)
-        self._navigation.move(displacement)
+        self.navigation.move(displacement)
 
     def _navigator(self) -> Navigator:
         if self._specification.ideal_navigation:
@@ -251,7 +254,7 @@ class SimulatedHelicopter:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
-        if self._faults is not None:
+        if self._faults:
             self._faults.begin()
         for run in self._parts:
             run()
@@ -262,9 +265,9 @@ class SimulatedHelicopter:
             self._outcome = str(error)
             raise
         self._periods += 1
-        self._navigation.run()
+        self.navigation.run()
         self._recorder.add_motion()
-        if self._faults is not None:
+        if self._faults:
             self._faults.note()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:

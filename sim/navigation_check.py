@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import repeat
-from math import hypot, pi
+from math import exp, hypot, pi
 
 import numpy as np
 from jaxtyping import Float
@@ -25,7 +25,8 @@ FLIGHTS = 50
 SECONDS = 200.0
 APART = 20.0
 """Seconds between two looks at the filter; its error is another by then."""
-_CORRELATION_BAR = 0.2
+# An error's memory is taken as lost where its correlation is below this.
+_CORRELATION_BAR = exp(-1.0)
 # One foot: a third of the tolerance with which the thesis's missions are judged, m and m/s.
 POSITION_BAR = 0.3048
 _BEFORE, _LOSS, _AFTER = 10.0, 2.0, 15.0
@@ -106,10 +107,8 @@ def judge_consistency(flights: Sequence[Watched]) -> Iterator[Figure]:
     yield Figure("navigation", "mean NEES", float(mean.mean()), "-", beside=f"{ESTIMATED} expected")
     apart = normalised - ESTIMATED
     correlation = float((apart[:, 1:] * apart[:, :-1]).mean() / (apart**2).mean())
-    beside = "of one time with the next"
-    yield Figure(
-        "navigation", "correlation of the NEES", abs(correlation), "-", None, _CORRELATION_BAR, beside
-    )
+    beside = f"of one time with the next, {APART:g} s later"
+    yield Figure("navigation", "NEES, correlation", correlation, "-", None, _CORRELATION_BAR, beside)
     position = max(flight.position for flight in flights)
     beside = f"{number} flights of {times * APART:g} s"
     yield Figure("navigation", "largest position error", position, "m", None, POSITION_BAR, beside)

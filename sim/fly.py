@@ -14,7 +14,9 @@ from flight.library_file import library_text
 from flight.log import (
     INITIAL_STATE_ATTACHMENT,
     LIBRARY_ATTACHMENT,
+    MODEL_ATTACHMENT,
     SPECIFICATION_ATTACHMENT,
+    VEHICLE_ATTACHMENT,
     FlightHeader,
     FlightLog,
     PrimitiveKind,
@@ -33,7 +35,7 @@ from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import Channel, ManeuverGenerator, Reference
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation
-from .parameters import Parameters, model_hash, read_parameters
+from .parameters import Parameters, model_hash, model_text, read_parameters
 from .recorder import Recorder
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
@@ -222,6 +224,8 @@ class SimulatedHelicopter:
         files = {
             SPECIFICATION_ATTACHMENT: specification.to_json(),
             LIBRARY_ATTACHMENT: library_text(self._library).encode(),
+            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
+            MODEL_ATTACHMENT: model_text(),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }

@@ -42,8 +42,9 @@ from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 BACKEND = f"casadi-vm-{version('casadi')}"
-# Motion is logged, and the maneuver-end rule applied, at every second control period.
-_PERIODS_A_SAMPLE = 2
+# Motion is logged, and the maneuver-end rule applied, at every second control period; what the vehicle believes
+# of its errors is logged at every tenth.
+_PERIODS_A_SAMPLE, _PERIODS_A_SPREAD = 2, 10
 
 
 class NoManeuverEndError(FlightError):
@@ -237,6 +238,8 @@ class SimulatedHelicopter:
             raise self._lost
         if self._periods % _PERIODS_A_SAMPLE == 0:
             self._note_motion()
+        if self._periods % _PERIODS_A_SPREAD == 0:
+            self._recorder.add_spread(self.time, self._navigation.spread())
         truth = self._truth
         self._reference = self._generator.step(self._target)
         controls = self._controller.step(self._estimate, self._reference)

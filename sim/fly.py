@@ -10,7 +10,9 @@ from flight.library_file import library_text
 from flight.log import (
     INITIAL_STATE_ATTACHMENT,
     LIBRARY_ATTACHMENT,
+    MODEL_ATTACHMENT,
     SPECIFICATION_ATTACHMENT,
+    VEHICLE_ATTACHMENT,
     FlightHeader,
     FlightLog,
     PrimitiveKind,
@@ -30,8 +32,8 @@ from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation, Navigator
-from .parameters import Parameters, model_hash, read_parameters
-from .recorder import PERIODS_A_SAMPLE, Recorder
+from .parameters import Parameters, model_hash, model_text, read_parameters
+from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
@@ -228,6 +230,8 @@ class SimulatedHelicopter:
         files = {
             SPECIFICATION_ATTACHMENT: specification.to_json(),
             LIBRARY_ATTACHMENT: library_text(self._library).encode(),
+            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
+            MODEL_ATTACHMENT: model_text(),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
@@ -237,6 +241,8 @@ class SimulatedHelicopter:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
+        if self._periods % PERIODS_A_SPREAD == 0:
+            self._recorder.add_spread(self._navigation.spread())
         self._generator.run()
         self._controller.run()
         self._wind.run()

@@ -93,7 +93,7 @@ def _cut_short(log: FlightLog, chance: Random) -> FlightLog:
 def _with_changed_attachment(log: FlightLog, chance: Random) -> FlightLog:
     name = chance.choice(sorted(log.attachments))
     content = log.attachments[name]
-    change = changed_json if chance.random() < 0.7 else changed_bytes
+    change = changed_json if name.endswith(".json") and chance.random() < 0.7 else changed_bytes
     return replace(log, attachments={**log.attachments, name: change(content, chance)})
 
 

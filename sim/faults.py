@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight.fault import SENSORS, SERVOS, Fault, faults_text
+from flight.fault import SENSORS, SERVOS, Fault
+from flight.fault_record import faults_text
 from flight.log import FAULT, FAULT_EFFECT, FAULTS_ATTACHMENT, FlightLog, Series, Topic
 
 from .fault_schedule import Failing, Schedule

@@ -14,6 +14,8 @@ import casadi as ca
 from .sensor_errors import Wander
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
+# Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
+SPREAD = 9
 ERRORS = ESTIMATED + CONSIDERED
 _UPPER = ca.Sparsity.upper(ERRORS)
 STATE = NOMINAL + _UPPER.nnz() + 1
@@ -156,21 +158,43 @@ def _symmetric(matrix: ca.SX) -> ca.SX:
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
-    """Returns the motion that a nominal state stands for, laid out as `Motion`, and the filter's state.
+def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
+    """Returns the motion that a nominal state stands for, laid out as `Motion`.
 
-    The heading goes on from the one before, without jumps.
+    Args:
+        nominal: state.
+        rates: of the body, rad/s.
+        before: a heading that this one goes on from without jumps, rad.
     """
-    turn, velocity, rates = rotation(nominal[6:10]), nominal[3:6], reading[3:] - nominal[13:16]
+    turn, velocity = rotation(nominal[6:10]), nominal[3:6]
     roll, heading = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(turn[1, 0], turn[0, 0])
     pitch = ca.asin(ca.fmax(-1.0, ca.fmin(1.0, -turn[2, 0])))
     c, s = ca.cos(heading), ca.sin(heading)
     level = ca.vertcat(c * velocity[0] + s * velocity[1], -s * velocity[0] + c * velocity[1], velocity[2])
     yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
     heading = before + ca.remainder(heading - before, 2.0 * pi)
-    motion = ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
+    return ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
+
+
+def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
+    """Returns the motion that is believed, and the filter's state."""
+    motion = believed_motion(nominal, reading[3:] - nominal[13:16], before)
     upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
-    return [motion, ca.vertcat(nominal, upper, heading)]
+    return [motion, ca.vertcat(nominal, upper, motion[SPREAD - 1])]
+
+
+def spread() -> ca.Function:
+    """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
+
+    First order: the slopes of what is believed over the error, around no error.
+    """
+    state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
+    nominal, covariance, heading = split(state)
+    motion = believed_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:SPREAD]
+    slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
+    estimated = covariance[:ESTIMATED, :ESTIMATED]
+    sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
+    return ca.Function("spread", [state], [ca.cse(sigmas)])
 
 
 def first_nominal() -> ca.Function:

@@ -10,7 +10,9 @@ from flight.library_file import library_text
 from flight.log import (
     INITIAL_STATE_ATTACHMENT,
     LIBRARY_ATTACHMENT,
+    MODEL_ATTACHMENT,
     SPECIFICATION_ATTACHMENT,
+    VEHICLE_ATTACHMENT,
     FlightHeader,
     FlightLog,
     PrimitiveKind,
@@ -18,8 +20,7 @@ from flight.log import (
 from flight.maneuver import Maneuver
 from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
-from flight.sequence import Sequence
-from flight.vehicle import Leg, Vehicle
+from flight.vehicle import Leg
 from flight.version import VERSION
 
 from .backend import Backend, best_backend, name_backend
@@ -31,8 +32,8 @@ from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation, Navigator
-from .parameters import Parameters, model_hash, read_parameters
-from .recorder import PERIODS_A_SAMPLE, Recorder
+from .parameters import Parameters, model_hash, model_text, read_parameters
+from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
@@ -244,6 +245,8 @@ class SimulatedHelicopter:
         files = {
             SPECIFICATION_ATTACHMENT: specification.to_json(),
             LIBRARY_ATTACHMENT: library_text(self._library).encode(),
+            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
+            MODEL_ATTACHMENT: model_text(),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
@@ -254,6 +257,8 @@ class SimulatedHelicopter:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
+        if self._periods % PERIODS_A_SPREAD == 0:
+            self._recorder.add_spread(self.navigation.spread())
         if self._faults:
             self._faults.begin()
         for run in self._parts:
@@ -275,26 +280,3 @@ class SimulatedHelicopter:
             kind=kind, number=number, from_trim=from_trim, to_trim=self._trim, timed_out=self._timed_out
         )
         self._timed_out = False
-
-
-def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> tuple[Leg, ...]:
-    """Flies a sequence of trims, joined by the library's maneuvers.
-
-    Args:
-        vehicle: holds the first trim of the sequence.
-        sequence: trims and coasting times.
-        library: holds the maneuvers that join them.
-
-    Returns:
-        Coasts and maneuvers in turn.
-
-    Raises:
-        NoManeuverError: two trims follow one another that no maneuver joins.
-        FlightLostError: the flight ended in the ground or diverged.
-    """
-    maneuvers = library.maneuvers_along(sequence.trims)
-    legs = [vehicle.coast(sequence.coasting_times[0])]
-    for maneuver, coasting_time in zip(maneuvers, sequence.coasting_times[1:], strict=True):
-        legs.append(vehicle.perform(maneuver))
-        legs.append(vehicle.coast(coasting_time))
-    return tuple(legs)

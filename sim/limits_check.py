@@ -10,8 +10,9 @@ from flight.library import Library
 from flight.log import CONTROLS, TRUTH, FlightLog
 
 from .backend import Backend
+from .campaign import fly_sequence
 from .figure import Figure
-from .fly import SimulatedHelicopter, fly_sequence
+from .fly import SimulatedHelicopter
 from .gains import Gains
 from .motion import Controls
 from .parameters import Parameters

@@ -15,9 +15,9 @@ from flight.se2 import SE2
 
 from . import filter_equations as equations
 from .backend import Backend
-from .bound_function import Recursion, view
+from .bound_function import BoundFunction, Recursion, view
 from .delay_line import DelayLine
-from .filter_equations import ERRORS, ESTIMATED, NOMINAL, STATE
+from .filter_equations import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
 from .motion import Motion
 from .sensor_errors import SensorErrors
 from .sensors import Readings, Sensors
@@ -39,6 +39,9 @@ class Navigator(Protocol):
     def run(self) -> None:
         """Believes what is so at the end of a control period."""
 
+    def spread(self) -> tuple[float, ...] | None:
+        """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
+
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
 
@@ -57,6 +60,10 @@ class IdealNavigation:
     def run(self) -> None:
         """Believes the truth."""
         self._estimate[:] = self._truth
+
+    def spread(self) -> None:
+        """Knows of no error."""
+        return
 
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
@@ -101,13 +108,15 @@ class Navigation:
         self._begin(truth, errors, rng)
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
         self._past = np.zeros(NOMINAL + 6)
-        functions = _functions(errors, step, gravity)
+        *functions, measure = _functions(errors, step, gravity)
         self._predict, self._correct_fix, self._correct_slow = (
             Recursion(function, (*seen, sensors.inertial, self._state), (signals.estimate,), backend=backend)
             for function, seen in zip(
                 functions, ((), (self._past, sensors.fix), (sensors.heading_and_height,)), strict=True
             )
         )
+        self._sigmas = np.zeros(SPREAD)
+        self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
 
     def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
         """Draws a first estimate."""
@@ -146,6 +155,11 @@ class Navigation:
         self.run()
         return Motion._make(self.signals.estimate.tolist())
 
+    def spread(self) -> tuple[float, ...]:
+        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
+        self._measure_spread.evaluate()
+        return tuple(self._sigmas.tolist())
+
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
         self.sensors.move(displacement)
@@ -176,12 +190,13 @@ class Navigation:
 
 @cache
 def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Function, ...]:
-    """Builds prediction and corrections of a filter that knows its sensors' errors."""
+    """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
     age = errors.fix_latency * step
     return (
         equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
         equations.correct_fix(errors.antenna, age, errors.fix_noise),
         equations.correct_slow(errors.heading_noise, errors.height_sigma),
+        equations.spread(),
     )
 
 

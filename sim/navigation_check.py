@@ -73,6 +73,10 @@ class _Watch:
             truth = Motion._make(self._truth.tolist())
             self._normalised.append(self._navigation.normalised_error(truth))
 
+    def spread(self) -> tuple[float, ...]:
+        """Returns what the filter claims of its error."""
+        return self._navigation.spread()
+
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
         self._navigation.move(displacement)

@@ -9,6 +9,7 @@ from flight.log import (
     COMMAND,
     CONTROLS,
     ESTIMATE,
+    NAVIGATION,
     PRIMITIVE,
     TRUTH,
     WIND,
@@ -25,8 +26,8 @@ from .motion import Controls, Motion
 from .signals import Signals
 from .specification import CONTROL_RATE
 
-# Motion is logged at every second control period.
-PERIODS_A_SAMPLE = 2
+# Motion is logged at every second control period, what the vehicle believes of its errors at every tenth.
+PERIODS_A_SAMPLE, PERIODS_A_SPREAD = 2, 10
 # Rows of memory that are taken at first.
 _ROWS = 4096
 _HEADING = Motion._fields.index("heading")
@@ -49,10 +50,16 @@ class Recorder:
     def __init__(self, signals: Signals, *, height: float) -> None:
         self._height = height
         self._motion, self._period = _Rows(signals.motion), _Rows(signals.period)
+        self._spreads: list[tuple[float, ...]] = []
         self._primitives: list[tuple[float, ...]] = []
         # Control periods at which a primitive begins.
         self._beginnings: list[int] = []
         self.add_motion, self.add_period = self._motion.add, self._period.add
+
+    def add_spread(self, sigmas: tuple[float, ...] | None) -> None:
+        """Notes what the vehicle believes of its errors; nothing where it knows of none."""
+        if sigmas is not None:
+            self._spreads.append(sigmas)
 
     def add_primitive(
         self, *, kind: PrimitiveKind, number: int, from_trim: int, to_trim: Trim, timed_out: bool
@@ -79,6 +86,7 @@ class Recorder:
         command = np.column_stack([motion[:, _COMMAND_COLUMNS], np.full(len(motion), self._height)])
         beginnings = np.array(self._beginnings, dtype=np.int64) / CONTROL_RATE
         times = np.arange(len(period)) / CONTROL_RATE
+        spreads = PERIODS_A_SPREAD * np.arange(len(self._spreads)) / CONTROL_RATE
         series = (
             Series(COMMAND, moments, command),
             Series(ESTIMATE, moments, motion[:, _MOTION : 2 * _MOTION]),
@@ -86,8 +94,10 @@ class Recorder:
             Series(WIND, times, period[:, 2 * _CONTROLS :]),
             Series(CONTROLS, times, period[:, _CONTROLS_COLUMNS]),
             Series(PRIMITIVE, beginnings, _rows(PRIMITIVE, self._primitives)),
+            Series(NAVIGATION, spreads, _rows(NAVIGATION, self._spreads)),
         )
-        return FlightLog(header, {each.topic.name: each for each in series}, dict(attachments))
+        noted = {each.topic.name: each for each in series if len(each)}
+        return FlightLog(header, noted, dict(attachments))
 
 
 class _Rows:

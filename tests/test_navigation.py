@@ -1,5 +1,9 @@
 """What the vehicle believes: a filter whose claims about its own error are true, also without GPS."""
 
+from collections.abc import Iterator
+from concurrent.futures import Executor
+
+import casadi as ca
 import numpy as np
 import pytest
 
@@ -8,7 +12,9 @@ from flight.se2 import SE2
 from maneuver.campaign_flights import campaign_library
 from maneuver.files import find_campaign
 from maneuver.workers import worker_pool
+from sim import filter_equations as equations
 from sim.controller_check import fly_walk
+from sim.filter_equations import ESTIMATED
 from sim.motion import Motion
 from sim.navigation import IdealNavigation, Navigation
 from sim.navigation_check import Watched, check_navigation, judge_consistency, judge_losses, lose_gps
@@ -129,3 +135,19 @@ def _drift(motion: Motion, seconds: float) -> Motion:
 def _moved(motion: Motion, displacement: SE2) -> Motion:
     pose = displacement @ motion.pose
     return motion._replace(north=pose.x, east=pose.y, heading=pose.heading)
+
+
+def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance() -> None:
+    """First order against 4000 draws; the heading frame turns with the heading."""
+    truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
+    navigation = navigate(truths[0])
+    for truth in truths[1:1500]:
+        navigation.step(truth)
+    nominal, covariance = navigation._state[: equations.NOMINAL], navigation._covariance
+    covariance = covariance[:ESTIMATED, :ESTIMATED]
+    errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
+    disturbed = equations.injection().map(4000)(nominal, errors.T)
+    state = ca.SX.sym("nominal", equations.NOMINAL)
+    believed = equations.believed_motion(state, ca.SX.zeros(3), ca.SX(truth.heading))
+    drawn = np.array(ca.Function("believe", [state], [believed]).map(4000)(disturbed))[: equations.SPREAD].T
+    np.testing.assert_allclose(navigation.spread(), drawn.std(axis=0), rtol=0.05)

@@ -9,12 +9,13 @@ from cyclopts import Parameter
 
 from flight.errors import FlightError
 from flight.fault import parse_fault
-from flight.log_file import publish_log
+from flight.log_file import publish_log, read_log
 from sim.campaign import fly_specification
 from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .films import make_film, refuse_film
 from .mission_flights import MissionTask, fly_mission
 from .numbers import Count, Seed
 from .policies import FlownPolicy
@@ -51,6 +52,7 @@ def fly(
     flights: Count | None = None,
     out: Path | None = None,
     workers: Count | None = None,
+    video: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -72,6 +74,8 @@ def fly(
 
         maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
 
+        maneuver fly --mission gtmax-2 --video chase.mp4
+
     Args:
         sequence: name or path of a sequence.
         mission: name or path of a mission.
@@ -88,11 +92,16 @@ def fly(
         flights: of a campaign; the campaign's number by default.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
         workers: processes of a campaign; one for each processor by default.
-        force: overwrite OUT.
+        video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
+        force: overwrite OUT and VIDEO.
         json: print what was flown as JSON.
     """
     departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
     order = _Order(library, wind, departure, seed, out, force)
+    if video is not None:
+        if campaign is not None:
+            raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
+        refuse_film(video, force=force)
     if mission is None and (policy is not None or gamma is not None):
         raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
     if campaign is None and (flights is not None or workers is not None):
@@ -109,6 +118,9 @@ def fly(
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
+    if video is not None:
+        make_film(read_log(Path(str(result["log"]))), video, force=force)
+        result["video"] = str(video)
     if json:
         print(json_module.dumps(result))
     else:

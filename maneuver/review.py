@@ -19,6 +19,8 @@ from review.pictures import Limits, write_pictures
 from review.summary import PrimitiveCount, Summary, summarise
 from sim.parameters import model_hash, read_parameters
 
+from .films import make_film, make_still
+
 # Departures from bounds that are listed; the rest is counted.
 MOST_DEPARTURES = 8
 
@@ -28,6 +30,9 @@ def review(
     /,
     *,
     out: Path | None = None,
+    video: Path | None = None,
+    still: Path | None = None,
+    at: float = 0.0,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -39,16 +44,27 @@ def review(
 
         maneuver review flight.mcap --out pictures --json
 
+        maneuver review flight.mcap --video chase.mp4
+
+        maneuver review flight.mcap --still chase.png --at 9
+
     Args:
         log: flight log.
         out: folder for the pictures; LOG's name with -review by default.
-        force: overwrite pictures of the same name.
+        video: also film the flight, as seen from a camera that follows, to FILE.mp4.
+        still: also draw one picture of that film, to FILE.png.
+        at: seconds into the flight of that picture.
+        force: overwrite pictures and films of the same name.
         json: print the summary as JSON.
     """
     flight = read_log(log)
     summary = summarise(flight)
     folder = out or Path(f"{log.stem}-review")
     pictures = write_pictures(flight, folder, limits=control_limits(flight), force=force)
+    if video is not None:
+        make_film(flight, video, force=force)
+    if still is not None:
+        make_still(flight, still, time=at, force=force)
     if json:
         print(json_module.dumps({**summary_content(summary), "pictures": [str(path) for path in pictures]}))
         return 0

@@ -18,12 +18,13 @@ from maneuver.campaign_flights import campaign_library
 from maneuver.files import find_campaign, find_mission
 from maneuver.mission_flights import MissionTask, fly_helicopter
 from sim import film as filming
+from sim.campaign import fly_sequence
 from sim.canvas import NoCanvasError, check_canvas
 from sim.encoder import FilmError, film_encoder
 from sim.film import Film, FilmSettings, write_film, write_still
 from sim.film_model import film_model
 from sim.film_tracks import planned_tracks
-from sim.fly import SimulatedHelicopter, fly_sequence
+from sim.fly import SimulatedHelicopter
 from sim.specification import FlightSpecification
 
 SMALL = FilmSettings(width=192, height=108, rate=10)

@@ -25,7 +25,8 @@ from .encoder import FilmError, Picture, film_encoder
 from .film_model import film_model
 from .film_tracks import FLOWN, PLANNED, Tracks
 
-# Rotors are shown turning this fast, rad/s, the main one clockwise seen from above: at their true speed, pictures this far apart would freeze them.
+# Rotors are shown turning this fast, rad/s, the main one clockwise seen from above: at their true speed,
+# pictures this far apart would freeze them.
 _SHOWN_SPEEDS = (-11.0, 17.0)
 # The camera: how far behind and to the side, m and deg, how much it looks down, and over how many seconds it
 # takes the vehicle's place and heading.

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from math import cos, pi
 
-from .motion import Wind
+import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +29,9 @@ class DiscreteGust:
         if not self.duration > 0.0:
             raise ValueError(f"duration must be > 0 s, got {self.duration} s")
 
-    def add_to(self, wind: Wind, time: float) -> Wind:
-        """Returns the wind with the gust at a time in s."""
+    def blow(self, wind: np.ndarray, time: float) -> None:
+        """Adds the gust at a time in s to a wind laid out as `Wind`."""
         along = (time - self.start) / self.duration
-        if not 0.0 < along < 1.0:
-            return wind
-        share = 0.5 * (1.0 - cos(2.0 * pi * along))
-        return wind._replace(
-            north=wind.north + share * self.north,
-            east=wind.east + share * self.east,
-            down=wind.down + share * self.down,
-        )
+        if 0.0 < along < 1.0:
+            share = 0.5 * (1.0 - cos(2.0 * pi * along))
+            wind[:3] += (share * self.north, share * self.east, share * self.down)

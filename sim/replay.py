@@ -8,7 +8,7 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flight.log import CONTROLS, INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT, WIND, FlightLog
 
-from .fly import BACKEND
+from .backend import Backend, best_backend, name_backend
 from .helicopter import Helicopter, HelicopterState
 from .motion import Controls, Wind
 from .parameters import model_hash, read_parameters
@@ -32,16 +32,12 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
         FlightLostError: the flight ended in the ground or diverged.
     """
-    header = log.header
-    for what, logged, here in (
-        ("vehicle", header.model_hash, model_hash()),
-        ("numeric back-end", header.backend, BACKEND),
-    ):
-        if logged != here:
-            raise AnotherVehicleError(what, logged, here)
+    if log.header.model_hash != model_hash():
+        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
+    backend = _backend(log.header.backend)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
     step = parse_specification(text, SPECIFICATION_ATTACHMENT).step
-    helicopter = Helicopter(read_parameters(), step=step)
+    helicopter = Helicopter(read_parameters(), step=step, backend=backend)
     state = json.loads(log.attachments[INITIAL_STATE_ATTACHMENT])
     heading = state.pop("heading")
     helicopter.restore(
@@ -53,3 +49,11 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         rows.append(helicopter.motion())
         helicopter.advance(Controls._make(command), Wind._make(wind), steps=round(CONTROL_PERIOD / step))
     return np.array(rows)
+
+
+def _backend(name: str) -> Backend:
+    """Returns the back-end of a log, where it is here."""
+    here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
+    if name not in here:
+        raise AnotherVehicleError("numeric back-end", name, " or ".join(here))
+    return here[name]

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import casadi as ca
 import numpy as np
 import pytest
 from scipy.stats import chi2
@@ -10,12 +11,13 @@ from flight.se2 import SE2, Twist
 from sim import filter_equations as equations
 from sim.closed_loop import respond
 from sim.controller_check import TRIMS, fly_walk
-from sim.filter_equations import ESTIMATED
+from sim.filter_equations import ESTIMATED, NOMINAL
 from sim.motion import Motion
 from sim.navigation import IdealNavigation, Navigation
 from sim.navigation_check import check_navigation, flown_errors
 from sim.parameters import read_parameters
-from sim.sensors import SensorErrors, Wander
+from sim.sensor_errors import SensorErrors, Wander
+from sim.signals import Signals
 
 PARAMETERS = read_parameters()
 STILL = Motion(5.0, -3.0, -30.0, 1.0, 0.5, 0.0, 0.05, -0.02, 2.0, 0.0, 0.0, 0.0, 0.0)
@@ -27,10 +29,12 @@ def navigate(truth: Motion, *, seed: int = 1, errors: SensorErrors | None = None
 
 
 def test_ideal_navigation_believes_the_truth_at_once() -> None:
-    navigation = IdealNavigation()
+    signals = Signals()
+    navigation = IdealNavigation(signals)
     for north in (0.0, 1.0, 2.0):
-        truth = STILL._replace(north=north)
-        assert navigation.step(truth) == truth
+        signals.truth[:] = STILL._replace(north=north)
+        navigation.run()
+        assert signals.estimate.tolist() == signals.truth.tolist()
 
 
 def test_the_filter_is_consistent_over_fifty_flights() -> None:
@@ -88,7 +92,8 @@ def test_moving_the_world_moves_what_is_believed() -> None:
         other.step(_drift(STILL, period * 0.01))
     displacement = SE2(100.0, 50.0, 0.5)
     now, moved = (_drift(STILL, seconds) for seconds in (7.99, 8.0))
-    other.move(displacement, _moved(now, displacement))
+    other.signals.truth[:] = _moved(now, displacement)
+    other.move(displacement)
     plain, turned = navigation.step(moved), other.step(_moved(moved, displacement))
     expected = displacement @ plain.pose
     assert turned.pose.distance_to(expected.position) < 1e-9
@@ -135,10 +140,18 @@ def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance()
     navigation = navigate(truths[0])
     for truth in truths[1:1500]:
         navigation.step(truth)
-    nominal = navigation._nominals[navigation._current]
-    covariance = navigation._covariances[navigation._current][:ESTIMATED, :ESTIMATED]
-    covariance = np.triu(covariance) + np.triu(covariance, 1).T
+    nominal, covariance, heading = _known(navigation)
     errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
     disturbed = equations.injection().map(4000)(nominal, errors.T)
-    drawn = np.array(equations.believe().map(4000)(disturbed, np.zeros(6)))[: equations.SPREAD].T
+    state = ca.SX.sym("state", NOMINAL)
+    believed = ca.Function(
+        "believed", [state], [equations.believed_motion(state, ca.SX(heading), ca.SX.zeros(6))]
+    )
+    drawn = np.array(believed.map(4000)(disturbed))[: equations.SPREAD].T
     np.testing.assert_allclose(navigation.spread(), drawn.std(axis=0), rtol=0.05)
+
+
+def _known(navigation: Navigation) -> tuple[np.ndarray, np.ndarray, float]:
+    """Returns nominal state, covariance of what is estimated, heading."""
+    state = navigation._state
+    return state[:NOMINAL], navigation._covariance[:ESTIMATED, :ESTIMATED], float(state[-1])

@@ -54,6 +54,9 @@ class Plan:
         lower_bound: seconds that no plan can undercut, where known.
         solve_time: seconds of computing; outside every hash.
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
+        miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
+            where one set of coasting times is flown at all of them.
+        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one does.
     """
 
     status: Status
@@ -71,6 +74,8 @@ class Plan:
     lower_bound: float | None = None
     solve_time: float = 0.0
     alpha: float | None = None
+    miss: float | None = None
+    at_smallest_tolerance: "Plan | None" = None
 
     @property
     def found(self) -> bool:
@@ -129,6 +134,8 @@ class _PlanFile(FileModel):
     verified: bool
     solve_time: NonNegativeFloat
     alpha: FiniteFloat | None = None
+    miss: NonNegativeFloat | None = None
+    at_smallest_tolerance: "_PlanFile | None" = None
 
 
 def plan_content(plan: Plan) -> dict[str, Any]:
@@ -149,9 +156,11 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "maneuvers": list(plan.maneuvers),
         "coasting_times": list(plan.coasting_times),
         "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
+        "miss": plan.miss,
         "lower_bound": plan.lower_bound,
         "verified": plan.verified,
         "solve_time": plan.solve_time,
+        "at_smallest_tolerance": plan.at_smallest_tolerance and plan_content(plan.at_smallest_tolerance),
     }
     return {key: value for key, value in content.items() if value is not None}
 
@@ -200,7 +209,9 @@ def _to_plan(content: _PlanFile) -> Plan:
         reason=content.reason or "",
         lower_bound=content.lower_bound,
         alpha=content.alpha,
+        miss=content.miss,
         solve_time=content.solve_time,
+        at_smallest_tolerance=content.at_smallest_tolerance and _to_plan(content.at_smallest_tolerance),
     )
     _refuse_contradictions(plan, content)
     return plan

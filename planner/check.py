@@ -1,6 +1,7 @@
 """Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
 
 from cmath import exp
+from dataclasses import replace
 from math import isfinite, pi, remainder, sin
 
 from flight.errors import FlightError
@@ -10,6 +11,8 @@ from flight.maneuver import Maneuver
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import Twist
+
+from .check_committed import committed_problems
 
 GOAL_EQUALITY = 1e-6
 """Metres and radians within which a tolerance of 0 is met."""
@@ -24,6 +27,9 @@ TIME_AGREEMENT = 1e-9
 OPTIMALITY = 1e-6
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
 
+COMMITTED_OPTIMALITY = 1e-3
+"""The same for a committed plan, whose bound comes from branch and bound."""
+
 
 def problems(
     plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
@@ -37,6 +43,8 @@ def problems(
         known_hash: of the library, where it is at hand.
     """
     found = _identity(plan, known_hash or library_hash(library), library.name, mission)
+    if plan.at_smallest_tolerance is not None:
+        found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
     if not plan.found:
         return tuple(found)
     try:
@@ -53,9 +61,23 @@ def problems(
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
-    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - OPTIMALITY:
+    gap = COMMITTED_OPTIMALITY if plan.policy == "committed" else OPTIMALITY
+    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - gap:
         found.append(f"lower_bound: called optimal at {plan.cost} s, the bound is {plan.lower_bound} s")
+    if plan.policy == "committed" and not found:
+        found += committed_problems(plan, library, mission)
     return tuple(found)
+
+
+def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str) -> list[str]:
+    """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
+    if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
+        return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
+    wider = replace(mission, tolerance=plan.tolerance)
+    return [
+        f"at_smallest_tolerance: {problem}"
+        for problem in problems(plan, library, wider, known_hash=known_hash)
+    ]
 
 
 def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
@@ -70,7 +92,10 @@ def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[st
         found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
     levels = {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
     stated = [scenario.gamma for scenario in plan.scenarios]
-    if plan.found and (set(stated) != levels or len(stated) != len(levels)):
+    # A committed plan may show one level more: where it misses most.
+    inside = [gamma for gamma in stated if plan.policy == "committed" and abs(gamma) < plan.gamma and gamma]
+    shown = [gamma for gamma in stated if gamma not in inside[:1]]
+    if plan.found and (set(shown) != levels or len(shown) != len(levels)):
         found.append(f"scenarios: expected one for each gamma of {sorted(levels)}, got {stated}")
     return found
 

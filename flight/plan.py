@@ -56,7 +56,8 @@ class Plan:
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
         miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
             where one set of coasting times is flown at all of them.
-        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one does.
+        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one
+            does.
     """
 
     status: Status
@@ -211,7 +212,7 @@ def _to_plan(content: _PlanFile) -> Plan:
         alpha=content.alpha,
         miss=content.miss,
         solve_time=content.solve_time,
-        at_smallest_tolerance=content.at_smallest_tolerance and _to_plan(content.at_smallest_tolerance),
+        at_smallest_tolerance=_to_plan(wider) if (wider := content.at_smallest_tolerance) else None,
     )
     _refuse_contradictions(plan, content)
     return plan

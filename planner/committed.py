@@ -1,4 +1,4 @@
-"""The committed policy: one set of coasting times, chosen before the uncertainty is known (thesis, Problem 8.1).
+"""The committed policy: one set of coasting times, chosen before gamma is known (thesis, Problem 8.1).
 
 The same times must end within the tolerance at every level between -gamma and gamma, ends and interior alike,
 with the heading wanted there; of all that do, the ones whose slowest level is fastest are taken.
@@ -37,8 +37,8 @@ MOST_NODES = 200_000
 LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
-HOPELESS = 25.0
-"""Seconds that the nominal policy is taken to need where it has no plan."""
+HORIZON = 120.0
+"""Seconds that a plan for the smallest tolerance may take; more where the nominal plan is long."""
 
 UNFINISHED = "not proved optimal: the search stopped before every box of coasting times was excluded"
 
@@ -98,6 +98,11 @@ class Committed:
             plan = self._none(case, start)
         return replace(plan, solve_time=perf_counter() - began)
 
+    def horizon(self, mission: Mission) -> float:
+        """Returns the seconds beyond which the smallest tolerance is not looked for."""
+        nominal = self._nominal.plan(mission)
+        return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
+
     def _prepared(self, mission: Mission) -> _Case:
         every = walks(
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
@@ -105,13 +110,11 @@ class Committed:
         paths = [self._library.maneuvers_along(walk) for walk in every]
         nominal_fixed = np.array([sum(step.duration for step in path) for path in paths])
         slope = np.array([sum(step.error.duration for step in path) for path in paths])
-        nominal = self._nominal.plan(mission)
-        horizon = 2 * (nominal.cost if nominal.found else HOPELESS) + 10
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = Task.of(mission, self._gamma)
         search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes)
         coasting = self._coasting(mission, every, nominal_fixed, slope)
-        return _Case(mission, every, fixed, fixed + coasting, search, horizon)
+        return _Case(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
 
     def _coasting(
         self,
@@ -152,9 +155,7 @@ class Committed:
         self, case: _Case, walk: Walk, starts: Iterable[tuple[float, ...]], *, soonest: bool
     ) -> Best:
         row = case.walks.index(walk)
-        found = [
-            case.search.descend(row, np.array(start), case.horizon, soonest=soonest) for start in starts
-        ]
+        found = [case.search.descend(row, np.array(start), case.horizon, soonest=soonest) for start in starts]
         nothing = Best((), None, inf, 0.0, False, 0)
         return min((one for one in found if one is not None), key=lambda one: one.value, default=nothing)
 
@@ -220,9 +221,7 @@ class Committed:
         scenarios = []
         for gamma in levels:
             numbers = motion(self._library, best.walk, gamma)
-            scenarios.append(
-                Scenario(gamma, numbers.cost(times), times, numbers.end(mission.start, times))
-            )
+            scenarios.append(Scenario(gamma, numbers.cost(times), times, numbers.end(mission.start, times)))
         return replace(
             self._empty(mission),
             sequence=best.walk,
@@ -235,6 +234,4 @@ class Committed:
         wrong = problems(plan, self._library, mission, known_hash=self._hash)
         if not wrong:
             return replace(plan, verified=True)
-        return replace(
-            self._empty(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}"
-        )
+        return replace(self._empty(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}")

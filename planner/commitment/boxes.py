@@ -1,9 +1,9 @@
 """Boxes of coasting times, and what is certain about all times in a box at once.
 
-At the middle of a box the ends at all levels are known with their velocities, and beyond that they stray by no
-more than a bound of the second derivatives allows. Any weighted sum of the directions in which levels miss the
-goal makes of "within the tolerance at every level" one linear inequality: it cuts the box, bounds the seconds,
-and bounds the largest miss from below.
+At the middle of a box the ends at all levels are known with their velocities, and beyond that they stray by
+no more than a bound of the second derivatives allows. Any weighted sum of the directions in which levels miss
+the goal makes of "within the tolerance at every level" one linear inequality: it cuts the box, bounds the
+seconds, and bounds the largest miss from below.
 """
 
 from dataclasses import dataclass
@@ -64,10 +64,12 @@ class Boxes:
         below, above = self.high.copy(), self.low.copy()
         below[at, self.widest] = middle
         above[at, self.widest] = middle
-        return joined([
-            Boxes(self.rows, self.low, below, self.seconds, self.miss, self.widest),
-            Boxes(self.rows, above, self.high, self.seconds, self.miss, self.widest),
-        ])
+        return joined(
+            [
+                Boxes(self.rows, self.low, below, self.seconds, self.miss, self.widest),
+                Boxes(self.rows, above, self.high, self.seconds, self.miss, self.widest),
+            ]
+        )
 
 
 def joined(parts: list[Boxes]) -> Boxes:
@@ -118,9 +120,7 @@ def examine(
     moved = (fastest * width[:, None, :]).sum(axis=2)
     directions = _directions(off, pulls[boxes.rows])
     position, here = _position(off, along, stray, directions, radius)
-    miss = np.maximum(
-        (np.abs(off) - moved).max(axis=1), _least_miss(position, here, directions, width)
-    )
+    miss = np.maximum((np.abs(off) - moved).max(axis=1), _least_miss(position, here, directions, width))
     turning, possible = _turning(fan, boxes.rows, heading, width, task)
     useful = Inequalities(
         np.concatenate([position.slope, turning.slope], axis=1),
@@ -203,7 +203,8 @@ def _least_miss(
     weight = np.abs(directions).sum(axis=2)
     spread = np.einsum("nct,nt->nc", np.abs(position.slope), width)
     least = (here - spread) / np.maximum(weight, 1e-300)
-    return np.where(weight > 1e-12, least, 0.0).max(axis=1)
+    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, least, 0.0).max(axis=1)
+    return known
 
 
 def _turning(
@@ -233,9 +234,7 @@ def _turning(
     return both, fewest <= most
 
 
-def _least_sum(
-    given: Inequalities, width: Float[np.ndarray, "n trims"]
-) -> Float[np.ndarray, "n"]:
+def _least_sum(given: Inequalities, width: Float[np.ndarray, "n trims"]) -> Float[np.ndarray, "n"]:
     """Returns the least sum of offsets from the middle that one inequality at a time allows: its dual."""
     least = -width.sum(axis=1)
     for place in range(width.shape[1]):
@@ -247,13 +246,13 @@ def _least_sum(
         reduced = np.abs(1 + price[:, :, None] * given.slope)
         value = -price * room - np.einsum("nct,nt->nc", reduced, width)
         least = np.maximum(least, value.max(axis=1))
-    return least
+    return np.asarray(least)
 
 
 def _cut(
     given: Inequalities, width: Float[np.ndarray, "n trims"]
 ) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that each inequality alone leaves, and whether any are left."""
+    """Returns the smallest and largest offsets that each inequality leaves, and whether any are left."""
     steep = np.abs(given.slope)
     slack = given.room + np.einsum("nct,nt->nc", steep, width)
     with np.errstate(divide="ignore", invalid="ignore"):

@@ -1,4 +1,4 @@
-"""Branch and bound over boxes of coasting times of many walks: the best there are, and that none is better."""
+"""Branch and bound over boxes of coasting times of many walks: the best, and that none is better."""
 
 from dataclasses import dataclass
 from math import inf
@@ -7,12 +7,12 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.library import Library
+from planner.sequences import Walk
 
 from .boxes import Boxes, examine, joined
 from .descent import Descended, Descent
-from .fan import Fan, fan
+from .fan import fan
 from .task import Task
-from planner.sequences import Walk
 
 BATCH = 1024
 """Boxes that are halved at once."""
@@ -21,6 +21,10 @@ DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
 MOST_LEVELS = 9
+"""At which boxes are looked at; more cost more than they cut."""
+
+FAR = 1e6
+"""Metres from the goal at which nothing is of interest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,11 +95,11 @@ class Branching:
             limit: seconds that a plan may take.
             enough: metres with which the search is content.
         """
-        return self._search(
-            best, gap, soonest=False, bounds=self.fixed, limit=limit, enough=enough
-        )
+        return self._search(best, gap, soonest=False, bounds=self.fixed, limit=limit, enough=enough)
 
-    def descend(self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, soonest: bool) -> Best | None:
+    def descend(
+        self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, soonest: bool
+    ) -> Best | None:
         """Returns the best times near some of a walk, or None if no descent ends well."""
         descent, budget = self._descents[row], limit - float(self.fixed[row])
         if budget < 0:
@@ -130,7 +134,7 @@ class Branching:
                 break
             chosen = np.zeros(len(keys), dtype=bool)
             chosen[np.argpartition(keys, min(BATCH, len(keys)) - 1)[:BATCH]] = True
-            radius = self.task.tolerance if soonest else best.value - gap
+            radius = self.task.tolerance if soonest else min(best.value - gap, FAR)
             time = best.value - gap if soonest else limit
             halves = open_.take(chosen).halves()
             nodes += len(halves.rows)

@@ -97,7 +97,7 @@ class Fan:
             bound[:, :, place] = np.minimum(near, far)
             swing = swing + bound[:, :, place] * width[:, None, place]
             arm = arm + chord[:, :, place] + moved[:, :, place]
-        return bound
+        return np.asarray(bound)
 
 
 def fan(library: Library, walks: tuple[Walk, ...], gammas: tuple[float, ...]) -> Fan:

@@ -2,9 +2,6 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from jaxtyping import Float
-
 from flight.mission import Mission
 from flight.se2 import rotate
 from planner.coasting import EQUALITY_TOLERANCE, wants_heading
@@ -43,7 +40,3 @@ class Task:
             (mission.goal_heading or 0.0) - start.heading,
             max(mission.heading_tolerance, EQUALITY_TOLERANCE),
         )
-
-    def heading_off(self, heading: Float[np.ndarray, "n"], turns: float) -> Float[np.ndarray, "n"]:
-        """Returns by how many radians headings exceed the wanted one with some full turns, in radians."""
-        return heading - self.heading - turns

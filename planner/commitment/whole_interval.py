@@ -94,9 +94,7 @@ class Lines:
         before = np.abs(swung - self.rate[1] * times)
         entry = np.abs(swung - self.rate[1] * times - self.turn[1])
         coasting = np.maximum(before, np.abs(swung))
-        speed, moved = (
-            np.abs(one[0]) + gamma * np.abs(one[1]) for one in (self.velocity, self.displacement)
-        )
+        speed, moved = (np.abs(one[0]) + gamma * np.abs(one[1]) for one in (self.velocity, self.displacement))
         coasts = times * coasting * (2 * np.abs(self.velocity[1]) + coasting * speed)
         maneuvers = entry * (2 * np.abs(self.displacement[1]) + entry * moved)
         return float(coasts.sum() + maneuvers.sum())

@@ -1,7 +1,7 @@
 """Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
 
 from cmath import exp
-from math import isfinite, pi, remainder, sin
+from math import inf, isfinite, pi, remainder, sin
 
 from flight.errors import FlightError
 from flight.library import Library
@@ -11,8 +11,8 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import Twist
 
-GOAL_EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
+from .certified_bound import GOAL_EQUALITY
+from .check_certificate import certificate_problems, unproved_ends
 
 END_AGREEMENT = 1e-6
 """Metres and radians by which a stated end may differ from the one flown."""
@@ -23,6 +23,9 @@ TIME_AGREEMENT = 1e-9
 
 OPTIMALITY = 1e-6
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
+
+PROVED_OPTIMALITY = 1e-3
+"""Seconds likewise, where a certificate proves the bound."""
 
 
 def problems(
@@ -38,7 +41,7 @@ def problems(
     """
     found = _identity(plan, known_hash or library_hash(library), library.name, mission)
     if not plan.found:
-        return tuple(found)
+        return (*found, *_certificate(plan, library, mission))
     try:
         maneuvers = library.maneuvers_along(plan.sequence)
         velocities = [library.trim(trim) for trim in plan.sequence]
@@ -53,9 +56,27 @@ def problems(
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
-    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - OPTIMALITY:
+    gap = OPTIMALITY if plan.certificate is None else PROVED_OPTIMALITY
+    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - gap:
         found.append(f"lower_bound: called optimal at {plan.cost} s, the bound is {plan.lower_bound} s")
-    return tuple(found)
+    # The certificate takes longest: it is looked at where nothing else is wrong.
+    return tuple(found) or _certificate(plan, library, mission)
+
+
+def _certificate(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns what a plan's certificate, if it has one, does not prove."""
+    if plan.certificate is None:
+        return ()
+    if plan.found == (plan.lower_bound is None):
+        return ("certificate: proves a lower bound of a plan, or that there is none; got neither",)
+    levels = tuple(sorted(_levels(plan)))
+    bound = inf if plan.lower_bound is None else plan.lower_bound
+    unproved = certificate_problems(plan.certificate, library, mission, gammas=levels, lower_bound=bound)
+    return unproved + unproved_ends(plan, library, mission)
+
+
+def _levels(plan: Plan) -> set[float]:
+    return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
 
 
 def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
@@ -68,7 +89,7 @@ def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[st
         found.append(f"tolerance: planned with {plan.tolerance} m, the mission has {mission.tolerance} m")
     if not 0 <= plan.gamma <= 1:
         found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
-    levels = {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
+    levels = _levels(plan)
     stated = [scenario.gamma for scenario in plan.scenarios]
     if plan.found and (set(stated) != levels or len(stated) != len(levels)):
         found.append(f"scenarios: expected one for each gamma of {sorted(levels)}, got {stated}")

@@ -182,9 +182,9 @@ class Committed:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
         elif proved:
             reason = (
-                f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any walk "
-                f"{depth}, stay within the tolerance at every gamma from {-self._gamma:g} to {self._gamma:g}; "
-                "longer ones were not looked at"
+                f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
+                f"walk {depth}, stay within the tolerance at every gamma from {-self._gamma:g} to "
+                f"{self._gamma:g}; longer ones were not looked at"
             )
         else:
             reason = f"no coasting times that stay within the tolerance were found for any walk {depth}"

@@ -1,8 +1,8 @@
 """The problem of each policy for one walk, stated in CasADi and solved by IPOPT: what planners are held to.
 
-The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and the
-largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every level
-(Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
+The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and
+the largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every
+level (Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
 exchange: the level of a fine grid that misses most joins the statement until none misses.
 """
 
@@ -161,7 +161,7 @@ class Question:
     budget: float
 
     def committed(self, start: Times) -> Times | None:
-        """Returns times in seconds that IPOPT finds from some, within the tolerance on a fine grid of levels."""
+        """Returns times that IPOPT finds from some, within the tolerance on a fine grid of levels."""
         found = self._exchanged("committed", start)
         return None if found is None else found[0]
 

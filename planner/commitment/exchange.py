@@ -79,9 +79,10 @@ class Finite:
         cost = np.append(np.zeros(count), 1.0) if free else np.ones(count)
         kept: Any = [{"type": "ineq", "fun": value, "jac": slope}]
         bounds: Any = [(0.0, None)] * len(cost)
+        start_x: Any = np.append(start, self.misses(start)[0].max()) if free else start
         answer: Any = minimize(
             lambda x: float(cost @ x),
-            np.append(start, self.misses(start)[0].max()) if free else start,
+            start_x,
             jac=lambda _: cost,
             bounds=bounds,
             constraints=kept,

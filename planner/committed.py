@@ -18,8 +18,10 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 
 from .check import problems
+from .coasting import EQUALITY_TOLERANCE
 from .commitment.branching import Best, Branching
 from .commitment.task import Task
+from .commitment.whole_interval import ROUNDING
 from .kernel.build import kernel
 from .kernel.exact import least_costs_of_each
 from .kernel.tables import tables
@@ -85,8 +87,7 @@ class Committed:
         """
         began = perf_counter()
         if self._gamma == 0:
-            known = self._nominal.plan(mission)
-            return replace(known, policy="committed")
+            return _committed(self._nominal.plan(mission), mission)
         case = self._prepared(mission)
         start = self._feasible(case)
         if start.found is not None and start.value <= Task.of(mission, self._gamma).tolerance:
@@ -235,3 +236,11 @@ class Committed:
         if not wrong:
             return replace(plan, verified=True)
         return replace(self._empty(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}")
+
+
+def _committed(plan: Plan, mission: Mission) -> Plan:
+    """Returns a nominal plan as the committed one without uncertainty."""
+    if not plan.found:
+        return replace(plan, policy="committed")
+    miss = plan.deciding.end.distance_to(mission.goal) + ROUNDING
+    return replace(plan, policy="committed", miss=min(miss, max(mission.tolerance, EQUALITY_TOLERANCE)))

@@ -77,18 +77,15 @@ class Finite:
             return np.hstack([rows, last[:, None]])
 
         cost = np.append(np.zeros(count), 1.0) if free else np.ones(count)
-        kept: Any = [{"type": "ineq", "fun": value, "jac": slope}]
-        bounds: Any = [(0.0, None)] * len(cost)
-        start_x: Any = np.append(start, self.misses(start)[0].max()) if free else start
-        answer: Any = minimize(
-            lambda x: float(cost @ x),
-            start_x,
-            jac=lambda _: cost,
-            bounds=bounds,
-            constraints=kept,
-            method="SLSQP",
-            options={"ftol": 1e-9, "maxiter": 100},
-        )
+        # The stubs of SciPy know no gradient that does not depend on where it is asked for.
+        problem: Any = {
+            "fun": lambda x: float(cost @ x),
+            "x0": np.append(start, self.misses(start)[0].max()) if free else start,
+            "jac": lambda _: cost,
+            "bounds": [(0.0, None)] * len(cost),
+            "constraints": [{"type": "ineq", "fun": value, "jac": slope}],
+        }
+        answer: Any = minimize(**problem, method="SLSQP", options={"ftol": 1e-9, "maxiter": 100})
         if not np.isfinite(answer.x).all():
             return None
         times = np.maximum(answer.x[:count], 0.0)

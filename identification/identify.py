@@ -16,7 +16,7 @@ from .flight_evidence import FlightEvidence as FlightEvidence
 from .flight_evidence import StateJudged as StateJudged
 from .flight_evidence import evidence as evidence
 from .samples import NeverFlownError as NeverFlownError
-from .samples import Samples, maneuver_samples, trim_samples
+from .samples import maneuver_samples, trim_samples
 
 TrimErrors = Literal["instantaneous", "averaged"]
 
@@ -97,7 +97,7 @@ def _trims(flights: Sequence[FlightEvidence], kind: TrimErrors, confidence: floa
     return tuple(
         identified_trim(
             trim,
-            trim_samples(flights, trim.id, hull=hull),
+            trim_samples(flights, trim.id, hull=hull).required(f"trim {trim.id} is held"),
             confidence,
             averaged=tuple(_bins_of(trim.id, flights, bins)),
         )
@@ -109,12 +109,10 @@ def _bins_of(
     trim: int, flights: Sequence[FlightEvidence], bins: Sequence[tuple[float, float]]
 ) -> Iterable[DurationBin]:
     for shortest, longest in bins:
-        try:
-            samples = trim_samples(flights, trim, hull=averaged_hull(shortest, longest))
-        except NeverFlownError:
-            # No coast in this trim was that long: nothing is said of it.
-            continue
-        yield DurationBin(shortest, longest, samples)
+        samples = trim_samples(flights, trim, hull=averaged_hull(shortest, longest))
+        # Where no coast in this trim was that long, nothing is said of it.
+        if len(samples.low):
+            yield DurationBin(shortest, longest, samples)
 
 
 def _maneuver(
@@ -124,10 +122,11 @@ def _maneuver(
     centring: Sequence[FlightEvidence],
     confidence: float,
 ) -> Maneuver:
-    nominal: Samples | None = maneuver_samples(centring, row.id) if centring else None
+    seen = f"maneuver {row.id} is performed to its end"
+    nominal = maneuver_samples(centring, row.id).required(seen) if centring else None
     return identified_maneuver(
         row,
-        maneuver_samples(bounding, row.id),
+        maneuver_samples(bounding, row.id).required(seen),
         nominal=nominal,
         left=flown.trim(row.from_trim),
         reached=flown.trim(row.to_trim),
@@ -175,6 +174,7 @@ def _provenance(
     ordered = flown.conditions.coasting_range
     return {
         "method": f"largest deviations of the {bounding[0].of} over flights, maneuvers by command change",
+        "deviations_of": bounding[0].of,
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,

@@ -45,6 +45,16 @@ class Samples:
         """Number of samples, the discarded ones included."""
         return len(self.low) + len(self.discarded)
 
+    def required(self, what: str) -> "Samples":
+        """Returns these samples.
+
+        Raises:
+            NeverFlownError: no flight shows the primitive.
+        """
+        if not len(self.low):
+            raise NeverFlownError(f"{what} in none of the logs")
+        return self
+
 
 def coasts_in(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
     """Returns a flight's coasts in a trim."""
@@ -68,9 +78,6 @@ def trim_samples(
         flights: one for each log.
         trim: its id.
         hull: lowest and highest velocity of a flight's coasts; None where they show too little.
-
-    Raises:
-        NeverFlownError: no flight held the trim.
     """
     hulls, rows, discarded = [], [], []
     for flight in flights:
@@ -80,10 +87,8 @@ def trim_samples(
             discarded.append(flight.header.seed)
         elif found is not None:
             hulls.append(found)
-            rows.append(np.concatenate([coast.velocity for coast in coasts]).mean(axis=0))
-    if not hulls:
-        raise NeverFlownError(f"trim {trim} is held in none of the {len(flights)} logs")
-    return _samples(hulls, np.array(rows), discarded, 0)
+            rows.append(np.concatenate([coast.velocity for coast in coasts]).mean(axis=0, keepdims=True))
+    return _samples(hulls, rows, discarded, 0, len(TRIM_SCALARS))
 
 
 def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Samples:
@@ -91,9 +96,6 @@ def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Sample
 
     A flight in which one of them did not settle is a discarded sample; so is a lost flight. A flight that
     never performed the maneuver is no sample.
-
-    Raises:
-        NeverFlownError: no flight performed the maneuver to its end.
     """
     hulls, rows, discarded, timeouts = [], [], [], 0
     for flight in flights:
@@ -106,11 +108,7 @@ def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Sample
             values = np.array([maneuver_row(segment) for segment in performed])
             hulls.append((values.min(axis=0), values.max(axis=0)))
             rows.append(values)
-    if not hulls:
-        raise NeverFlownError(
-            f"maneuver {maneuver} is performed to its end in none of the {len(flights)} logs"
-        )
-    return _samples(hulls, np.concatenate(rows), discarded, timeouts)
+    return _samples(hulls, rows, discarded, timeouts, len(MANEUVER_SCALARS))
 
 
 def maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:
@@ -120,7 +118,13 @@ def maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:
 
 
 def _samples(
-    hulls: list[Hull], rows: Float[np.ndarray, "m scalars"], discarded: list[int], timeouts: int
+    hulls: list[Hull],
+    rows: list[Float[np.ndarray, "m scalars"]],
+    discarded: list[int],
+    timeouts: int,
+    scalars: int,
 ) -> Samples:
-    low, high = (np.array(side) for side in zip(*hulls, strict=True))
-    return Samples(low, high, rows, tuple(discarded), timeouts)
+    low = np.array([low for low, _ in hulls]).reshape(-1, scalars)
+    high = np.array([high for _, high in hulls]).reshape(-1, scalars)
+    together = np.concatenate(rows) if rows else np.empty((0, scalars))
+    return Samples(low, high, together, tuple(discarded), timeouts)

@@ -50,8 +50,9 @@ class CampaignSize:
         ]
         values = f"{self.nominal} others give their values" if self.nominal else "the same give their values"
         return (
-            f"{self.bounding} flights give the bounds, {values}: with {self.confidence:.0%} confidence all "
-            f"numbers together of a trim cover {claims[0]:.1%} of future flights, of a maneuver {claims[1]:.1%}"
+            f"{self.bounding} flights give the bounds, {values}: with {self.confidence:.0%} confidence the "
+            f"bounds of a trim hold {claims[0]:.1%} of future flights, of a maneuver {claims[1]:.1%}, "
+            "all numbers at once"
         )
 
 
@@ -105,8 +106,8 @@ class Forecast:
     def said(self) -> str:
         """Returns the forecast for people."""
         return (
-            f"about {self.flight_hours:.1f} flight hours and {self.minutes:.1f} minutes here (one flight took "
-            f"1/{self.speed:.0f} of its time)"
+            f"about {self.flight_hours:.1f} flight hours and {self.minutes:.1f} minutes here "
+            f"(one flight took 1/{self.speed:.0f} of its time)"
         )
 
 

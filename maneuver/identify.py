@@ -68,9 +68,9 @@ def identify(
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
     with worker_pool(workers or default_workers()) as executor:
-        bounding, centring = split_by_kind(gather_evidence(_log_paths(logs), executor=executor, of=of))
+        bounding, centring = split_by_kind(gather_evidence(log_paths(logs), executor=executor, of=of))
         if nominal is not None:
-            centring += gather_evidence(_log_paths(nominal), executor=executor, of=of)
+            centring += gather_evidence(log_paths(nominal), executor=executor, of=of)
     library = identify_library(
         bounding,
         name=name or out.stem,
@@ -102,15 +102,20 @@ def report(library: Library, path: Path) -> str:
         f"{len(library.trims)} trims, {len(library.maneuvers)} maneuvers, "
         f"{'-'.join(map(str, dict.fromkeys((samples[0], samples[-1]))))} flights each, "
         f"{sum(entry.timeouts for entry in known)} time-outs\n"
-        f"claim      at least {min(entry.coverage for entry in known):.1%} of future flights inside all bounds "
-        f"of a primitive, with {known[0].confidence:.0%} confidence\n"
+        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
+        f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"
         f"data sheet {path.with_suffix('.md')}\n"
         f"sha256     {library_hash(library)}\n"
     )
 
 
-def _log_paths(logs: list[Path]) -> list[Path]:
+def log_paths(logs: list[Path]) -> list[Path]:
+    """Returns the logs that paths name, folders by what is in them.
+
+    Raises:
+        FlightError: a folder has none, or no path is given.
+    """
     paths = []
     for path in logs:
         found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]

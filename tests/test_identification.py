@@ -155,7 +155,7 @@ def test_a_maneuver_that_never_settles_is_named() -> None:
     assert rule is not None
     hopeless = ManeuverEnd(rule.bands, dwell=rule.dwell, timeout=0.6)
     library = replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=hopeless))
-    with pytest.raises(NeverFlownError, match=r"is held in none of the 2 logs"):
+    with pytest.raises(NeverFlownError, match="is held in none of the logs"):
         identify(gathered(flown(2, library=library)), name="hopeless")
 
 
@@ -171,7 +171,8 @@ def test_a_lost_flight_weakens_every_claim() -> None:
 
 
 def claims(library: Library) -> list[Statistics]:
-    found = [part.statistics for part in (*library.trims, *library.maneuvers)]
+    found = [trim.statistics for trim in library.trims]
+    found += [row.statistics for row in library.maneuvers]
     return [entry for entry in found if entry is not None]
 
 
@@ -240,7 +241,7 @@ def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) 
 
 def test_a_maneuver_never_flown_is_named() -> None:
     log = synthetic_log(LIBRARY, [1, 2, 1], [2.0, 2.0, 2.0], seed=1)
-    with pytest.raises(NeverFlownError, match="trim 3 is held in none of the 1 logs"):
+    with pytest.raises(NeverFlownError, match="trim 3 is held in none of the logs"):
         identify(gathered([log]), name="short")
 
 

@@ -66,7 +66,7 @@ def _skewed_inside(low: Array, high: Array) -> float:
 
 def _correlated(rng: np.random.Generator, count: int, scalars: int) -> Float[np.ndarray, "n scalars"]:
     common, own = rng.standard_normal((count, 1)), rng.standard_normal((count, scalars))
-    return np.asarray(np.sqrt(CORRELATION) * common + np.sqrt(1 - CORRELATION) * own
+    return np.asarray(np.sqrt(CORRELATION) * common + np.sqrt(1 - CORRELATION) * own)
 
 
 def _correlated_inside(low: Array, high: Array) -> float:

@@ -1,25 +1,68 @@
 """Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 
+from flight.errors import FlightError
+from flight.library import Library
 from flight.log_file import read_log
-from identification.identify import FlightEvidence, evidence
+from identification.flight_evidence import NOMINAL, FlightEvidence, StateJudged, evidence
 
 from .progress import shown
 
+CLAIMS_LESS = 1
+"""Exit code where a primitive claims less than was asked for."""
 
-def gather_evidence(paths: Sequence[Path], *, executor: Executor) -> list[FlightEvidence]:
+
+def gather_evidence(
+    paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
+) -> list[FlightEvidence]:
     """Reads logs and cuts them into primitives.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    return list(shown(executor.map(_evidence_of, paths), total=len(paths), what="identifying"))
+    cut = executor.map(partial(evidence_of, of=of), paths)
+    return list(shown(cut, total=len(paths), what="identifying"))
 
 
-def _evidence_of(path: Path) -> FlightEvidence:
+def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
+    """Reads one log and cuts it into primitives.
+
+    Raises:
+        FlightError: the log is broken or lacks something.
+    """
     log = read_log(path)
-    return evidence(log, name=str(path), sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+    return evidence(log, name=str(path), sha256=hashlib.sha256(path.read_bytes()).hexdigest(), of=of)
+
+
+def split_by_kind(
+    flights: Iterable[FlightEvidence],
+) -> tuple[list[FlightEvidence], list[FlightEvidence]]:
+    """Returns the flights that give the bounds, and those that were flown to give the values."""
+    everyone = list(flights)
+    nominal = [flight for flight in everyone if flight.header.kind == NOMINAL]
+    return [flight for flight in everyone if flight.header.kind != NOMINAL], nominal
+
+
+def weaker_claims(library: Library, coverage: float | None) -> list[str]:
+    """Returns, for people, the primitives that claim less than a coverage asked for.
+
+    Raises:
+        FlightError: the coverage is no share.
+    """
+    if coverage is None:
+        return []
+    if not 0 < coverage < 1:
+        raise FlightError(f"--coverage must be between 0 and 1, got {coverage}")
+    parts = [("trim", trim.id, trim.statistics) for trim in library.trims]
+    parts += [("maneuver", row.id, row.statistics) for row in library.maneuvers]
+    return [
+        f"{kind} {number} claims {found.coverage:.3f}, less than {coverage:g}: {found.samples} flights, "
+        f"{found.discarded} of them lost or not settled"
+        for kind, number, found in parts
+        if found is not None and found.coverage < coverage
+    ]

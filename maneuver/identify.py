@@ -11,9 +11,10 @@ from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.log_file import publish_bytes
 from identification.data_sheet import data_sheet
+from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
-from .evidence import gather_evidence
+from .evidence import CLAIMS_LESS, gather_evidence, split_by_kind, weaker_claims
 from .files import refuse_existing
 from .numbers import Count
 from .workers import default_workers, worker_pool
@@ -25,16 +26,22 @@ def identify(
     *,
     out: Path,
     name: str | None = None,
+    nominal: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    coverage: float | None = None,
     confidence: float = 0.95,
+    of: StateJudged = "truth",
+    trim_errors: TrimErrors = "instantaneous",
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Identifies a motion-primitive library from flight logs, and from nothing else.
 
-    A maneuver is entered when the command changes and ends by the rule that the logs carry. Values are means,
-    errors the largest deviations of the true motion, signed by the convention. Beside the library stands its
-    data sheet, OUT with the ending .md.
+    A maneuver is entered when the command changes and ends by the rule that the logs carry. The value of a
+    maneuver is its mean over the nominal flights (those flown as such, and --nominal), errors are the largest
+    deviations over the others, signed by the convention; without nominal flights the same flights give both
+    and the claim is weaker. Beside the library stands its data sheet, OUT with the ending .md. The exit code
+    is 1 where a primitive claims less than --coverage.
 
     For example:
 
@@ -42,11 +49,17 @@ def identify(
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json
 
+        maneuver identify later/ --nominal earlier/ --coverage 0.95 --out mine.json
+
     Args:
         logs: flight logs, or folders of them.
         out: where the library goes.
         name: of the library; OUT's by default.
+        nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
+        coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
         confidence: with which the coverage is claimed.
+        of: whose deviations: those of the true motion, or of what the vehicle believed.
+        trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
         workers: processes that read logs; one for each processor by default.
         force: overwrite OUT.
         json: print the library as JSON.
@@ -55,11 +68,22 @@ def identify(
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
     with worker_pool(workers or default_workers()) as executor:
-        flights = gather_evidence(_log_paths(logs), executor=executor)
-    library = identify_library(flights, name=name or out.stem, confidence=confidence)
+        bounding, centring = split_by_kind(gather_evidence(log_paths(logs), executor=executor, of=of))
+        if nominal is not None:
+            centring += gather_evidence(log_paths(nominal), executor=executor, of=of)
+    library = identify_library(
+        bounding,
+        name=name or out.stem,
+        nominal=centring,
+        confidence=confidence,
+        trim_errors=trim_errors,
+    )
+    weak = weaker_claims(library, coverage)
     publish_library(library, out, force=force)
     sys.stdout.write(library_text(library) if json else report(library, out))
-    return 0
+    for line in weak:
+        print(line, file=sys.stderr)
+    return CLAIMS_LESS if weak else 0
 
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:
@@ -78,13 +102,20 @@ def report(library: Library, path: Path) -> str:
         f"{len(library.trims)} trims, {len(library.maneuvers)} maneuvers, "
         f"{'-'.join(map(str, dict.fromkeys((samples[0], samples[-1]))))} flights each, "
         f"{sum(entry.timeouts for entry in known)} time-outs\n"
+        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
+        f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"
         f"data sheet {path.with_suffix('.md')}\n"
         f"sha256     {library_hash(library)}\n"
     )
 
 
-def _log_paths(logs: list[Path]) -> list[Path]:
+def log_paths(logs: list[Path]) -> list[Path]:
+    """Returns the logs that paths name, folders by what is in them.
+
+    Raises:
+        FlightError: a folder has none, or no path is given.
+    """
     paths = []
     for path in logs:
         found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]

@@ -21,7 +21,8 @@ METRES_PER_FOOT = 0.3048
 # Metres, radians and seconds: what differs by less than rounding in a table is the same.
 SAME = 1e-12
 
-app = App(name="library", help="Shows and checks motion-primitive libraries.")
+app = App(name="library", help="Shows, checks and tests motion-primitive libraries.")
+app.command("maneuver.library_test:keep_promise", name="test")
 
 
 @app.command

@@ -1,6 +1,5 @@
 """What the vehicle believes: a filter whose claims about its own error are true, also without GPS."""
 
-
 import casadi as ca
 import numpy as np
 import pytest

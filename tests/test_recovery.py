@@ -109,6 +109,7 @@ def test_another_writers_log_is_recovered_too(compression: CompressionType) -> N
     assert salvage(content).lossless
 
 
+@settings(deadline=None)
 @given(
     compression=st.sampled_from(CompressionType),
     share=st.floats(0, 1),

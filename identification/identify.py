@@ -7,7 +7,7 @@ from typing import Any
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_text
-from flight.log import FlightHeader, FlightLog
+from flight.log import TRUTH, FlightHeader, FlightLog
 
 from .deviations import identified_maneuver, identified_trim
 from .segmentation import CoastSegment, ManeuverSegment, Segments, segment
@@ -31,6 +31,8 @@ class FlightEvidence:
         header: the log's header.
         library: the library flown with.
         segments: its primitives.
+        found_by: what showed where they begin: the `command change`, or the `motion`.
+        judged: which motion was judged: `true`, or `believed` in logs that know no truth.
     """
 
     name: str
@@ -38,6 +40,8 @@ class FlightEvidence:
     header: FlightHeader
     library: Library
     segments: Segments
+    found_by: str = "command change"
+    judged: str = "true"
 
 
 def evidence(log: FlightLog, *, name: str, sha256: str) -> FlightEvidence:
@@ -47,9 +51,16 @@ def evidence(log: FlightLog, *, name: str, sha256: str) -> FlightEvidence:
         FlightError: the log lacks something; its text begins with the log's name.
     """
     try:
-        return FlightEvidence(name, sha256, log.header, log.library(), segment(log))
+        return FlightEvidence(
+            name, sha256, log.header, log.library(), segment(log), judged=motion_judged(log)
+        )
     except FlightError as error:
         raise FlightError(f"{name}: {error}") from None
+
+
+def motion_judged(log: FlightLog) -> str:
+    """Returns which motion of a log is judged: `true`, or `believed` where it knows no truth."""
+    return "true" if log.motion.topic is TRUTH else "believed"
 
 
 def identify(
@@ -92,8 +103,8 @@ def identify(
     return Library(
         name=name,
         description=(
-            f"Identified from {len(ordered)} simulated flights in wind class {header.wind}; "
-            "errors are the largest deviations of the true motion."
+            f"Identified from {len(ordered)} flights in wind class {header.wind}; "
+            f"errors are the largest deviations of the {ordered[0].judged} motion."
         ),
         vehicle=header.vehicle,
         trims=trims,
@@ -123,6 +134,10 @@ def _refuse_inconsistent(flights: list[FlightEvidence]) -> None:
                 raise InconsistentLogsError(
                     f"{flight.name}: {what} is {got}, in {first.name} it is {expected}"
                 )
+        for what in ("found_by", "judged"):
+            expected, got = getattr(first, what), getattr(flight, what)
+            if got != expected:
+                raise InconsistentLogsError(f"{flight.name}: {got}, in {first.name} it is {expected}")
         if library_text(flight.library) != library_text(first.library):
             raise InconsistentLogsError(f"{flight.name}: was flown with another library than {first.name}")
 
@@ -157,7 +172,10 @@ def _provenance(
 ) -> dict[str, Any]:
     header = flights[0].header
     return {
-        "method": "largest deviations of the true motion over flights, maneuvers by command change",
+        "method": (
+            f"largest deviations of the {flights[0].judged} motion over flights, "
+            f"maneuvers by {flights[0].found_by}"
+        ),
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,

@@ -1,8 +1,9 @@
 """`maneuver identify`: logs in, library out."""
 
 import sys
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -12,9 +13,10 @@ from flight.library_file import library_hash, library_text
 from flight.log_file import publish_bytes
 from identification.data_sheet import data_sheet
 from identification.identify import identify as identify_library
+from identification.steady_levels import Resolution
 
-from .evidence import gather_evidence
-from .files import refuse_existing
+from .evidence import gather_evidence, gather_motion_evidence, has_commands
+from .files import find_library, refuse_existing
 from .numbers import Count
 from .workers import default_workers, worker_pool
 
@@ -25,6 +27,9 @@ def identify(
     *,
     out: Path,
     name: str | None = None,
+    by: Literal["commands", "motion"] | None = None,
+    trims: str | None = None,
+    resolution: tuple[float, float, float] | None = None,
     confidence: float = 0.95,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -32,9 +37,12 @@ def identify(
 ) -> int:
     """Identifies a motion-primitive library from flight logs, and from nothing else.
 
-    A maneuver is entered when the command changes and ends by the rule that the logs carry. Values are means,
-    errors the largest deviations of the true motion, signed by the convention. Beside the library stands its
-    data sheet, OUT with the ending .md.
+    A maneuver is entered when the command changes, or, in logs without commands, where the motion shows it;
+    it ends by the rule that the logs carry. Values are means, errors the largest deviations of the true
+    motion, signed by the convention. Beside the library stands its data sheet, OUT with the ending .md.
+
+    Logs of another vehicle need `/truth` or `/estimate` at 20 Hz or more and nothing else. Which trims they
+    hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
 
     For example:
 
@@ -42,10 +50,17 @@ def identify(
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json
 
+        maneuver identify flights/ --by motion --out from-motion.json
+
     Args:
         logs: flight logs, or folders of them.
         out: where the library goes.
         name: of the library; OUT's by default.
+        by: what shows where maneuvers begin; the commands by default, in logs that have them.
+        trims: library that names the trims, the maneuvers and the rule for their ends, for logs that carry
+            none; its other numbers are not used.
+        resolution: least difference between two trims where they are to be found: m/s forward, m/s to the
+            side, rad/s; 6 % of each one's range by default, at least 0.2 m/s and 0.02 rad/s.
         confidence: with which the coverage is claimed.
         workers: processes that read logs; one for each processor by default.
         force: overwrite OUT.
@@ -54,8 +69,18 @@ def identify(
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
+    paths = log_paths(logs)
+    if by == "commands" and (trims or resolution):
+        raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
+    by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
+    named = find_library(trims) if trims else None
+    least = _resolution(resolution) if resolution else None
     with worker_pool(workers or default_workers()) as executor:
-        flights = gather_evidence(_log_paths(logs), executor=executor)
+        flights = (
+            gather_motion_evidence(paths, executor=executor, trims=named, resolution=least)
+            if by_motion
+            else gather_evidence(paths, executor=executor)
+        )
     library = identify_library(flights, name=name or out.stem, confidence=confidence)
     publish_library(library, out, force=force)
     sys.stdout.write(library_text(library) if json else report(library, out))
@@ -84,7 +109,12 @@ def report(library: Library, path: Path) -> str:
     )
 
 
-def _log_paths(logs: list[Path]) -> list[Path]:
+def log_paths(logs: list[Path]) -> list[Path]:
+    """Returns the logs named, and those in the folders named.
+
+    Raises:
+        FlightError: there are none.
+    """
     paths = []
     for path in logs:
         found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
@@ -94,3 +124,9 @@ def _log_paths(logs: list[Path]) -> list[Path]:
     if not paths:
         raise FlightError("expected flight logs or folders of them, got none")
     return paths
+
+
+def _resolution(numbers: tuple[float, float, float]) -> Resolution:
+    if not all(0 < number < inf for number in numbers):
+        raise FlightError(f"--resolution must be three numbers > 0, got {numbers}")
+    return Resolution(*numbers)

@@ -30,6 +30,7 @@ class FlightEvidence:
         segments: its primitives.
         duration: of the flight, seconds.
         of: whose motion was cut into primitives.
+        found_by: what showed where they begin: the `command change`, or the `motion`.
     """
 
     name: str
@@ -39,6 +40,7 @@ class FlightEvidence:
     segments: Segments
     duration: float = 0.0
     of: StateJudged = "truth"
+    found_by: str = "command change"
 
     @property
     def lost(self) -> bool:
@@ -58,11 +60,17 @@ def evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth
     Raises:
         FlightError: the log lacks something; its text begins with the log's name.
     """
+    of = state_judged(log, of)
     try:
         judged = believed(log) if of == "estimate" else log
         return FlightEvidence(name, sha256, log.header, log.library(), segment(judged), log.duration, of)
     except FlightError as error:
         raise FlightError(f"{name}: {error}") from None
+
+
+def state_judged(log: FlightLog, of: StateJudged = "truth") -> StateJudged:
+    """Returns whose deviations can be taken of a log: the vehicle's belief where it knows no truth."""
+    return of if log.motion.topic is TRUTH else "estimate"
 
 
 def believed(log: FlightLog) -> FlightLog:

@@ -66,7 +66,7 @@ def identify(
     return Library(
         name=name,
         description=(
-            f"Identified from {len(bounding)} simulated flights{beside} in wind class {header.wind}; "
+            f"Identified from {len(bounding)} flights{beside} in wind class {header.wind}; "
             f"errors are the largest deviations of the {motion} motion."
         ),
         vehicle=header.vehicle,
@@ -149,6 +149,10 @@ def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
                 raise InconsistentLogsError(
                     f"{flight.name}: {what} is {got}, in {first.name} it is {expected}"
                 )
+        for what in ("found_by", "of"):
+            expected, got = getattr(first, what), getattr(flight, what)
+            if got != expected:
+                raise InconsistentLogsError(f"{flight.name}: {got}, in {first.name} it is {expected}")
         if library_text(flight.library) != library_text(first.library):
             raise InconsistentLogsError(f"{flight.name}: was flown with another library than {first.name}")
 
@@ -173,7 +177,9 @@ def _provenance(
     everyone = _ordered([*bounding, *centring])
     ordered = flown.conditions.coasting_range
     return {
-        "method": f"largest deviations of the {bounding[0].of} over flights, maneuvers by command change",
+        "method": (
+            f"largest deviations of the {bounding[0].of} over flights, maneuvers by {bounding[0].found_by}"
+        ),
         "deviations_of": bounding[0].of,
         "confidence": confidence,
         "model_hash": header.model_hash,

@@ -42,8 +42,8 @@ from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 BACKEND = f"casadi-vm-{version('casadi')}"
-# Motion is logged, and the maneuver-end rule applied, at every second control period; what the vehicle believes
-# of its errors is logged at every tenth.
+# Motion is logged, and the maneuver-end rule applied, at every second control period; what the vehicle
+# believes of its errors is logged at every tenth.
 _PERIODS_A_SAMPLE, _PERIODS_A_SPREAD = 2, 10
 
 

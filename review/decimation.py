@@ -9,8 +9,8 @@ def decimate(
 ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m k"]]:
     """Returns at most `most` points: the least and the greatest of each stretch, by column.
 
-    The two stand in the order in which they came, at the stretch's beginning and its middle: values are exact,
-    times to within a stretch. Fewer points than `most` come back as they are.
+    The two stand in the order in which they came, at the stretch's beginning and its middle: values are
+    exact, times to within a stretch. Fewer points than `most` come back as they are.
 
     Args:
         time: not decreasing.

@@ -85,7 +85,8 @@ def _heading(flights: Sequence[Reviewed]) -> tuple[str, str, str]:
     if len(flights) == 1:
         return f"{summary.kind.capitalize()} {summary.name}", "flight review", air
     names = " and ".join(part.label for part in flights)
-    return names, f"flight review: {summary.kind} {summary.name}", "aligned at the start of each flight"
+    flown = " beside ".join(dict.fromkeys(f"{part.summary.kind} {part.summary.name}" for part in flights))
+    return names, f"flight review: {flown}", "aligned at the start of each flight"
 
 
 def _footer(columns: PageColumns) -> str:

@@ -1,11 +1,13 @@
 """A flight as one page for a browser: everything is in the file, nothing comes from the network."""
 
 import json
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
+from flight.errors import FlightError
 from flight.log import FlightLog
 
 from .page_columns import PageColumns
@@ -61,18 +63,24 @@ def review_page(flights: Sequence[Reviewed], *, limits: Limits | None = None) ->
 def fill_page(
     template: str, *, title: str, content: object, styles: Sequence[str], scripts: Sequence[str]
 ) -> str:
-    """Returns a template with its styles, scripts and data inside."""
-    # A page ends its script where it reads `</`; inside JSON a slash may be escaped.
-    data = json.dumps(content, allow_nan=False, separators=(",", ":")).replace("</", "<\\/")
-    page = (WEB / template).read_text(encoding="utf-8")
-    for mark, text in (
-        ("title", escape(title)),
-        ("styles", _joined(styles)),
-        ("scripts", _joined(scripts)),
-        ("data", data),
-    ):
-        page = page.replace(f"{{{{{mark}}}}}", text, 1)
-    return page
+    """Returns a template with its styles, scripts and data inside.
+
+    Raises:
+        FlightError: the content has a number that is not finite.
+    """
+    try:
+        data = json.dumps(content, allow_nan=False, separators=(",", ":"))
+    except ValueError:
+        raise FlightError("the log has numbers that are not finite: there is no page of them") from None
+    parts = {
+        "title": escape(title),
+        "styles": _joined(styles),
+        "scripts": _joined(scripts),
+        # A page ends its script where it reads `</`; inside JSON a slash may be escaped.
+        "data": data.replace("</", "<\\/"),
+    }
+    text = (WEB / template).read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda mark: parts[mark[1]], text)
 
 
 def _joined(names: Sequence[str]) -> str:

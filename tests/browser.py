@@ -1,4 +1,4 @@
-"""Drives a real browser, headless, over the pipe of its debugging protocol: nothing but Chromium is needed."""
+"""Drives a real browser, headless, over the pipe of its debugging protocol; needs nothing but Chromium."""
 
 import base64
 import itertools

@@ -32,7 +32,7 @@ VERBS = {
     "review": ("maneuver.review:review", "A flight log in, summary and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
-    "library": ("maneuver.library:app", "Shows and checks motion-primitive libraries."),
+    "library": ("maneuver.library:app", "Shows, checks, compares, grows and makes libraries."),
 }
 
 

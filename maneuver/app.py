@@ -33,7 +33,7 @@ VERBS = {
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
-    "library": ("maneuver.library:app", "Shows, checks and tests motion-primitive libraries."),
+    "library": ("maneuver.library:app", "Shows, checks, tests, compares, grows and makes libraries."),
 }
 
 

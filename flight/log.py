@@ -228,9 +228,14 @@ class FlightLog:
             raise MissingTopicError(topic, self.series) from None
 
     @property
+    def motion(self) -> Series:
+        """The true motion; what was believed of it in a log that knows no truth."""
+        return self[TRUTH if TRUTH.name in self.series or ESTIMATE.name not in self.series else ESTIMATE]
+
+    @property
     def duration(self) -> float:
-        """Seconds from the start to the last true state."""
-        return float(self[TRUTH].time[-1])
+        """Seconds from the start to the last state."""
+        return float(self.motion.time[-1])
 
     def library(self) -> Library:
         """Returns the library flown with.

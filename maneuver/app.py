@@ -22,6 +22,10 @@ VERBS = {
     "demo": ("maneuver.demo:demo", "The whole way, small: fly, identify, plan, fly the plans, review."),
     "fly": ("maneuver.fly:fly", "Flies a sequence, a mission or a campaign; writes flight logs."),
     "identify": ("maneuver.identify:identify", "Flight logs in, library with its data sheet out."),
+    "segment": (
+        "maneuver.segment:segment",
+        "Maneuvers found in the motion alone, beside the commanded ones.",
+    ),
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
     "plan": ("maneuver.plan:app", "A mission in, a plan out; `plan check` checks one."),
     "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),

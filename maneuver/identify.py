@@ -1,8 +1,9 @@
 """`maneuver identify`: logs in, library out."""
 
 import sys
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -13,9 +14,11 @@ from flight.log_file import publish_bytes
 from identification.data_sheet import data_sheet
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
+from identification.steady_levels import Resolution
 
-from .evidence import CLAIMS_LESS, gather_evidence, split_by_kind, weaker_claims
-from .files import refuse_existing
+from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
+from .evidence import gather_evidence, gather_motion_evidence, has_commands
+from .files import find_library, refuse_existing
 from .numbers import Count
 from .workers import default_workers, worker_pool
 
@@ -26,6 +29,9 @@ def identify(
     *,
     out: Path,
     name: str | None = None,
+    by: Literal["commands", "motion"] | None = None,
+    trims: str | None = None,
+    resolution: tuple[float, float, float] | None = None,
     nominal: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
     coverage: float | None = None,
     confidence: float = 0.95,
@@ -37,11 +43,15 @@ def identify(
 ) -> int:
     """Identifies a motion-primitive library from flight logs, and from nothing else.
 
-    A maneuver is entered when the command changes and ends by the rule that the logs carry. The value of a
-    maneuver is its mean over the nominal flights (those flown as such, and --nominal), errors are the largest
-    deviations over the others, signed by the convention; without nominal flights the same flights give both
-    and the claim is weaker. Beside the library stands its data sheet, OUT with the ending .md. The exit code
-    is 1 where a primitive claims less than --coverage.
+    A maneuver is entered when the command changes, or, in logs without commands, where the motion shows it;
+    it ends by the rule that the logs carry. The value of a maneuver is its mean over the nominal flights
+    (those flown as such, and --nominal), errors are the largest deviations over the others, signed by the
+    convention; without nominal flights the same flights give both and the claim is weaker. Beside the library
+    stands its data sheet, OUT with the ending .md. The exit code is 1 where a primitive claims less than
+    --coverage.
+
+    Logs of another vehicle need `/truth` or `/estimate` at 20 Hz or more and nothing else. Which trims they
+    hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
 
     For example:
 
@@ -49,12 +59,19 @@ def identify(
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json
 
+        maneuver identify flights/ --by motion --out from-motion.json
+
         maneuver identify later/ --nominal earlier/ --coverage 0.95 --out mine.json
 
     Args:
         logs: flight logs, or folders of them.
         out: where the library goes.
         name: of the library; OUT's by default.
+        by: what shows where maneuvers begin; the commands by default, in logs that have them.
+        trims: library that names the trims, the maneuvers and the rule for their ends, for logs that carry
+            none; its other numbers are not used.
+        resolution: least difference between two trims where they are to be found: m/s forward, m/s to the
+            side, rad/s; 6 % of each one's range by default, at least 0.2 m/s and 0.02 rad/s.
         nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
         coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
         confidence: with which the coverage is claimed.
@@ -67,14 +84,25 @@ def identify(
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
+    paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
+    if by == "commands" and (trims or resolution):
+        raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
+    by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
+    if by_motion and of == "estimate":
+        raise FlightError("--of estimate is for logs with commands; --by motion judges the truth where it is")
+    named = find_library(trims) if trims else None
+    least = _resolution(resolution) if resolution else None
     with worker_pool(workers or default_workers()) as executor:
-        bounding, centring = split_by_kind(gather_evidence(log_paths(logs), executor=executor, of=of))
-        if nominal is not None:
-            centring += gather_evidence(log_paths(nominal), executor=executor, of=of)
+        flights = (
+            gather_motion_evidence([*paths, *apart], executor=executor, trims=named, resolution=least)
+            if by_motion
+            else gather_evidence([*paths, *apart], executor=executor, of=of)
+        )
+    bounding, centring = split_by_kind(flights[: len(paths)])
     library = identify_library(
         bounding,
         name=name or out.stem,
-        nominal=centring,
+        nominal=[*centring, *flights[len(paths) :]],
         confidence=confidence,
         trim_errors=trim_errors,
     )
@@ -111,10 +139,10 @@ def report(library: Library, path: Path) -> str:
 
 
 def log_paths(logs: list[Path]) -> list[Path]:
-    """Returns the logs that paths name, folders by what is in them.
+    """Returns the logs named, and those in the folders named.
 
     Raises:
-        FlightError: a folder has none, or no path is given.
+        FlightError: there are none.
     """
     paths = []
     for path in logs:
@@ -125,3 +153,9 @@ def log_paths(logs: list[Path]) -> list[Path]:
     if not paths:
         raise FlightError("expected flight logs or folders of them, got none")
     return paths
+
+
+def _resolution(numbers: tuple[float, float, float]) -> Resolution:
+    if not all(0 < number < inf for number in numbers):
+        raise FlightError(f"--resolution must be three numbers > 0, got {numbers}")
+    return Resolution(*numbers)

@@ -278,7 +278,7 @@ def test_the_averages_of_a_coast_are_those_of_its_beginnings() -> None:
 def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) -> None:
     heard = [evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate") for n, log in enumerate(logs)]
     library = identify(heard, name="believed")
-    assert "estimated motion" in library.description
+    assert "believed motion" in library.description
     blind = [
         FlightLog(log.header, {**log.series, "/truth": log.series["/truth"]}, log.attachments) for log in logs
     ]

@@ -35,29 +35,41 @@ class DurationBin:
 
 
 def identified_trim(
-    trim: Trim, samples: Samples, confidence: float, *, averaged: tuple[DurationBin, ...] = ()
+    trim: Trim,
+    samples: Samples,
+    confidence: float,
+    *,
+    commanded: bool = True,
+    averaged: tuple[DurationBin, ...] = (),
 ) -> Trim:
-    """Returns the trim with the largest deviations from its commanded velocity as its errors.
+    """Returns the trim with the largest deviations from its velocity as its errors.
 
-    The centre is the command, fixed before any flight, so one number is fitted for each scalar.
+    A commanded velocity was fixed before any flight, so one number is fitted for each scalar. About one that
+    was found in the same flights the box still holds the smallest box of all, for which two are.
 
     Args:
-        trim: names the trim and the velocity commanded.
+        trim: names the trim and its velocity.
         samples: of the kind of error wanted.
         confidence: of the coverage claimed.
+        commanded: whether the velocity was fixed before the flights.
         averaged: errors averaged over coasts, bin by bin, to stand beside.
     """
     centre = np.array([trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate])
-    box = box_around(centre, samples.low, samples.high)
+
+    def box_of(shown: Samples) -> Box:
+        box = box_around(centre, shown.low, shown.high)
+        return box if commanded else replace(box, support=2 * box.support)
 
     def signed(size: Float[np.ndarray, "3"]) -> Twist:
         return signed_trim_error(Twist(*size.tolist()), trim.velocity)
 
+    box = box_of(samples)
+    source: Centre = COMMAND if commanded else SAME_FLIGHTS
     return replace(
         trim,
         error=signed(box.size),
-        statistics=_statistics(TRIM_SCALARS, samples, box, COMMAND, confidence),
-        averaged=tuple(_averaged_error(part, centre, signed, confidence) for part in averaged),
+        statistics=_statistics(TRIM_SCALARS, samples, box, source, confidence),
+        averaged=tuple(_averaged_error(part, box_of(part.samples), signed, confidence) for part in averaged),
     )
 
 
@@ -103,18 +115,14 @@ def identified_maneuver(
 
 
 def _averaged_error(
-    part: DurationBin,
-    centre: Float[np.ndarray, "3"],
-    signed: Callable[[Float[np.ndarray, "3"]], Twist],
-    confidence: float,
+    part: DurationBin, box: Box, signed: Callable[[Float[np.ndarray, "3"]], Twist], confidence: float
 ) -> AveragedError:
-    samples, box = part.samples, box_around(centre, part.samples.low, part.samples.high)
     return AveragedError(
         shortest=part.shortest,
         longest=part.longest,
         error=signed(box.size),
-        samples=samples.count,
-        coverage=_coverage(samples, box, confidence),
+        samples=part.samples.count,
+        coverage=_coverage(part.samples, box, confidence),
     )
 
 

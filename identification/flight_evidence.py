@@ -29,8 +29,9 @@ class FlightEvidence:
         library: the library flown with.
         segments: its primitives.
         duration: of the flight, seconds.
-        of: whose motion was cut into primitives.
         found_by: what showed where they begin: the `command change`, or the `motion`.
+        judged: which motion was judged: `true`, or `believed` where that was wanted or no truth is known.
+        trims_commanded: whether the velocities of trims were fixed before the flights, not found in them.
     """
 
     name: str
@@ -39,8 +40,9 @@ class FlightEvidence:
     library: Library
     segments: Segments
     duration: float = 0.0
-    of: StateJudged = "truth"
     found_by: str = "command change"
+    judged: str = "true"
+    trims_commanded: bool = True
 
     @property
     def lost(self) -> bool:
@@ -60,17 +62,18 @@ def evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth
     Raises:
         FlightError: the log lacks something; its text begins with the log's name.
     """
-    of = state_judged(log, of)
     try:
         judged = believed(log) if of == "estimate" else log
-        return FlightEvidence(name, sha256, log.header, log.library(), segment(judged), log.duration, of)
+        cut = segment(judged)
     except FlightError as error:
         raise FlightError(f"{name}: {error}") from None
+    motion = "believed" if of == "estimate" else motion_judged(log)
+    return FlightEvidence(name, sha256, log.header, log.library(), cut, log.duration, judged=motion)
 
 
-def state_judged(log: FlightLog, of: StateJudged = "truth") -> StateJudged:
-    """Returns whose deviations can be taken of a log: the vehicle's belief where it knows no truth."""
-    return of if log.motion.topic is TRUTH else "estimate"
+def motion_judged(log: FlightLog) -> str:
+    """Returns which motion of a log is judged: `true`, or `believed` where it knows no truth."""
+    return "true" if log.motion.topic is TRUTH else "believed"
 
 
 def believed(log: FlightLog) -> FlightLog:

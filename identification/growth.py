@@ -157,7 +157,7 @@ def _grown_trims(
         zip(grid, sizes.tolist(), widths.tolist(), strict=True), start=first
     ):
         error = signed_trim_error(Twist(*size), velocity)
-        trims.append(Trim(number, f"{GROWN.split(':')[0]}: {_words(velocity)}", velocity, error))
+        trims.append(Trim(number, f"{GROWN.split(':', maxsplit=1)[0]}: {_words(velocity)}", velocity, error))
         bands[number] = Band(*(round(max(one, 1e-3), 4) for one in width))
     fits = [
         Fit(f"trim {name}", _root_mean_square(one.left_out), one.smoothing)

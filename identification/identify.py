@@ -15,6 +15,7 @@ from .deviations import DurationBin, identified_maneuver, identified_trim
 from .flight_evidence import FlightEvidence as FlightEvidence
 from .flight_evidence import StateJudged as StateJudged
 from .flight_evidence import evidence as evidence
+from .flight_evidence import motion_judged as motion_judged
 from .samples import NeverFlownError as NeverFlownError
 from .samples import maneuver_samples, trim_samples
 
@@ -62,12 +63,11 @@ def identify(
     trims = _trims(bounding, trim_errors, confidence)
     maneuvers = tuple(_maneuver(row, flown, bounding, centring, confidence) for row in flown.maneuvers)
     beside = f" (values from {len(centring)} others)" if centring else ""
-    motion = "true" if first.of == "truth" else "estimated"
     return Library(
         name=name,
         description=(
             f"Identified from {len(bounding)} flights{beside} in wind class {header.wind}; "
-            f"errors are the largest deviations of the {motion} motion."
+            f"errors are the largest deviations of the {first.judged} motion."
         ),
         vehicle=header.vehicle,
         trims=trims,
@@ -99,6 +99,7 @@ def _trims(flights: Sequence[FlightEvidence], kind: TrimErrors, confidence: floa
             trim,
             trim_samples(flights, trim.id, hull=hull).required(f"trim {trim.id} is held"),
             confidence,
+            commanded=flights[0].trims_commanded,
             averaged=tuple(_bins_of(trim.id, flights, bins)),
         )
         for trim in flown.trims
@@ -149,7 +150,7 @@ def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
                 raise InconsistentLogsError(
                     f"{flight.name}: {what} is {got}, in {first.name} it is {expected}"
                 )
-        for what in ("found_by", "of"):
+        for what in ("found_by", "judged"):
             expected, got = getattr(first, what), getattr(flight, what)
             if got != expected:
                 raise InconsistentLogsError(f"{flight.name}: {got}, in {first.name} it is {expected}")
@@ -173,14 +174,15 @@ def _provenance(
     confidence: float,
     campaign: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
-    header, flown = bounding[0].header, bounding[0].library
+    first = bounding[0]
+    header, flown = first.header, first.library
     everyone = _ordered([*bounding, *centring])
     ordered = flown.conditions.coasting_range
     return {
         "method": (
-            f"largest deviations of the {bounding[0].of} over flights, maneuvers by {bounding[0].found_by}"
+            f"largest deviations of the {first.judged} motion over flights, maneuvers by {first.found_by}"
         ),
-        "deviations_of": bounding[0].of,
+        "deviations_of": first.judged,
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,

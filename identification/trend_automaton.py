@@ -33,7 +33,7 @@ Place = tuple[float, float]
 
 
 def trend_automaton(*, wind: str, altitude: float) -> Library:
-    """Returns the trims and maneuvers of a trends campaign with their maneuver-end rule, and no numbers yet."""
+    """Returns the trims and maneuvers of a trends campaign with their maneuver-end rule, without numbers."""
     places = sorted(set(_straight()) | set(_turns()) | set(_grid()))
     trims = tuple(
         Trim(number, _name(*place), _velocity(place), Twist(0.0, 0.0, 0.0))

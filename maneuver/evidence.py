@@ -1,7 +1,7 @@
 """Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
 
 import hashlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from functools import partial
@@ -15,7 +15,7 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, PRIMITIVE
 from flight.log_file import read_log
-from identification.flight_evidence import NOMINAL, FlightEvidence, StateJudged, evidence, state_judged
+from identification.flight_evidence import FlightEvidence, StateJudged, evidence, motion_judged
 from identification.motion_model import sampled_motion
 from identification.motion_walk import walks_of
 from identification.segmentation import Walk, cut
@@ -23,59 +23,17 @@ from identification.steady_levels import Resolution, discovered_automaton
 
 from .progress import shown
 
-CLAIMS_LESS = 1
-"""Exit code where a primitive claims less than was asked for."""
-
 
 def gather_evidence(
     paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
 ) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives by their command channel.
+    """Reads logs and cuts them into primitives.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
     cut = executor.map(partial(evidence_of, of=of), paths)
     return list(shown(cut, total=len(paths), what="identifying"))
-
-
-def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
-    """Reads one log and cuts it into primitives.
-
-    Raises:
-        FlightError: the log is broken or lacks something.
-    """
-    log = read_log(path)
-    return evidence(log, name=str(path), sha256=_sha256(path), of=of)
-
-
-def split_by_kind(
-    flights: Iterable[FlightEvidence],
-) -> tuple[list[FlightEvidence], list[FlightEvidence]]:
-    """Returns the flights that give the bounds, and those that were flown to give the values."""
-    everyone = list(flights)
-    nominal = [flight for flight in everyone if flight.header.kind == NOMINAL]
-    return [flight for flight in everyone if flight.header.kind != NOMINAL], nominal
-
-
-def weaker_claims(library: Library, coverage: float | None) -> list[str]:
-    """Returns, for people, the primitives that claim less than a coverage asked for.
-
-    Raises:
-        FlightError: the coverage is no share.
-    """
-    if coverage is None:
-        return []
-    if not 0 < coverage < 1:
-        raise FlightError(f"--coverage must be between 0 and 1, got {coverage}")
-    parts = [("trim", trim.id, trim.statistics) for trim in library.trims]
-    parts += [("maneuver", row.id, row.statistics) for row in library.maneuvers]
-    return [
-        f"{kind} {number} claims {found.coverage:.3f}, less than {coverage:g}: {found.samples} flights, "
-        f"{found.discarded} of them lost or not settled"
-        for kind, number, found in parts
-        if found is not None and found.coverage < coverage
-    ]
 
 
 def gather_motion_evidence(
@@ -141,8 +99,8 @@ def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvide
         library,
         cut(log, walk, library),
         log.duration,
-        state_judged(log),
         found_by="motion",
+        judged=motion_judged(log),
     )
 
 
@@ -162,7 +120,16 @@ def _without_the_unseen(flights: list[FlightEvidence], library: Library) -> list
         ),
         conditions=replace(library.conditions, maneuver_end=replace(rule, bands=bands)),
     )
-    return [replace(flight, library=kept) for flight in flights]
+    return [replace(flight, library=kept, trims_commanded=False) for flight in flights]
+
+
+def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
+    """Reads one log and cuts it into primitives.
+
+    Raises:
+        FlightError: the log is broken or lacks something.
+    """
+    return evidence(read_log(path), name=str(path), sha256=_sha256(path), of=of)
 
 
 def _sha256(path: Path) -> str:

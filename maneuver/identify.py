@@ -16,14 +16,8 @@ from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 from identification.steady_levels import Resolution
 
-from .evidence import (
-    CLAIMS_LESS,
-    gather_evidence,
-    gather_motion_evidence,
-    has_commands,
-    split_by_kind,
-    weaker_claims,
-)
+from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
+from .evidence import gather_evidence, gather_motion_evidence, has_commands
 from .files import find_library, refuse_existing
 from .numbers import Count
 from .workers import default_workers, worker_pool
@@ -35,11 +29,11 @@ def identify(
     *,
     out: Path,
     name: str | None = None,
-    nominal: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
-    coverage: float | None = None,
     by: Literal["commands", "motion"] | None = None,
     trims: str | None = None,
     resolution: tuple[float, float, float] | None = None,
+    nominal: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    coverage: float | None = None,
     confidence: float = 0.95,
     of: StateJudged = "truth",
     trim_errors: TrimErrors = "instantaneous",
@@ -65,21 +59,21 @@ def identify(
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json
 
-        maneuver identify later/ --nominal earlier/ --coverage 0.95 --out mine.json
-
         maneuver identify flights/ --by motion --out from-motion.json
+
+        maneuver identify later/ --nominal earlier/ --coverage 0.95 --out mine.json
 
     Args:
         logs: flight logs, or folders of them.
         out: where the library goes.
         name: of the library; OUT's by default.
-        nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
-        coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
         by: what shows where maneuvers begin; the commands by default, in logs that have them.
         trims: library that names the trims, the maneuvers and the rule for their ends, for logs that carry
             none; its other numbers are not used.
         resolution: least difference between two trims where they are to be found: m/s forward, m/s to the
             side, rad/s; 6 % of each one's range by default, at least 0.2 m/s and 0.02 rad/s.
+        nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
+        coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
         confidence: with which the coverage is claimed.
         of: whose deviations: those of the true motion, or of what the vehicle believed.
         trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
@@ -90,24 +84,25 @@ def identify(
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
-    paths = log_paths(logs)
+    paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
     if by == "commands" and (trims or resolution):
         raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
     by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
+    if by_motion and of == "estimate":
+        raise FlightError("--of estimate is for logs with commands; --by motion judges the truth where it is")
     named = find_library(trims) if trims else None
     least = _resolution(resolution) if resolution else None
     with worker_pool(workers or default_workers()) as executor:
-        bounding, centring = split_by_kind(
-            gather_motion_evidence(paths, executor=executor, trims=named, resolution=least)
+        flights = (
+            gather_motion_evidence([*paths, *apart], executor=executor, trims=named, resolution=least)
             if by_motion
-            else gather_evidence(paths, executor=executor, of=of)
+            else gather_evidence([*paths, *apart], executor=executor, of=of)
         )
-        if nominal is not None:
-            centring += gather_evidence(log_paths(nominal), executor=executor, of=of)
+    bounding, centring = split_by_kind(flights[: len(paths)])
     library = identify_library(
         bounding,
         name=name or out.stem,
-        nominal=centring,
+        nominal=[*centring, *flights[len(paths) :]],
         confidence=confidence,
         trim_errors=trim_errors,
     )
@@ -144,10 +139,10 @@ def report(library: Library, path: Path) -> str:
 
 
 def log_paths(logs: list[Path]) -> list[Path]:
-    """Returns the logs that paths name, folders by what is in them.
+    """Returns the logs named, and those in the folders named.
 
     Raises:
-        FlightError: a folder has none, or no path is given.
+        FlightError: there are none.
     """
     paths = []
     for path in logs:

@@ -69,7 +69,7 @@ def keep_promise(
         json: print the trials as JSON.
     """
     found = find_library(library)
-    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "estimate" else "truth"
+    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)

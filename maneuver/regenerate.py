@@ -16,7 +16,8 @@ from identification.identify import identify as identify_library
 
 from .campaign_flights import fly_whole_campaign
 from .campaign_size import campaign_size, forecast
-from .evidence import CLAIMS_LESS, gather_evidence, split_by_kind, weaker_claims
+from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
+from .evidence import gather_evidence
 from .files import find_campaign, refuse_existing
 from .identify import publish_library, report
 from .numbers import Count, Seed

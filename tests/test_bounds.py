@@ -11,7 +11,7 @@ from identification.box import box_around, smallest_box
 
 
 @given(st.integers(1, 3000), st.integers(1, 12), st.floats(0.5, 0.999))
-@settings(max_examples=300)
+@settings(max_examples=300, deadline=None)
 def test_the_coverage_inverts_the_binomial_tail(samples: int, support: int, confidence: float) -> None:
     coverage = joint_coverage(samples, support=support, confidence=confidence)
     if samples < support:
@@ -35,7 +35,7 @@ def test_99_percent_of_one_scalar_take_299_samples_and_of_six_1049() -> None:
 
 
 @given(st.integers(1, 12), st.integers(0, 10), st.floats(0.5, 0.99), st.floats(0.5, 0.99))
-@settings(max_examples=100)
+@settings(max_examples=100, deadline=None)
 def test_the_samples_needed_are_enough_and_no_more(
     support: int, discarded: int, coverage: float, confidence: float
 ) -> None:
@@ -48,6 +48,7 @@ def test_the_samples_needed_are_enough_and_no_more(
 
 
 @given(st.integers(20, 500), st.integers(1, 8), st.integers(0, 8))
+@settings(deadline=None)
 def test_every_discarded_sample_weakens_the_claim(samples: int, support: int, discarded: int) -> None:
     claims = [
         joint_coverage(samples, support=support, confidence=0.95, discarded=count)
@@ -84,6 +85,7 @@ def test_the_claim_holds_however_often_maneuvers_do_not_settle(support: int, sam
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 40), st.integers(1, 5))
+@settings(deadline=None)
 def test_both_boxes_hold_all_samples_and_touch_them(seed: int, count: int, scalars: int) -> None:
     rng = np.random.default_rng(seed)
     low = rng.standard_normal((count, scalars)) * 10.0 ** rng.integers(-6, 6, scalars)

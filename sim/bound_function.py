@@ -59,7 +59,10 @@ class Recursion:
         backend: what evaluates the function.
     """
 
-    __slots__ = ("_after", "_before", "_bound", "_evaluate")
+    __slots__ = ("step",)
+
+    step: Callable[[], None]
+    """Reads the arguments, writes the results and moves the state on."""
 
     def __init__(
         self,
@@ -69,12 +72,12 @@ class Recursion:
         *,
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
-        after = np.zeros_like(arguments[-1])
-        self._bound = BoundFunction(function, arguments, (*results, after), backend=backend)
-        self._evaluate = self._bound.evaluate
-        self._before, self._after = view(arguments[-1]), view(after)
+        state, moved = arguments[-1], np.zeros_like(arguments[-1])
+        bound = BoundFunction(function, arguments, (*results, moved), backend=backend)
+        evaluate, before, after = bound.evaluate, view(state), view(moved)
 
-    def step(self) -> None:
-        """Reads the arguments, writes the results and moves the state on."""
-        self._evaluate()
-        self._before[:] = self._after
+        def step(_kept: BoundFunction = bound) -> None:
+            evaluate()
+            before[:] = after
+
+        self.step = step

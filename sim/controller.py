@@ -14,7 +14,7 @@ from .backend import Backend
 from .bound_function import Recursion
 from .control_law import ControlLaw
 from .control_words import MEMORY_SIZES, InversionModel
-from .equilibrium import EquilibriumFinder
+from .equilibrium import find_equilibrium
 from .gains import Gains
 from .linearisation import linearise
 from .motion import Channel, Controls, Motion, Reference
@@ -114,7 +114,7 @@ def first_memory(trim: TrimPoint) -> np.ndarray:
 @cache
 def inversion_model(parameters: Parameters) -> InversionModel:
     """Returns the model that the controller inverts: the vehicle linearised in hover."""
-    hover = EquilibriumFinder(parameters).find(Twist(0.0, 0.0, 0.0))
+    hover = find_equilibrium(parameters, Twist(0.0, 0.0, 0.0))
     state = linearise(parameters, hover).state
     return InversionModel(
         roll=float(state[3, 13]),

@@ -20,15 +20,17 @@ class DelayLine:
         sizes = [len(source) for source in sources]
         self.rows = np.zeros((periods + 1, sum(sizes)))
         """What is remembered, in no order."""
-        self._sources = [view(source) for source in sources]
         edges = [*accumulate(sizes)][:-1]
-        self._parts = [[view(part) for part in np.split(row, edges)] for row in self.rows]
+        self._copies = [
+            [(view(part), view(source)) for part, source in zip(np.split(row, edges), sources, strict=True)]
+            for row in self.rows
+        ]
         self._newest = 0
 
     def push(self) -> None:
         """Remembers what the sources are now."""
-        self._newest = newest = (self._newest + 1) % len(self._parts)
-        for part, source in zip(self._parts[newest], self._sources, strict=True):
+        self._newest = newest = (self._newest + 1) % len(self._copies)
+        for part, source in self._copies[newest]:
             part[:] = source
 
     @property

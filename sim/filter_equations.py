@@ -66,7 +66,8 @@ def predict(
         added[3 + place, 3 + place] = step**2 * noise[place] ** 2
         added[6 + place, 6 + place] = step**2 * noise[3 + place] ** 2
     spread = transition @ covariance @ transition.T + added
-    return ca.Function("predict", [reading, state], _believe(after, spread, heading, reading))
+    results = _believe(after, spread, heading, reading)
+    return ca.Function("predict", [reading, state], ca.cse(results))
 
 
 def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]) -> ca.Function:
@@ -99,8 +100,8 @@ def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[f
     error = ca.SX.zeros(ESTIMATED)
     for row in range(6):
         error, covariance = _correct(error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2)
-    after = _believe(inject(nominal, error), covariance, heading, reading)
-    return ca.Function("correct_fix", [past, fix, reading, state], after)
+    results = _believe(inject(nominal, error), covariance, heading, reading)
+    return ca.Function("correct_fix", [past, fix, reading, state], ca.cse(results))
 
 
 def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -> ca.Function:
@@ -123,8 +124,8 @@ def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -
     slopes = ca.SX(1, ERRORS)
     slopes[0, 2] = -1.0
     error, covariance = _correct(error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2)
-    after = _believe(inject(nominal, error), covariance, heading, reading)
-    return ca.Function("correct_slow", [seen, reading, state], after)
+    results = _believe(inject(nominal, error), covariance, heading, reading)
+    return ca.Function("correct_slow", [seen, reading, state], ca.cse(results))
 
 
 def _correct(
@@ -157,11 +158,11 @@ def _symmetric(matrix: ca.SX) -> ca.SX:
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> tuple[ca.SX, ca.SX]:
+def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
     """Returns the motion that a nominal state stands for, laid out as `Motion`, and the filter's state."""
     motion = believed_motion(nominal, before, reading)
     upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
-    return motion, ca.vertcat(nominal, upper, motion[8])
+    return [motion, ca.vertcat(nominal, upper, motion[8])]
 
 
 def believed_motion(nominal: ca.SX, before: ca.SX, reading: ca.SX) -> ca.SX:

@@ -26,7 +26,7 @@ from flight.version import VERSION
 
 from .backend import Backend, best_backend, name_backend
 from .controller import Controller
-from .equilibrium import EquilibriumFinder
+from .equilibrium import find_equilibrium
 from .faults import Faults
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
@@ -135,7 +135,7 @@ class SimulatedHelicopter:
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
         specification, target = self._specification, self._trim.velocity
-        equilibrium = EquilibriumFinder(self._parameters).find(target)
+        equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
         self._navigation = self._navigator()

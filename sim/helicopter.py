@@ -1,7 +1,9 @@
 """The helicopter as a free body in MuJoCo, moved by the loads of `rotor`."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
+from functools import cache
 from itertools import chain
 from math import cos, isfinite, sin
 
@@ -73,7 +75,7 @@ class Helicopter:
     ) -> None:
         self.step_length = step
         self.signals = signals = signals or Signals()
-        self._model = load_model(parameters, step)
+        self._model = _shared_model(parameters, step)
         self._data = data = mujoco.MjData(self._model)
         self._height, self._velocity = memoryview(data.qpos)[2:3], memoryview(data.qvel)
         self._warnings = memoryview(data.warning.number)[_DIVERGED]
@@ -114,6 +116,8 @@ class Helicopter:
                 plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
             )
         )
+        # Other flights share the model.
+        self._model = copy(self._model)
         self._model.body_mass[_BODY] = parameters.body.mass
         # Derived constants, computed in a place of its own, because it moves the state.
         mujoco.mj_setConst(self._model, mujoco.MjData(self._model))
@@ -254,6 +258,12 @@ def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
     spec.option.timestep = step
     spec.option.gravity = [0.0, 0.0, -parameters.environment.gravity]
     return spec.compile()
+
+
+@cache
+def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns a model that all helicopters of a kind fly by; flying does not change it."""
+    return load_model(parameters, step)
 
 
 def _flip(vector: Sequence[float]) -> tuple[float, float, float]:

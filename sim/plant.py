@@ -64,7 +64,7 @@ def plant_function(parameters: Parameters, step: float, drives: Drives | None = 
     if drives is not None:
         sound = follow_commands(servos, before, command, step=step, drives=sound_drives(servos))
         results.insert(2, (ca.vertcat(*sound[:4]) - after[:4]) / step)
-    return ca.Function("plant", [position, velocity, controls, wind, memory], results)
+    return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
 
 
 @cache

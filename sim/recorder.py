@@ -30,8 +30,8 @@ from .specification import CONTROL_RATE
 PERIODS_A_SAMPLE = 2
 # What the vehicle believes of its errors is logged at every tenth.
 PERIODS_A_SPREAD = 10
-# Rows of memory that are taken at once.
-_BLOCK = 4096
+# Rows of memory that are taken at first.
+_ROWS = 4096
 _HEADING = Motion._fields.index("heading")
 # Columns of `Signals.motion` and `Signals.period` in the order of the topics.
 _MOTION = len(Motion._fields)
@@ -83,7 +83,7 @@ class Recorder:
         """Returns all that was noted as a flight log."""
         motion, period = self._motion.values(), self._period.values()
         last = len(motion) - 1
-        sampled = np.unique([*range(0, last, PERIODS_A_SAMPLE), *self._beginnings, last])
+        sampled = np.array(sorted({*range(0, last, PERIODS_A_SAMPLE), *self._beginnings, last}))
         moments, motion = sampled / CONTROL_RATE, motion[sampled]
         command = np.column_stack([motion[:, _COMMAND_COLUMNS], np.full(len(motion), self._height)])
         beginnings = np.array(self._beginnings, dtype=np.int64) / CONTROL_RATE
@@ -109,28 +109,25 @@ class _Rows:
 
     def __init__(self, source: Array) -> None:
         self._source, self._width = view(source), len(source)
-        self._blocks: list[Array] = []
-        self._end = self._full = _BLOCK * self._width
-        self._flat = view(np.empty(0))
+        self._memory = np.empty(_ROWS * self._width)
+        self._view, self._end = view(self._memory), 0
 
     def __len__(self) -> int:
-        return len(self._blocks) * _BLOCK - (self._full - self._end) // self._width
+        return self._end // self._width
 
     def add(self) -> None:
         """Copies the array as it is now."""
-        if self._end == self._full:
-            block = np.empty(self._full)
-            self._blocks.append(block)
-            self._flat, self._end = view(block), 0
+        if self._end == len(self._memory):
+            # Twice as much, so that a row is copied once on the average, however long the flight.
+            self._memory = np.concatenate([self._memory, np.empty_like(self._memory)])
+            self._view = view(self._memory)
         end = self._end + self._width
-        self._flat[self._end : end] = self._source
+        self._view[self._end : end] = self._source
         self._end = end
 
     def values(self) -> Float[np.ndarray, "n width"]:
-        """Returns all copies."""
-        if not self._blocks:
-            return np.empty((0, self._width))
-        return np.concatenate(self._blocks).reshape(-1, self._width)[: len(self)]
+        """Returns all copies, not to be written to."""
+        return self._memory[: self._end].reshape(-1, self._width)
 
 
 def _rows(topic: Topic, rows: list[tuple[float, ...]]) -> Float[np.ndarray, "n fields"]:

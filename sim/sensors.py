@@ -17,14 +17,24 @@ from flight.se2 import SE2
 from .backend import Backend
 from .bound_function import Recursion
 from .delay_line import DelayLine
-from .filter_equations import conjugate, euler_quaternion, product, rotation, rotation_vector, world_velocity
+from .filter_equations import (
+    conjugate,
+    euler_quaternion,
+    first_nominal,
+    product,
+    rotation,
+    rotation_vector,
+    world_velocity,
+)
 from .motion import Motion
 from .noise import Noise
 from .sensor_errors import SensorErrors
 from .signals import Signals
 
 _MOTION, _WANDERS, _WHITES = len(Motion._fields), 10, 14
-_NOISE, _STATE = _WANDERS + _WHITES, _MOTION + _WANDERS
+# What is remembered of the motion before: velocity and attitude.
+_BEFORE = 7
+_NOISE, _STATE = _WANDERS + _WHITES, _BEFORE + _WANDERS
 
 
 Values = Float[np.ndarray, "n"]
@@ -57,32 +67,29 @@ def sense(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
     Returns:
         (motion now, noise, state) -> (inertial reading, antenna position and velocity, heading and height,
         state). The noise is what drives the wandering errors and what is white, in the units of what it
-        spoils but for the height; the state is the motion before and the wandering errors.
+        spoils but for the height; the state is velocity (world) and attitude quaternion of the period before,
+        and the wandering errors.
     """
     now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
-    before, white = state[:_MOTION], noise[_WANDERS:]
+    velocity_before, first, wandering = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _WANDERS))
     keep = ca.DM([exp(-step / wander.time) for wander in errors.wanders])
-    wandering = keep * state[_MOTION:] + noise[:_WANDERS]
-    first, last = euler_quaternion(before[6:9]), euler_quaternion(now[6:9])
+    wandering, white = keep * wandering + noise[:_WANDERS], noise[_WANDERS:]
+    velocity, last = world_velocity(now), euler_quaternion(now[6:9])
     change = product(conjugate(first), last)
     rates = 2.0 * ca.sign(change[0]) * change[1:] / step
     middle = rotation(product(first, rotation_vector(rates * step / 2.0)))
-    acceleration = (world_velocity(now) - world_velocity(before)) / step
+    acceleration = (velocity - velocity_before) / step
     force = middle.T @ (acceleration - ca.DM([0, 0, gravity]))
     turn, arm = rotation(last), ca.DM(errors.antenna)
-    place = now[:3] + turn @ arm
-    velocity = world_velocity(now) + turn @ ca.cross(now[9:12], arm)
-    height = -now[2]
-    return ca.Function(
-        "sense",
-        [now, noise, state],
-        [
-            ca.vertcat(force, rates) + wandering[:6] + white[:6],
-            ca.vertcat(place, velocity) + white[6:12],
-            ca.vertcat(now[8] + (wandering[9] + white[12]), height + errors.height_sigma(height) * white[13]),
-            ca.vertcat(now, wandering),
-        ],
-    )
+    antenna = ca.vertcat(now[:3] + turn @ arm, velocity + turn @ ca.cross(now[9:12], arm))
+    heading, height = now[8] + (wandering[9] + white[12]), -now[2]
+    results = [
+        ca.vertcat(force, rates) + wandering[:6] + white[:6],
+        antenna + white[6:12],
+        ca.vertcat(heading, height + errors.height_sigma(height) * white[13]),
+        ca.vertcat(velocity, last, wandering),
+    ]
+    return ca.Function("sense", [now, noise, state], ca.cse(results))
 
 
 class Sensors:
@@ -119,8 +126,9 @@ class Sensors:
         keep = np.array([exp(-step / wander.time) for wander in errors.wanders])
         self._drive = sigma * np.sqrt(1.0 - keep**2)
         self._white = np.array([*errors.inertial_noise, *errors.fix_noise, errors.heading_noise, 1.0])
-        self._state = np.concatenate([signals.truth, sigma * rng.standard_normal(_WANDERS)])
-        self._wandering = self._state[_MOTION:]
+        self._state = np.concatenate([np.zeros(_BEFORE), sigma * rng.standard_normal(_WANDERS)])
+        self._wandering = self._state[_BEFORE:]
+        self._remember()
         self.inertial, self.fix, self.heading_and_height = np.zeros(6), np.zeros(6), np.zeros(2)
         self.has_fix = self.has_heading_and_height = False
         antenna, noise = np.zeros(6), np.zeros(_NOISE)
@@ -142,12 +150,17 @@ class Sensors:
 
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
-        self._state[:_MOTION] = self._truth
+        self._remember()
         self._turned += displacement.heading
         for fix in self._fixes.rows:
             pose = displacement @ SE2(fix[0], fix[1], 0.0)
             velocity = SE2(0.0, 0.0, displacement.heading) @ SE2(fix[3], fix[4], 0.0)
             fix[:2], fix[3:5] = (pose.x, pose.y), (velocity.x, velocity.y)
+
+    def _remember(self) -> None:
+        """Takes the truth as what was so a period ago."""
+        nominal = first_nominal()(self._truth)
+        self._state[:_BEFORE] = nominal.elements()[3:10]
 
     def run(self) -> None:
         """Reads at the end of a control period."""

@@ -173,6 +173,11 @@ def test_a_heavier_vehicle_sinks_as_its_weight_says() -> None:
     assert effect(log) == pytest.approx(0.25 * read_parameters().body.mass)
 
 
+def test_a_fault_stays_in_its_flight() -> None:
+    before, _, after = (fly(*words) for words in ((), ("vehicle mass 0 inf 1.3", "pedal lag 0 inf 0.1"), ()))
+    assert np.array_equal(before[TRUTH].values, after[TRUTH].values)
+
+
 def test_an_estimate_without_fixes_drifts_and_comes_back() -> None:
     log = fly("gps dropout 0.5 inf")
     drift = np.hypot(*(log[ESTIMATE][name] - log[TRUTH][name] for name in ("north", "east")))

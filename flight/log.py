@@ -193,7 +193,7 @@ class FlightHeader:
         seed: of every random number of the flight.
         wind: wind class.
         code_version: version of this program.
-        backend: how the vehicle's expressions were evaluated.
+        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`.
         outcome: `completed`, or what went wrong.
     """
 
@@ -206,6 +206,11 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+
+    @property
+    def arithmetic(self) -> str:
+        """What evaluated the expressions; interpreted or compiled it gives the same bits."""
+        return self.backend.partition(" ")[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

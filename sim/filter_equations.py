@@ -158,19 +158,15 @@ def _symmetric(matrix: ca.SX) -> ca.SX:
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
-    """Returns the motion that a nominal state stands for, laid out as `Motion`, and the filter's state."""
-    motion = believed_motion(nominal, before, reading)
-    upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
-    return [motion, ca.vertcat(nominal, upper, motion[8])]
-
-
-def believed_motion(nominal: ca.SX, before: ca.SX, reading: ca.SX) -> ca.SX:
+def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
     """Returns the motion that a nominal state stands for, laid out as `Motion`.
 
-    The heading goes on from the one before, without jumps.
+    Args:
+        nominal: state.
+        rates: of the body, rad/s.
+        before: a heading that this one goes on from without jumps, rad.
     """
-    turn, velocity, rates = rotation(nominal[6:10]), nominal[3:6], reading[3:] - nominal[13:16]
+    turn, velocity = rotation(nominal[6:10]), nominal[3:6]
     roll, heading = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(turn[1, 0], turn[0, 0])
     pitch = ca.asin(ca.fmax(-1.0, ca.fmin(1.0, -turn[2, 0])))
     c, s = ca.cos(heading), ca.sin(heading)
@@ -180,17 +176,25 @@ def believed_motion(nominal: ca.SX, before: ca.SX, reading: ca.SX) -> ca.SX:
     return ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
 
 
+def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
+    """Returns the motion that is believed, and the filter's state."""
+    motion = believed_motion(nominal, reading[3:] - nominal[13:16], before)
+    upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
+    return [motion, ca.vertcat(nominal, upper, motion[SPREAD - 1])]
+
+
 def spread() -> ca.Function:
-    """Returns state -> one standard deviation of each of the first entries of the motion believed.
+    """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
 
     First order: the slopes of what is believed over the error, around no error.
     """
     state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
     nominal, covariance, heading = split(state)
-    motion = believed_motion(inject(nominal, error), heading, ca.SX.zeros(6))
-    slopes = ca.substitute(ca.jacobian(motion[:SPREAD], error), error, 0)
-    sigmas = ca.sqrt(ca.sum2((slopes @ covariance[:ESTIMATED, :ESTIMATED]) * slopes))
-    return ca.Function("spread", [state], [ca.densify(sigmas)])
+    motion = believed_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:SPREAD]
+    slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
+    estimated = covariance[:ESTIMATED, :ESTIMATED]
+    sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
+    return ca.Function("spread", [state], [ca.cse(sigmas)])
 
 
 def first_nominal() -> ca.Function:

@@ -40,7 +40,7 @@ class Navigator(Protocol):
         """Believes what is so at the end of a control period."""
 
     def spread(self) -> tuple[float, ...] | None:
-        """Returns a standard deviation for each field of `/navigation`; None where it knows of no error."""
+        """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
 
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
@@ -108,7 +108,7 @@ class Navigation:
         self._begin(truth, errors, rng)
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
         self._past = np.zeros(NOMINAL + 6)
-        functions = _functions(errors, step, gravity)
+        *functions, measure = _functions(errors, step, gravity)
         self._predict, self._correct_fix, self._correct_slow = (
             Recursion(function, (*seen, sensors.inertial, self._state), (signals.estimate,), backend=backend)
             for function, seen in zip(
@@ -116,9 +116,7 @@ class Navigation:
             )
         )
         self._sigmas = np.zeros(SPREAD)
-        self._measure_spread = BoundFunction(
-            equations.spread(), (self._state,), (self._sigmas,), backend=backend
-        )
+        self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
 
     def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
         """Draws a first estimate."""
@@ -192,12 +190,13 @@ class Navigation:
 
 @cache
 def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Function, ...]:
-    """Builds prediction and corrections of a filter that knows its sensors' errors."""
+    """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
     age = errors.fix_latency * step
     return (
         equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
         equations.correct_fix(errors.antenna, age, errors.fix_noise),
         equations.correct_slow(errors.heading_noise, errors.height_sigma),
+        equations.spread(),
     )
 
 

@@ -26,10 +26,8 @@ from .motion import Controls, Motion
 from .signals import Signals
 from .specification import CONTROL_RATE
 
-# Motion is logged at every second control period.
-PERIODS_A_SAMPLE = 2
-# What the vehicle believes of its errors is logged at every tenth.
-PERIODS_A_SPREAD = 10
+# Motion is logged at every second control period, what the vehicle believes of its errors at every tenth.
+PERIODS_A_SAMPLE, PERIODS_A_SPREAD = 2, 10
 # Rows of memory that are taken at first.
 _ROWS = 4096
 _HEADING = Motion._fields.index("heading")
@@ -88,6 +86,7 @@ class Recorder:
         command = np.column_stack([motion[:, _COMMAND_COLUMNS], np.full(len(motion), self._height)])
         beginnings = np.array(self._beginnings, dtype=np.int64) / CONTROL_RATE
         times = np.arange(len(period)) / CONTROL_RATE
+        spreads = PERIODS_A_SPREAD * np.arange(len(self._spreads)) / CONTROL_RATE
         series = (
             Series(COMMAND, moments, command),
             Series(ESTIMATE, moments, motion[:, _MOTION : 2 * _MOTION]),
@@ -95,13 +94,10 @@ class Recorder:
             Series(WIND, times, period[:, 2 * _CONTROLS :]),
             Series(CONTROLS, times, period[:, _CONTROLS_COLUMNS]),
             Series(PRIMITIVE, beginnings, _rows(PRIMITIVE, self._primitives)),
-            Series(
-                NAVIGATION,
-                np.arange(len(self._spreads)) * PERIODS_A_SPREAD / CONTROL_RATE,
-                _rows(NAVIGATION, self._spreads),
-            ),
+            Series(NAVIGATION, spreads, _rows(NAVIGATION, self._spreads)),
         )
-        return FlightLog(header, {each.topic.name: each for each in series if len(each)}, dict(attachments))
+        noted = {each.topic.name: each for each in series if len(each)}
+        return FlightLog(header, noted, dict(attachments))
 
 
 class _Rows:

@@ -9,7 +9,7 @@ from flight.fault import parse_fault
 from flight.se2 import SE2
 from sim import filter_equations as equations
 from sim.controller_check import fly_walk
-from sim.filter_equations import ESTIMATED, NOMINAL
+from sim.filter_equations import ESTIMATED
 from sim.motion import Motion
 from sim.navigation import IdealNavigation, Navigation
 from sim.navigation_check import check_navigation, flown_errors
@@ -125,18 +125,11 @@ def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance()
     navigation = navigate(truths[0])
     for truth in truths[1:1500]:
         navigation.step(truth)
-    nominal, covariance, heading = _known(navigation)
+    nominal, covariance = navigation._state[: equations.NOMINAL], navigation._covariance
+    covariance = covariance[:ESTIMATED, :ESTIMATED]
     errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
     disturbed = equations.injection().map(4000)(nominal, errors.T)
-    state = ca.SX.sym("state", NOMINAL)
-    believed = ca.Function(
-        "believed", [state], [equations.believed_motion(state, ca.SX(heading), ca.SX.zeros(6))]
-    )
-    drawn = np.array(believed.map(4000)(disturbed))[: equations.SPREAD].T
+    state = ca.SX.sym("nominal", equations.NOMINAL)
+    believed = equations.believed_motion(state, ca.SX.zeros(3), ca.SX(truth.heading))
+    drawn = np.array(ca.Function("believe", [state], [believed]).map(4000)(disturbed))[: equations.SPREAD].T
     np.testing.assert_allclose(navigation.spread(), drawn.std(axis=0), rtol=0.05)
-
-
-def _known(navigation: Navigation) -> tuple[np.ndarray, np.ndarray, float]:
-    """Returns nominal state, covariance of what is estimated, heading."""
-    state = navigation._state
-    return state[:NOMINAL], navigation._covariance[:ESTIMATED, :ESTIMATED], float(state[-1])

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
@@ -98,17 +99,24 @@ def deviations(log: FlightLog, library: Library) -> tuple[Departure, ...]:
     judged = []
     for place, part in enumerate(flown):
         if part.kind is PrimitiveKind.COAST:
-            judged.append(_coast_deviation(log, library, part))
+            velocity = _velocities(log, part)
+            # A log that was recovered may have lost what was true in a coast.
+            if len(velocity):
+                judged.append(_coast_deviation(velocity, library, part))
         # The last primitive was ended by the end of the log; that is no end of a maneuver.
         elif place < len(flown) - 1:
             judged.append(_maneuver_deviation(log, library, part))
     return tuple(judged)
 
 
-def _coast_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) -> Departure:
-    trim, truth = library.trim(part.id), log[TRUTH]
+def _velocities(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "n 3"]:
+    truth = log[TRUTH]
     rows = slice(*np.searchsorted(truth.time, [part.start - ROUNDING, part.end + ROUNDING]))
-    velocity = np.column_stack([truth[field][rows] for field in VELOCITIES])
+    return np.column_stack([truth[field][rows] for field in VELOCITIES])
+
+
+def _coast_deviation(velocity: Float[np.ndarray, "n 3"], library: Library, part: PrimitiveFlown) -> Departure:
+    trim = library.trim(part.id)
     if library.conditions.trim_error_kind == "averaged":
         velocity = velocity.mean(axis=0, keepdims=True)
     nominal = np.array([getattr(trim.velocity, field) for field in VELOCITIES])

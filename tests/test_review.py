@@ -296,3 +296,16 @@ def test_a_broken_library_is_refused_before_anything_is_drawn(
     assert run(["review", str(log), "--png", "--out", str(pictures)]) == 2
     assert "library.json" in capsys.readouterr().err
     assert not pictures.exists()
+
+
+def test_a_log_that_lost_its_truth_in_the_middle_is_still_reviewed() -> None:
+    log = still_flight()
+    truth = log[TRUTH]
+    kept = (truth.time < 4.5) | (truth.time > 13.0)
+    holed = replace(
+        log, series={**log.series, TRUTH.name: Series(TRUTH, truth.time[kept], truth.values[kept])}
+    )
+    whole, found = bounds_kept(log), bounds_kept(holed)
+    assert whole is not None
+    assert found is not None
+    assert 0 < found.coasts < whole.coasts

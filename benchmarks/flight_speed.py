@@ -2,10 +2,10 @@
 
 The complete loop (turbulence, sensors, filter, controller, vehicle, log in memory) interpreted and compiled;
 the limit, which is MuJoCo's `mj_step` of the same model at the same step with nothing around it; RotorPy's
-own loop, from the package index, in an environment of its own; and many flights in several processes. Speeds are
-simulated seconds a CPU second of one core, the best of several rounds in turn, so that all see the same
-machine; those in processes are by the clock, and say little on a machine that others use. The settling before
-a flight is flown too, and counts as flown here; `a period` is the loop alone.
+own loop, from the package index, in an environment of its own; and many flights in several processes. Speeds
+are simulated seconds a CPU second of one core, the best of several rounds in turn, so that all see the same
+machine; those in processes are by the clock, and say little on a machine that others use. The settling
+before a flight is flown too, and counts as flown here; `a period` is the loop alone.
 """
 
 from dataclasses import dataclass

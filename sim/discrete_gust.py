@@ -1,7 +1,7 @@
 """The discrete gust of MIL-F-8785C, 3.7.1.3: one minus cosine up, then, by the same way, down again."""
 
 from dataclasses import dataclass
-from math import cos, pi
+from math import cos, hypot, pi
 
 import numpy as np
 
@@ -29,9 +29,16 @@ class DiscreteGust:
         if not self.duration > 0.0:
             raise ValueError(f"duration must be > 0 s, got {self.duration} s")
 
+    def speed(self, time: float) -> float:
+        """Returns the speed of the gust's air at a time in s, m/s."""
+        return self._share(time) * hypot(self.north, self.east, self.down)
+
     def blow(self, wind: np.ndarray, time: float) -> None:
         """Adds the gust at a time in s to a wind laid out as `Wind`."""
+        share = self._share(time)
+        wind[:3] += (share * self.north, share * self.east, share * self.down)
+
+    def _share(self, time: float) -> float:
+        """Returns how much of the peak there is at a time in s."""
         along = (time - self.start) / self.duration
-        if 0.0 < along < 1.0:
-            share = 0.5 * (1.0 - cos(2.0 * pi * along))
-            wind[:3] += (share * self.north, share * self.east, share * self.down)
+        return 0.5 * (1.0 - cos(2.0 * pi * along)) if 0.0 < along < 1.0 else 0.0

@@ -139,10 +139,12 @@ def _correct(
     reach = covariance @ slopes.T
     spread = slopes @ reach + variance
     left = innovation - slopes[:ESTIMATED] @ error
-    gain = ca.if_else(left**2 <= GATE**2 * spread, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
+    # False too where the innovation is no number, because a sensor is silent.
+    believed = left**2 <= GATE**2 * spread
+    gain = ca.if_else(believed, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
     smaller = covariance
     smaller[:ESTIMATED, :] -= gain @ reach.T
-    return error + gain * left, _symmetric(smaller)
+    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller)
 
 
 def split(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -1,7 +1,7 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 
 from flight.errors import FlightError, FlightLostError
@@ -26,8 +26,8 @@ from flight.version import VERSION
 
 from .backend import Backend, best_backend, name_backend
 from .controller import Controller
-from .discrete_gust import DiscreteGust
 from .equilibrium import find_equilibrium
+from .faults import Faults
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
@@ -97,7 +97,6 @@ class SimulatedHelicopter:
         self._generator = ManeuverGenerator(
             self._trim.velocity, step=CONTROL_PERIOD, signals=signals, backend=backend
         )
-        self._gusts = [DiscreteGust(**dict(gust)) for gust in specification.gusts]
         self._controller = Controller(
             parameters,
             height=specification.altitude,
@@ -106,6 +105,10 @@ class SimulatedHelicopter:
             signals=signals,
             backend=backend,
         )
+        # What runs before the helicopter moves.
+        self._parts: tuple[Callable[[], None], ...]
+        self._parts = (self._generator.run, self._controller.run, self._wind.run)
+        self._faults: Faults | None = None
         self._periods = 0
         self._timed_out = False
         self._outcome = "completed"
@@ -118,6 +121,16 @@ class SimulatedHelicopter:
         self._recorder = Recorder(signals, height=specification.altitude)
         self._recorder.add_motion()
         self._initial_state = self._helicopter.state()
+        if specification.faults and self._lost is None:
+            self._faults = faults = Faults(
+                specification.faults,
+                signals=signals,
+                helicopter=self._helicopter,
+                parameters=parameters,
+                navigation=self._navigation,
+                parts=self._parts,
+            )
+            self._parts = faults.parts
 
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
@@ -235,7 +248,8 @@ class SimulatedHelicopter:
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
-        return self._recorder.log(header, files)
+        log = self._recorder.log(header, files)
+        return log if self._faults is None else self._faults.add_to(log)
 
     def _advance(self) -> None:
         """Flies one control period."""
@@ -243,11 +257,10 @@ class SimulatedHelicopter:
             raise self._lost
         if self._periods % PERIODS_A_SPREAD == 0:
             self._recorder.add_spread(self._navigation.spread())
-        self._generator.run()
-        self._controller.run()
-        self._wind.run()
-        for gust in self._gusts:
-            gust.blow(self._signals.wind, self.time)
+        if self._faults is not None:
+            self._faults.begin()
+        for run in self._parts:
+            run()
         self._recorder.add_period()
         try:
             self._helicopter.run(self._steps)
@@ -257,6 +270,8 @@ class SimulatedHelicopter:
         self._periods += 1
         self._navigation.run()
         self._recorder.add_motion()
+        if self._faults is not None:
+            self._faults.note()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
         self._recorder.add_primitive(

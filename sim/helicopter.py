@@ -1,11 +1,13 @@
 """The helicopter as a free body in MuJoCo, moved by the loads of `rotor`."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
 from functools import cache
 from itertools import chain
 from math import cos, isfinite, sin
 
+import casadi as ca
 import mujoco
 import numpy as np
 
@@ -19,6 +21,7 @@ from .equilibrium import Equilibrium
 from .motion import Controls, Motion, Wind
 from .parameters import Parameters
 from .plant import REMEMBERED, delay_steps, observation_function, plant_function
+from .rotor_step import Drives, sound_drives
 from .signals import Signals
 
 DEFAULT_STEP = 0.005
@@ -81,18 +84,43 @@ class Helicopter:
         # The rotor state, then the commands on their way to the servos.
         self._memory = np.zeros(REMEMBERED + 4 * self._delay)
         self._heading = np.zeros(1)
-        self._plant = Recursion(
-            plant_function(parameters, step),
-            (data.qpos, data.qvel, signals.controls, signals.wind, self._memory),
-            (data.xfrc_applied[_BODY], signals.servos),
-            backend=backend,
-        )
+        self.lacking = np.zeros(4)
+        """How much faster sound servos would have moved in the last plant step, rad/s; 0 where all are."""
+        self._sound, self._backend = parameters, backend
+        self._plant = self._bind(plant_function(parameters, step), backend)
         self._observe = Recursion(
             observation_function(),
             (data.qpos, data.qvel, self._heading),
             (signals.truth,),
             backend=backend,
         )
+
+    def _bind(self, plant: ca.Function, backend: Backend, *results: np.ndarray) -> Recursion:
+        data, signals = self._data, self.signals
+        return Recursion(
+            plant,
+            (data.qpos, data.qvel, signals.controls, signals.wind, self._memory),
+            (data.xfrc_applied[_BODY], signals.servos, *results),
+            backend=backend,
+        )
+
+    def refit(self, parameters: Parameters, drives: Drives) -> None:
+        """Goes on from the same state as another vehicle with other servos; the transport delay stays."""
+        sound = parameters == self._sound and drives == sound_drives(parameters.servos)
+        self.lacking[:] = 0.0
+        self._plant = (
+            self._bind(plant_function(parameters, self.step_length), self._backend)
+            if sound
+            # The bits are those of machine code, without the seconds that a compiler takes.
+            else self._bind(
+                plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
+            )
+        )
+        # Other flights share the model.
+        self._model = copy(self._model)
+        self._model.body_mass[_BODY] = parameters.body.mass
+        # Derived constants, computed in a place of its own, because it moves the state.
+        mujoco.mj_setConst(self._model, mujoco.MjData(self._model))
 
     @property
     def time(self) -> float:

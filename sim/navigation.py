@@ -20,7 +20,7 @@ from .delay_line import DelayLine
 from .filter_equations import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
 from .motion import Motion
 from .sensor_errors import SensorErrors
-from .sensors import Sensors
+from .sensors import Readings, Sensors
 from .signals import Signals
 
 # What the filter knows at its start, one sigma: position (m), velocity (m/s), roll, pitch, heading (rad).
@@ -78,7 +78,8 @@ class Navigation:
         step: control period in s.
         gravity: m/s2.
         rng: source of all its chance.
-        errors: sizes of the sensors' errors, which the filter knows.
+        errors: sizes of the sensors' errors, as the filter takes them to be.
+        true_errors: as they are; as the filter takes them to be where None.
         signals: where it finds the truth and leaves the estimate; its own where None.
         backend: what evaluates sensors and filter.
     """
@@ -91,17 +92,18 @@ class Navigation:
         gravity: float,
         rng: np.random.Generator,
         errors: SensorErrors | None = None,
+        true_errors: SensorErrors | None = None,
         signals: Signals | None = None,
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
         errors = errors or SensorErrors()
         self.signals = signals = signals or Signals()
         signals.truth[:] = signals.estimate[:] = truth
-        self.gps_lost = False
-        """Set to silence the GPS."""
-        self._sensors = sensors = Sensors(
-            errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
+        sensors = Sensors(
+            true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
         )
+        self.sensors: Readings = sensors
+        """What the filter reads; others that fill the same arrays may stand between."""
         self._state = np.zeros(STATE)
         self._begin(truth, errors, rng)
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
@@ -137,15 +139,20 @@ class Navigation:
 
     def run(self) -> None:
         """Believes, from what the sensors read at the end of a control period."""
-        sensors = self._sensors
+        sensors = self.sensors
         sensors.run()
         self._predict.step()
         self._history.push()
-        if sensors.has_fix and not self.gps_lost:
+        if sensors.has_fix:
             self._past[:] = self._history.oldest
             self._correct_fix.step()
         if sensors.has_heading_and_height:
             self._correct_slow.step()
+
+    def spread(self) -> tuple[float, ...]:
+        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
+        self._measure_spread.evaluate()
+        return tuple(self._sigmas.tolist())
 
     def step(self, truth: Motion) -> Motion:
         """Returns what is believed now."""
@@ -153,14 +160,9 @@ class Navigation:
         self.run()
         return Motion._make(self.signals.estimate.tolist())
 
-    def spread(self) -> tuple[float, ...]:
-        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
-        self._measure_spread.evaluate()
-        return tuple(self._sigmas.tolist())
-
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
-        self._sensors.move(displacement)
+        self.sensors.move(displacement)
         turn = np.eye(ERRORS)
         c, s = cos(displacement.heading), sin(displacement.heading)
         for place in _WORLD_VECTORS:
@@ -177,7 +179,7 @@ class Navigation:
         """Returns the error of the estimate: position, velocity, rotation in body axes, biases."""
         nominal = self._state[:NOMINAL]
         difference = equations.difference()(nominal, ca.DM(list(truth)))
-        return np.concatenate([np.array(difference).ravel(), self._sensors.biases - nominal[10:]])
+        return np.concatenate([np.array(difference).ravel(), self.sensors.biases - nominal[10:]])
 
     def normalised_error(self, truth: Motion) -> float:
         """Returns the squared error in units of the covariance that the filter claims."""

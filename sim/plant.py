@@ -13,7 +13,7 @@ import casadi as ca
 from . import rotor
 from .parameters import Parameters
 from .rotor import Air, RotorState
-from .rotor_step import advance
+from .rotor_step import Drives, advance, follow_commands, sound_drives
 
 REMEMBERED = len(RotorState._fields)
 # Warm started at every step, this many relaxed iterations follow any gust.
@@ -27,12 +27,18 @@ def delay_steps(parameters: Parameters, step: float) -> int:
 
 
 @cache
-def plant_function(parameters: Parameters, step: float) -> ca.Function:
+def plant_function(parameters: Parameters, step: float, drives: Drives | None = None) -> ca.Function:
     """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step.
+
+    Args:
+        parameters: the vehicle.
+        step: s.
+        drives: what its servos can do; sound ones where None.
 
     Returns:
         (qpos, qvel, controls, wind, memory) -> (wrench, servo positions, memory); the memory is the rotor
-        state and the commands on their way to the servos, the oldest first.
+        state and the commands on their way to the servos, the oldest first. With `drives`, before the
+        memory: how much faster sound servos would have moved, rad/s.
     """
     position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
     controls, wind = ca.SX.sym("controls", 4), ca.SX.sym("wind", 6)
@@ -45,16 +51,20 @@ def plant_function(parameters: Parameters, step: float) -> ca.Function:
     p, q, r = ca.vertsplit(air_rates)
     nearness = rotor.ground_nearness(parameters, position[2])
     air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
-    state = RotorState(*ca.vertsplit(memory[:REMEMBERED]))
+    before = RotorState(*ca.vertsplit(memory[:REMEMBERED]))
     on_their_way = ca.vertcat(memory[REMEMBERED:], controls)
+    command, servos = on_their_way[:4], parameters.servos
     state = advance(
-        parameters, state, air, command=on_their_way[:4], step=step, iterations=_INFLOW_ITERATIONS
+        parameters, before, air, command=command, step=step, iterations=_INFLOW_ITERATIONS, drives=drives
     )
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
     after = ca.vertcat(*state, on_their_way[4:])
-    results = ca.cse([wrench, after[:4], after])
-    return ca.Function("plant", [position, velocity, controls, wind, memory], results)
+    results = [wrench, after[:4], after]
+    if drives is not None:
+        sound = follow_commands(servos, before, command, step=step, drives=sound_drives(servos))
+        results.insert(2, (ca.vertcat(*sound[:4]) - after[:4]) / step)
+    return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
 
 
 @cache

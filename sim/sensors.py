@@ -6,6 +6,7 @@ deviation and correlation time). The inertial unit gives the mean over a control
 
 from functools import cache
 from math import exp
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -34,6 +35,29 @@ _MOTION, _WANDERS, _WHITES = len(Motion._fields), 10, 14
 # What is remembered of the motion before: velocity and attitude.
 _BEFORE = 7
 _NOISE, _STATE = _WANDERS + _WHITES, _BEFORE + _WANDERS
+
+
+Values = Float[np.ndarray, "n"]
+
+
+class Readings(Protocol):
+    """What a filter reads: arrays that change, as `Sensors` has them."""
+
+    inertial: Values
+    fix: Values
+    heading_and_height: Values
+    has_fix: bool
+    has_heading_and_height: bool
+
+    @property
+    def biases(self) -> Values:
+        """Errors of accelerometers and gyros that wander."""
+
+    def run(self) -> None:
+        """Reads at the end of a control period."""
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world."""
 
 
 @cache

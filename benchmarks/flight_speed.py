@@ -2,10 +2,10 @@
 
 The complete loop (turbulence, sensors, filter, controller, vehicle, log in memory) interpreted and compiled;
 the limit, which is MuJoCo's `mj_step` of the same model at the same step with nothing around it; RotorPy's
-own loop, from the package index, in an environment of its own; and many flights in several processes. Speeds are
-simulated seconds a CPU second of one core, the best of several rounds in turn, so that all see the same
-machine; those in processes are by the clock, and say little on a machine that others use. The settling before
-a flight is flown too, and counts as flown here; `a period` is the loop alone.
+own loop, from the package index, in an environment of its own; and many flights in several processes. Speeds
+are simulated seconds a CPU second of one core, the best of several rounds in turn, so that all see the same
+machine; those in processes are by the clock, and say little on a machine that others use. The settling
+before a flight is flown too, and counts as flown here; `a period` is the loop alone.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,8 @@ from maneuver.campaign_flights import campaign_library
 from maneuver.files import find_campaign
 from maneuver.workers import default_workers, worker_pool
 from sim.backend import Backend, best_backend
-from sim.fly import SimulatedHelicopter, fly_sequence
+from sim.campaign import fly_sequence
+from sim.fly import SimulatedHelicopter
 from sim.specification import CONTROL_PERIOD, specify_sequence
 
 from .peer import NoPeerError, peer_speed

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flight import machine_code
+from flight.fault import parse_fault
 from flight.fingerprint import fingerprint
 from flight.library import Library
 from flight.log import TRUTH, FlightLog
@@ -30,10 +31,10 @@ def library() -> Library:
 
 
 def fly(backend: Backend | None, *, ideal: bool = False) -> FlightLog:
-    gust = {"start": 2.0, "duration": 1.0, "east": 3.0}
+    gust = parse_fault("wind gust 2 1 0 3 0")
     flight = FlightSpecification.model_validate(
         {
-            **{"seed": 3, "wind": "gtmax", "gusts": (gust,), "ideal_navigation": ideal},
+            **{"seed": 3, "wind": "gtmax", "faults": (gust,), "ideal_navigation": ideal},
             **{"start_trim": 1, "trims": (1, 3, 7), "coasting_times": (4.0, 3.0, 5.0)},
         }
     )

@@ -3,6 +3,7 @@
 import json as json_module
 import sys
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -26,7 +27,7 @@ from planner.worst_case import WorstCase
 from review.plan_picture import plan_picture
 
 from .files import find_library, find_mission, refuse_existing
-from .numbers import Count
+from .numbers import Count, Seconds
 from .policies import PlannedPolicy
 from .prices import png, show_prices
 from .signs import signs
@@ -51,6 +52,7 @@ def plan(
     alpha: float = 1.2,
     pareto: Annotated[bool, Parameter(negative="")] = False,
     max_nodes: Count | None = None,
+    deadline: Seconds | None = None,
     max_trims: Count | None = None,
     certify: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
@@ -94,6 +96,7 @@ def plan(
         pareto: show the price of robustness, from gamma 0 to 1, instead of a plan.
         max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
             planner may examine, before the best plan so far is given.
+        deadline: seconds after which the best plan so far is given, with a bound.
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
@@ -110,7 +113,9 @@ def plan(
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     if certify and policy == "committed":
         raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
-    answer = _planner(primitives, policy, gamma, alpha, max_nodes).plan(task)
+    answer = _planner(
+        primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
+    ).plan(task)
     if certify:
         answer = certified(answer, primitives, task)
     if out is not None:
@@ -211,15 +216,21 @@ def show(answer: Plan, library: Library) -> None:
 
 
 def _planner(
-    library: Library, policy: PlannedPolicy, gamma: float, alpha: float, max_nodes: int | None
+    library: Library,
+    policy: PlannedPolicy,
+    gamma: float,
+    alpha: float,
+    *,
+    max_nodes: int | None,
+    deadline: float,
 ) -> Planner:
     if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes)
+        return Nominal(library, max_nodes=max_nodes, deadline=deadline)
     if policy == "price-of-robustness":
         return PriceOfRobustness(library, alpha)
     if policy == "committed":
-        return Committed(library, gamma, max_nodes=max_nodes)
-    return WorstCase(library, gamma, max_nodes=max_nodes)
+        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline)
+    return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 
 def _walk(answer: Plan, library: Library) -> Table:

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
-from math import isfinite
+from math import inf, isfinite
 from time import perf_counter
 from typing import Protocol
 
@@ -11,6 +11,7 @@ from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Policy, Scenario
 
+from .branch_and_bound import proved_best
 from .check import problems
 from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
@@ -25,8 +26,8 @@ FREEDOM = (
 )
 
 NOT_PROVED = (
-    "not proved optimal: walks were left out by bounds or as unpromising, and coasting times were sought "
-    "from finitely many starts"
+    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
+    "are better did not end"
 )
 
 
@@ -50,6 +51,7 @@ class LibraryPlanner:
         gamma: uncertainty level that plans carry.
         gammas: the levels that every walk must reach the goal at.
         max_nodes: walks at one level that the exact search may solve; None for all it needs.
+        deadline: seconds after which the best plan so far is given.
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
@@ -63,6 +65,7 @@ class LibraryPlanner:
         gamma: float,
         gammas: tuple[float, ...],
         max_nodes: int | None = None,
+        deadline: float = inf,
     ) -> None:
         for level in gammas:
             refuse_negative_durations(library, level)
@@ -72,6 +75,7 @@ class LibraryPlanner:
         self._gamma = gamma
         self._gammas = gammas
         self._max_nodes = max_nodes
+        self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
         self._tables = cache(self._tabulate)
 
@@ -88,8 +92,12 @@ class LibraryPlanner:
 
     def _answer(self, mission: Mission) -> Answer:
         if self._exact.can(mission):
-            return self._exact.answer(mission, max_nodes=self._max_nodes)
-        return search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
+        began = perf_counter()
+        found = search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+        if self._max_nodes is not None:
+            return found
+        return proved_best(found, self._library, mission, self._gammas, until=began + self._deadline)
 
     def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
         return tabulate(self._library, self._gammas, start_trim, max_trims, goal_trim)
@@ -127,7 +135,7 @@ class LibraryPlanner:
     def _doubt(self, mission: Mission) -> str:
         if not self._exact.can(mission):
             return NOT_PROVED
-        return FREEDOM if self._max_nodes is None else STOPPED
+        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
 
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:

@@ -19,7 +19,16 @@ SOURCES = ("times.c", "curves.c", "search.c")
 COMPILERS = ("cc", "gcc", "clang")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind.
-FLAGS = ("-O2", "-std=gnu11", "-fcx-limited-range", "-ffp-contract=off", "-fPIC", "-shared")
+FLAGS = (
+    "-O3",
+    "-std=gnu11",
+    "-fcx-limited-range",
+    "-ffp-contract=off",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-fPIC",
+    "-shared",
+)
 
 
 @cache

@@ -26,6 +26,7 @@ from planner.price_of_robustness import PriceOfRobustness
 from planner.worst_case import WorstCase
 from review.plan_picture import plan_picture
 
+from .domain import warn_of_walk
 from .files import find_library, find_mission, refuse_existing
 from .numbers import Count, Seconds
 from .policies import PlannedPolicy
@@ -118,6 +119,8 @@ def plan(
     ).plan(task)
     if certify:
         answer = certified(answer, primitives, task)
+    if answer.found:
+        warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
         publish_bytes(plan_text(answer).encode(), out, force=force)
     if picture is not None and answer.found:

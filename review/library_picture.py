@@ -11,9 +11,10 @@ from matplotlib.lines import Line2D
 from flight.library import Library
 from flight.maneuver import Maneuver
 from flight.trim import Trim
+from flight.trim_labels import trim_colors
 
 from . import palette
-from .automaton_picture import draw_automaton
+from .automaton_picture import CROWD, draw_automaton
 from .stroke import Stroke
 
 DEGREES_PER_RADIAN = degrees(1.0)
@@ -70,9 +71,24 @@ def library_picture(library: Library) -> Figure:
     return figure
 
 
+def graph_picture(library: Library) -> Figure:
+    """Returns the automaton alone: the directed graph of the thesis's Figures 3 and 4, of any library."""
+    crowd = len(library.trims) > CROWD
+    figure = palette.page(14.0 if crowd else 8.0, 11.0 if crowd else 8.4)
+    figure.suptitle(
+        f"Library {library.name}: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers",
+        x=0.01,
+        ha="left",
+        fontsize=palette.TEXT_SIZE + 3,
+        fontweight="bold",
+    )
+    draw_automaton(figure.subplots(), library, tall=1.6)
+    return figure
+
+
 def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
     """Draws the body velocity of every trim with its error, a panel for each component."""
-    colors = palette.trim_colors(trim.id for trim in library.trims)
+    colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(TRIM_NUMBERS), sharey=True)
     labels = [f"{trim.name}  {trim.id}" for trim in library.trims]
     for axes, (name, interval) in zip(panels, TRIM_NUMBERS, strict=True):
@@ -89,7 +105,7 @@ def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
     """Draws duration and displacement of every maneuver with their errors, a panel for each number."""
     if not library.maneuvers:
         return
-    colors = palette.trim_colors(trim.id for trim in library.trims)
+    colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(MANEUVER_NUMBERS), sharey=True)
     labels = [
         f"{maneuver.from_trim} \N{RIGHTWARDS ARROW} {maneuver.to_trim}   {maneuver.id:2d}"

@@ -157,7 +157,7 @@ def _grown_trims(
         zip(grid, sizes.tolist(), widths.tolist(), strict=True), start=first
     ):
         error = signed_trim_error(Twist(*size), velocity)
-        trims.append(Trim(number, f"{GROWN.split(':')[0]}: {_words(velocity)}", velocity, error))
+        trims.append(Trim(number, f"{GROWN.split(':', maxsplit=1)[0]}: {_words(velocity)}", velocity, error))
         bands[number] = Band(*(round(max(one, 1e-3), 4) for one in width))
     fits = [
         Fit(f"trim {name}", _root_mean_square(one.left_out), one.smoothing)
@@ -190,9 +190,7 @@ def _grown_maneuvers(library: Library, flown: Sequence[Maneuver]) -> tuple[list[
         (left, reached)
         for left in usable
         for reached in usable
-        if left != reached
-        and (left, reached) not in known
-        and _step(library, left, reached) <= reach + 1e-6
+        if left != reached and (left, reached) not in known and _step(library, left, reached) <= reach + 1e-6
     ]
     edges = [(row.from_trim, row.to_trim) for row in flown]
     at, points = _features(library, wanted), _features(library, edges)

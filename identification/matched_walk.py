@@ -17,7 +17,7 @@ from .step_response import StepResponse
 MATCHED, APART = 60, 15
 # What a step costs, and one out of a trim that was not reached, in twice the logarithm of a likelihood ratio:
 # the second is no proof against a maneuver that ended by time-out, but nearly.
-STEP_COST, UNREACHED_COST = 10.0, 1000.0
+STEP_COST, UNREACHED_COST = 20.0, 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -1,9 +1,9 @@
 """What to fly for trends: trims over the range of speeds and yaw rates, and steps between neighbours.
 
 Two campaigns (thesis, 3.3). `straight`: straight flight in steps of 8 ft/s up to 80 ft/s. `turns`: at one
-speed in steps of 0.1 rad/s, and, for a library to be grown from, at slower and faster speeds with steps of both
-kinds at once and of several sizes. They are flown apart: what the controller's adaptive element learns in
-fast flight, where the nose swings, can stay with it when the vehicle is slow again.
+speed in steps of 0.1 rad/s, and, for a library to be grown from, at slower and faster speeds with steps of
+both kinds at once and of several sizes. They are flown apart: what the controller's adaptive element learns
+in fast flight, where the nose swings, can stay with it when the vehicle is slow again.
 """
 
 from collections.abc import Iterator

@@ -68,6 +68,8 @@ def trends(
         return 0
     console = Console(highlight=False)
     for headline, heads, rows in _tables(seen):
+        if not rows:
+            continue
         console.print(headline, soft_wrap=True)
         table = Table(box=SIMPLE_HEAD, pad_edge=False)
         for head in heads:
@@ -124,7 +126,7 @@ def _tables(seen: Trends) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str
     )
     yield (
         "Changes of speed (Figure 8)",
-        ("from ft/s", "to ft/s", "displacement, m", "off by, m", "%", "duration, s", "off by, %", "flights"),
+        ("from ft/s", "to ft/s", "ahead, m", "off, m", "off, %", "takes, s", "off, %", "flights"),
         [
             (
                 _feet(row.entry_speed),

@@ -1,9 +1,9 @@
 """Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
 
-import hashlib
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import repeat
 from pathlib import Path
 
@@ -11,10 +11,11 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
+from flight.fingerprint import fingerprint
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, PRIMITIVE
 from flight.log_file import read_log
-from identification.identify import FlightEvidence, evidence, motion_judged
+from identification.flight_evidence import FlightEvidence, StateJudged, evidence, motion_judged
 from identification.motion_model import sampled_motion
 from identification.motion_walk import walks_of
 from identification.segmentation import Walk, cut
@@ -23,13 +24,16 @@ from identification.steady_levels import Resolution, discovered_automaton
 from .progress import shown
 
 
-def gather_evidence(paths: Sequence[Path], *, executor: Executor) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives by their command channel.
+def gather_evidence(
+    paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
+) -> list[FlightEvidence]:
+    """Reads logs and cuts them into primitives.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    return list(shown(executor.map(_evidence_of, paths), total=len(paths), what="identifying"))
+    cut = executor.map(partial(evidence_of, of=of), paths)
+    return list(shown(cut, total=len(paths), what="identifying"))
 
 
 def gather_motion_evidence(
@@ -90,10 +94,11 @@ def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvide
     log = read_log(path)
     return FlightEvidence(
         str(path),
-        _sha256(path),
+        fingerprint(log),
         log.header,
         library,
         cut(log, walk, library),
+        log.duration,
         found_by="motion",
         judged=motion_judged(log),
     )
@@ -115,12 +120,14 @@ def _without_the_unseen(flights: list[FlightEvidence], library: Library) -> list
         ),
         conditions=replace(library.conditions, maneuver_end=replace(rule, bands=bands)),
     )
-    return [replace(flight, library=kept) for flight in flights]
+    return [replace(flight, library=kept, trims_commanded=False) for flight in flights]
 
 
-def _evidence_of(path: Path) -> FlightEvidence:
-    return evidence(read_log(path), name=str(path), sha256=_sha256(path))
+def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
+    """Reads one log and cuts it into primitives.
 
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    Raises:
+        FlightError: the log is broken or lacks something.
+    """
+    log = read_log(path)
+    return evidence(log, name=str(path), sha256=fingerprint(log), of=of)

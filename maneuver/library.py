@@ -21,7 +21,7 @@ METRES_PER_FOOT = 0.3048
 # Metres, radians and seconds: what differs by less than rounding in a table is the same.
 SAME = 1e-12
 
-app = App(name="library", help="Shows, checks, compares, grows and makes motion-primitive libraries.")
+app = App(name="library", help="Shows, checks, tests, compares, grows and makes motion-primitive libraries.")
 app.command("maneuver.library_audit:audit", name="audit")
 app.command("maneuver.library_diff:diff", name="diff")
 app.command("maneuver.library_kinematic:kinematic", name="kinematic")
@@ -29,6 +29,7 @@ app.command("maneuver.library_graph:graph", name="graph")
 app.command("maneuver.library_trends:trends", name="trends")
 app.command("maneuver.library_grow:grow", name="grow")
 app.command("maneuver.library_sheet:sheet", name="sheet")
+app.command("maneuver.library_test:keep_promise", name="test")
 
 
 @app.command

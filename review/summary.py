@@ -7,20 +7,20 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.arrival import Arrival, Destination, first_arrival
+from flight.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from flight.log import (
     COMMAND,
     ESTIMATE,
-    LIBRARY_ATTACHMENT,
     PLANS_ATTACHMENT,
     TRUTH,
     FlightLog,
     PrimitiveFlown,
     PrimitiveKind,
 )
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_names
 
-from .attachments import goal_of_flight, plans_of_flight
 from .bounds import Bounds, bounds_kept
-from .stretches import stretches_flown
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
@@ -96,6 +96,8 @@ class Summary:
         navigation: None without an estimate.
         bounds: None without a library.
         plans: how many plannings found something to fly; None where the log carries no plans.
+        failures: how many plannings found nothing, so that the vehicle flew on with what it had.
+        promise: seconds that the first plan promised; None without one.
         arrival: None without a mission.
     """
 
@@ -114,6 +116,8 @@ class Summary:
     navigation: NavigationError | None
     bounds: Bounds | None
     plans: int | None
+    failures: int
+    promise: float | None
     arrival: Arrival | None
 
 
@@ -127,6 +131,8 @@ def summarise(log: FlightLog) -> Summary:
     flown = stretches_flown(log)
     names = trim_names(log)
     goal = goal_of_flight(log)
+    plannings = plannings_of_flight(log)
+    plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
     truth = log[TRUTH]
     return Summary(
         kind=header.kind,
@@ -147,16 +153,11 @@ def summarise(log: FlightLog) -> Summary:
         tracking=_tracking(log) if COMMAND.name in log.series else None,
         navigation=_navigation(log) if ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log),
-        plans=len(plans_of_flight(log)) if PLANS_ATTACHMENT in log.attachments else None,
+        plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
+        failures=len(plannings) - len(plans),
+        promise=plans[0].cost if plans else None,
         arrival=None if goal is None else arrival(log, goal),
     )
-
-
-def trim_names(log: FlightLog) -> dict[int, str]:
-    """Returns the names of the trims by id; empty where no library is attached."""
-    if LIBRARY_ATTACHMENT not in log.attachments:
-        return {}
-    return {trim.id: trim.name for trim in log.library().trims}
 
 
 def _trim_label(trim: int, names: dict[int, str]) -> str:

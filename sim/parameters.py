@@ -179,7 +179,7 @@ def read_parameters(path: Path | None = None) -> Parameters:
     path = path or models.FOLDER / "gtmax.toml"
     try:
         # A strict model takes a table for a dataclass only from JSON.
-        return TypeAdapter(Parameters).validate_json(json.dumps(tomllib.loads(read_text(path))))
+        return _reader().validate_json(json.dumps(tomllib.loads(read_text(path))))
     except tomllib.TOMLDecodeError as error:
         raise BadFileError(path, f"is not TOML: {error}") from None
     except ValidationError as error:
@@ -187,7 +187,17 @@ def read_parameters(path: Path | None = None) -> Parameters:
 
 
 @cache
+def _reader() -> TypeAdapter[Parameters]:
+    return TypeAdapter(Parameters)
+
+
+@cache
 def model_hash() -> str:
     """Returns the SHA-256 of the vehicle's numbers and shape, in hexadecimal."""
     files = (models.FOLDER / name for name in ("gtmax.toml", "gtmax.xml"))
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def model_text() -> bytes:
+    """Returns the vehicle's shape as MJCF."""
+    return (models.FOLDER / "gtmax.xml").read_bytes()

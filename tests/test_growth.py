@@ -1,4 +1,4 @@
-"""Growing a library: the interpolation's laws, and primitives held against the vehicle that they grow from."""
+"""Growing a library: the interpolation's laws, and grown primitives beside the vehicle that they are of."""
 
 from dataclasses import replace
 
@@ -149,11 +149,12 @@ def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimens
     points, values = rng.uniform(-1, 1, (25, dimensions)), rng.standard_normal(25)
     spline = Spline.fit(points, values)
     at = rng.uniform(-1, 1, (7, dimensions))
-    kind = {"kernel": "linear", "degree": 1, "smoothing": spline.smoothing}
-    assert spline.at(at) == pytest.approx(RBFInterpolator(points, values, **kind)(at), abs=1e-8)
+    smooth = spline.smoothing
+    again = RBFInterpolator(points, values, kernel="linear", degree=1, smoothing=smooth)
+    assert spline.at(at) == pytest.approx(again(at), abs=1e-8)
     rest = np.arange(25) != 3
-    again = RBFInterpolator(points[rest], values[rest], **kind)(points[3:4])
-    assert spline.left_out[3] == pytest.approx(values[3] - again[0], abs=1e-7)
+    without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smooth)
+    assert spline.left_out[3] == pytest.approx(values[3] - without(points[3:4])[0], abs=1e-7)
 
 
 def test_trends_are_read_off_the_primitives_flown() -> None:

@@ -5,6 +5,7 @@ the slowest. The libraries with more trims are synthetic, by the kinematic equat
 """
 
 import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from time import process_time
 
@@ -23,7 +24,7 @@ TRIMS = (7, 20, 40, 70)
 LEVELS = (1, 3, 5, 7, 11)
 GAMMA = 0.5
 
-Costs = list[tuple[float, float, float]]
+Costs = Sequence[tuple[float, float, float]]
 """What is varied, the median and the largest in seconds."""
 
 
@@ -66,7 +67,7 @@ def cost(library: Library, gammas: tuple[float, ...], depth: int) -> tuple[float
     return float(np.median(spent)), float(max(spent))
 
 
-def draw(axes: Axes, what: str, series: dict[str, Costs]) -> None:
+def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
     """Draws one panel: medians as lines, up to the slowest as a band."""
     palette.dress(axes)
     for (name, costs), colour in zip(series.items(), (palette.TRUE, palette.ALARM), strict=False):

@@ -5,18 +5,16 @@ from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from scipy.stats import binom, kstest, uniform
+from scipy.stats import binom
 
 from benchmarks.deviation_laws import LAWS, Law
 from benchmarks.planted_flights import Planted, planted_log
-from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_text, parse_library
 from flight.log import FlightLog
@@ -24,25 +22,17 @@ from flight.log_file import publish_log
 from flight.maneuver import ManeuverError
 from identification.bounds import joint_coverage, samples_needed
 from identification.box import Box, box_around, smallest_box
-from identification.error_ratios import error_ratios
 from identification.flight_evidence import FlightEvidence, evidence
 from identification.identify import InconsistentLogsError, identify
 from identification.promise import NoClaimError, holm, maneuver_box, promise_trials, trim_box
 from identification.schedule import schedule
 from maneuver.app import run
 from maneuver.campaign_flights import (
-    BOUNDING,
-    CENTRING,
-    MEASURING,
-    TESTING,
     campaign_library,
     specify_campaign,
 )
-from maneuver.campaign_size import campaign_size
 from maneuver.files import find_campaign
 from maneuver.library_test import new_flights
-from sim.streams import Stream, random_stream
-from sim.wind import DrydenWind, wind_class
 
 CAMPAIGN = find_campaign("gtmax")
 LIBRARY = campaign_library(CAMPAIGN, "gtmax")
@@ -219,76 +209,6 @@ def test_the_coverage_of_a_law_is_what_samples_of_it_show(law: Law) -> None:
     share = ((low <= drawn) & (drawn <= high)).all(axis=1).mean()
     assert law.inside(low, high) == pytest.approx(share, abs=0.005)
     assert np.abs(drawn.mean(axis=0)).max() < 0.02
-
-
-@pytest.mark.parametrize(
-    ("nominal", "coverage", "bounding"), [(30, 0.95, 153), (0, 0.95, 260), (1, 0.99, 773), (30, 0.5, 13)]
-)
-def test_a_coverage_takes_so_many_flights(nominal: int, coverage: float, bounding: int) -> None:
-    size = campaign_size(CAMPAIGN, coverage=coverage, confidence=0.95, flights=None, nominal_flights=nominal)
-    assert (size.bounding, size.nominal, size.flights) == (bounding, nominal, bounding + nominal)
-    support = 4 if nominal else 8
-    assert joint_coverage(bounding, support=support, confidence=0.95) >= coverage
-    assert joint_coverage(bounding - 1, support=support, confidence=0.95) < coverage
-
-
-def test_the_shipped_campaign_flies_what_95_95_takes() -> None:
-    own = campaign_size(CAMPAIGN, coverage=None, confidence=0.95, flights=None, nominal_flights=None)
-    asked = campaign_size(CAMPAIGN, coverage=0.95, confidence=0.95, flights=None, nominal_flights=None)
-    assert own == asked
-    assert "153 flights give the bounds, 30 others give their values" in own.said()
-
-
-def test_a_coverage_and_a_number_of_flights_are_not_both_taken() -> None:
-    with pytest.raises(FlightError, match="give it or --flights, not both"):
-        campaign_size(CAMPAIGN, coverage=0.9, confidence=0.95, flights=9, nominal_flights=None)
-    with pytest.raises(FlightError, match=r"--coverage must be between 0 and 1, got 95\.0"):
-        campaign_size(CAMPAIGN, coverage=95.0, confidence=0.95, flights=None, nominal_flights=None)
-
-
-def test_the_mean_wind_comes_from_everywhere() -> None:
-    flights = specify_campaign(CAMPAIGN, LIBRARY, seed=1, flights=300, wind="gtmax")
-    blowing = [
-        DrydenWind(
-            wind_class("gtmax"),
-            height=30.0,
-            span=3.0,
-            direction=flight.wind_from,
-            step=0.01,
-            rng=random_stream(flight.seed, Stream.WIND),
-        ).direction
-        for flight in flights
-    ]
-    assert kstest(blowing, uniform(-pi, 2 * pi).cdf).pvalue > 0.01
-    assert kstest([flight.start.heading for flight in flights], uniform(-pi, 2 * pi).cdf).pvalue > 0.01
-
-
-def test_error_ratios_match_primitives_not_numbers() -> None:
-    doubled = replace(
-        LIBRARY,
-        trims=tuple(
-            replace(trim, id=trim.id + 10, error=trim.at(2.0).scaled_error(trim.velocity, -1.0))
-            for trim in reversed(LIBRARY.trims)
-        ),
-        maneuvers=tuple(
-            replace(row, from_trim=row.from_trim + 10, to_trim=row.to_trim + 10)
-            for row in LIBRARY.maneuvers[5:]
-        ),
-        conditions=replace(LIBRARY.conditions, maneuver_end=None),
-    )
-    ratios = error_ratios(doubled, LIBRARY)
-    assert len(ratios) == 3 * 7 + 4 * 17
-    assert all(row.ratio == pytest.approx(2.0) for row in ratios if row.kind == "trim" and row.ratio)
-    assert all(row.ratio == 1.0 for row in ratios if row.kind == "maneuver" and row.ratio)
-
-
-def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
-    seeds = [
-        flight.seed
-        for role in (BOUNDING, CENTRING, TESTING, MEASURING)
-        for flight in specify_campaign(CAMPAIGN, LIBRARY, seed=1, flights=200, wind="gtmax", role=role)
-    ]
-    assert len(set(seeds)) == 800
 
 
 def test_the_flights_that_test_a_library_are_none_of_its_own(library: Library) -> None:

@@ -23,7 +23,6 @@ SAME = 1e-12
 
 app = App(name="library", help="Shows, checks and tests motion-primitive libraries.")
 app.command("maneuver.library_test:keep_promise", name="test")
-app.command("maneuver.library_ratios:ratios", name="ratios")
 
 
 @app.command

@@ -1,6 +1,5 @@
-"""Campaigns before they are flown: how many flights, in what air, and what their errors are beside others."""
+"""Campaigns before they are flown: how many flights, in what air."""
 
-from dataclasses import replace
 from math import pi
 
 import pytest
@@ -8,7 +7,6 @@ from scipy.stats import kstest, uniform
 
 from flight.errors import FlightError
 from identification.bounds import joint_coverage
-from identification.error_ratios import error_ratios
 from maneuver.campaign_flights import (
     BOUNDING,
     CENTRING,
@@ -66,25 +64,6 @@ def test_the_mean_wind_comes_from_everywhere() -> None:
     ]
     assert kstest(blowing, uniform(-pi, 2 * pi).cdf).pvalue > 0.01
     assert kstest([flight.start.heading for flight in flights], uniform(-pi, 2 * pi).cdf).pvalue > 0.01
-
-
-def test_error_ratios_match_primitives_not_numbers() -> None:
-    doubled = replace(
-        LIBRARY,
-        trims=tuple(
-            replace(trim, id=trim.id + 10, error=trim.at(2.0).scaled_error(trim.velocity, -1.0))
-            for trim in reversed(LIBRARY.trims)
-        ),
-        maneuvers=tuple(
-            replace(row, from_trim=row.from_trim + 10, to_trim=row.to_trim + 10)
-            for row in LIBRARY.maneuvers[5:]
-        ),
-        conditions=replace(LIBRARY.conditions, maneuver_end=None),
-    )
-    ratios = error_ratios(doubled, LIBRARY)
-    assert len(ratios) == 3 * 7 + 4 * 17
-    assert all(row.ratio == pytest.approx(2.0) for row in ratios if row.kind == "trim" and row.ratio)
-    assert all(row.ratio == 1.0 for row in ratios if row.kind == "maneuver" and row.ratio)
 
 
 def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:

@@ -159,8 +159,13 @@ def test_flights_that_gave_the_bounds_cannot_test_them(library: Library) -> None
 
 
 def test_a_library_from_a_book_claims_nothing(new: list[FlightEvidence]) -> None:
-    with pytest.raises(NoClaimError, match="trim 1 has no statistics"):
+    with pytest.raises(NoClaimError, match="no primitive has statistics"):
         promise_trials(LIBRARY, new)
+
+
+def test_only_what_claims_is_tested(library: Library, new: list[FlightEvidence]) -> None:
+    silent = replace(library, trims=tuple(replace(trim, statistics=None) for trim in library.trims))
+    assert {trial.kind for trial in promise_trials(silent, new)} == {"maneuver"}
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=30))

@@ -24,7 +24,7 @@ class FlightEvidence:
 
     Attributes:
         name: what to call the log in an error.
-        sha256: of the log's bytes, as hexadecimal digits.
+        sha256: of what the log holds (`flight.fingerprint`), as hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.

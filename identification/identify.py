@@ -144,7 +144,7 @@ def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
         if flight.sha256 in seen:
             raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
         seen[flight.sha256] = flight.name
-        for what in ("vehicle", "model_hash", "wind", "code_version", "backend"):
+        for what in ("vehicle", "model_hash", "wind", "code_version", "arithmetic"):
             expected, got = getattr(first.header, what), getattr(flight.header, what)
             if got != expected:
                 raise InconsistentLogsError(
@@ -186,7 +186,7 @@ def _provenance(
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,
-        "backend": header.backend,
+        "backend": header.arithmetic,
         **({} if campaign is None else {"campaign": dict(campaign)}),
         **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),
         "nominal": [flight.header.seed for flight in centring],

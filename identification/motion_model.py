@@ -118,7 +118,10 @@ def _improved(motions: Sequence[Motion], levels: Levels, model: MotionModel, *, 
             motion - walk.mean_motion(levels, model, len(motion))
             for motion, walk in zip(sampled, walks, strict=True)
         ]
-        scatter = np.median(np.abs(np.concatenate(off)), axis=0) / MAD
+        every = np.concatenate(off)
+        # The first is blind to how far the responses miss, the second to nothing: half of each.
+        held, all_told = np.median(np.abs(every), axis=0) / MAD, np.sqrt((every**2).mean(axis=0))
+        scatter = np.sqrt(0.5 * (held**2 + all_told**2))
         widest = np.median(levels.band, axis=0) / BAND_IN_SCATTERS
         model = replace(model, scatter=np.clip(scatter, 0.1 * widest, widest))
     return model

@@ -12,7 +12,7 @@ from flight.library import Library
 from identification.flight_evidence import NOMINAL
 from identification.schedule import schedule
 from sim.campaign import FlightFlown, fly_campaign
-from sim.specification import FlightSpecification, specify_sequence
+from sim.specification import PLAIN, Departure, FlightSpecification, specify_sequence
 
 from .files import find_library
 from .progress import shown
@@ -104,6 +104,7 @@ def fly_whole_campaign(
     folder: Path,
     executor: Executor,
     force: bool,
+    departure: Departure = PLAIN,
 ) -> CampaignFlown:
     """Flies a campaign, one log a flight in the folder.
 
@@ -116,13 +117,14 @@ def fly_whole_campaign(
         folder: of the logs.
         executor: runs the flights.
         force: overwrite logs.
+        departure: how the flights differ from plain ones.
 
     Raises:
         FlightError: the campaign cannot be flown as asked.
     """
     library = campaign_library(campaign, wind)
     specifications = [
-        specification
+        specification.depart(departure)
         for role, count in ((CENTRING, nominal_flights), (BOUNDING, flights))
         for specification in specify_campaign(
             campaign, library, seed=seed, flights=count, wind=wind, role=role

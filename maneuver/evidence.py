@@ -1,6 +1,5 @@
 """Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
 
-import hashlib
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
@@ -12,6 +11,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
+from flight.fingerprint import fingerprint
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, PRIMITIVE
 from flight.log_file import read_log
@@ -94,7 +94,7 @@ def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvide
     log = read_log(path)
     return FlightEvidence(
         str(path),
-        _sha256(path),
+        fingerprint(log),
         log.header,
         library,
         cut(log, walk, library),
@@ -129,8 +129,5 @@ def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
     Raises:
         FlightError: the log is broken or lacks something.
     """
-    return evidence(read_log(path), name=str(path), sha256=_sha256(path), of=of)
-
-
-def _sha256(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
+    log = read_log(path)
+    return evidence(log, name=str(path), sha256=fingerprint(log), of=of)

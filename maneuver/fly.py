@@ -9,9 +9,10 @@ from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from flight.errors import FlightError
+from flight.fault import parse_fault
 from flight.log_file import publish_log
 from sim.campaign import fly_specification
-from sim.specification import specify_sequence
+from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
 from .campaign_size import campaign_size
@@ -46,6 +47,9 @@ def fly(
     policy: FlownPolicy | None = None,
     gamma: float | None = None,
     wind: str | None = None,
+    ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
+    adaptation: bool = True,
+    fault: tuple[str, ...] = (),
     seed: Seed = 1,
     flights: Count | None = None,
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
@@ -68,6 +72,10 @@ def fly(
 
         maneuver fly --campaign gtmax --flights 30 --out flights
 
+        maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
+
+        maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
+
     Args:
         sequence: name or path of a sequence.
         mission: name or path of a mission.
@@ -76,6 +84,10 @@ def fly(
         policy: planner of a mission; worst-case by default.
         gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
+        ideal_sensors: the vehicle believes the truth, at once.
+        adaptation: whether the controller's adaptive element learns.
+        fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
+            exists stands in docs/helicopter.md, and in the answer to one that does not.
         seed: of all chance.
         flights: of a campaign, to give bounds; the campaign's number by default.
         nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
@@ -85,7 +97,8 @@ def fly(
         force: overwrite OUT.
         json: print what was flown as JSON.
     """
-    order = _Order(library, wind, seed, out, force)
+    departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
+    order = _Order(library, wind, departure, seed, out, force)
     if mission is None and (policy is not None or gamma is not None):
         raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
     if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
@@ -136,6 +149,7 @@ class _Order:
 
     library: str
     wind: str | None
+    departure: Departure
     seed: int
     out: Path | None
     force: bool
@@ -148,7 +162,7 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
     library.maneuvers_along(walk.trims)
     path = order.out or Path(f"{walk.name}.mcap")
     refuse_existing(path, force=order.force)
-    specification = specify_sequence(walk, seed=order.seed)
+    specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
     warn_of_flight(library, wind=walk.wind, altitude=specification.altitude)
     warn_of_walk(library, walk.trims, walk.coasting_times)
     log = fly_specification(specification, library)
@@ -172,6 +186,7 @@ def _fly_mission(
         gamma=gamma,
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
+        departure=order.departure,
         log=path,
         force=order.force,
     )
@@ -196,6 +211,7 @@ def _fly_campaign(
             flights=size.bounding,
             nominal_flights=size.nominal,
             wind=order.wind or campaign.wind,
+            departure=order.departure,
             folder=folder,
             executor=executor,
             force=order.force,

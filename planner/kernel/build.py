@@ -20,7 +20,7 @@ COMPILERS = ("cc", "gcc", "clang")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind.
 FLAGS = (
-    "-O3",
+    "-O2",
     "-std=gnu11",
     "-fcx-limited-range",
     "-ffp-contract=off",

@@ -32,13 +32,15 @@ def main(file: Path) -> None:
     """Measures, prints and draws."""
     kinematic, gtmax = shipped_libraries()[:2]
     three = (0.0, -GAMMA, GAMMA)
-    depth = {one.name: [(d, *cost(one, three, d)) for d in DEPTHS] for one in (kinematic, gtmax)}
-    trims = {
+    depth: dict[str, Costs] = {
+        one.name: [(d, *cost(one, three, d)) for d in DEPTHS] for one in (kinematic, gtmax)
+    }
+    trims: dict[str, Costs] = {
         "synthetic, depth 4": [
             (count, *cost(synthetic_library(count, 7 * count, seed=1), three, 4)) for count in TRIMS
         ]
     }
-    levels = {
+    levels: dict[str, Costs] = {
         f"{one.name}, depth 4": [(n, *cost(one, tuple(np.linspace(-1, 1, n) * GAMMA), 4)) for n in LEVELS]
         for one in (kinematic, gtmax)
     }

@@ -29,6 +29,9 @@ from flight.se2 import rotate
 from .coasting import EQUALITY_TOLERANCE, wants_heading
 from .kinematics import Motion
 
+ROUNDING = 1e-12
+"""Seconds (for kappa 0: metres) a second."""
+
 Boxes = Float[np.ndarray, "boxes trims"]
 Each = Float[np.ndarray, "boxes"]
 
@@ -189,7 +192,8 @@ def _aside(times: tuple[Each, Each], x: Each, worth: tuple[Each, Each]) -> Each:
     with np.errstate(invalid="ignore"):
         late, early = (last - x) * steady, (first - x) * fast
     least: Each = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
-    return least
+    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 
 def headings(problems: Problems, low: Boxes, high: Boxes) -> tuple[Boxes, Boxes]:

@@ -179,10 +179,14 @@ def bound(problems: Problems, low: Boxes, high: Boxes, by: Multipliers) -> Each:
             steady = by.kappa + least_wave(still, speed, *after)
             fast = by.kappa - least_wave(still, -speed, *after)
             gained = np.where(turns, gained, by.kappa * x + _aside((first, last), x, (steady, fast)))
-        total = total + gained
+        with np.errstate(invalid="ignore"):
+            total = total + gained
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
         before = after
-    found: Each = total + least_wave(slope, m * way, *before)
+    last = least_wave(slope, m * way, *before)
+    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    with np.errstate(invalid="ignore"):
+        found: Each = np.where(last == np.inf, np.inf, total + last)
     return found
 
 

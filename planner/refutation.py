@@ -29,6 +29,9 @@ from flight.se2 import rotate
 from .coasting import EQUALITY_TOLERANCE, wants_heading
 from .kinematics import Motion
 
+ROUNDING = 1e-12
+"""Seconds (for kappa 0: metres) a second."""
+
 Boxes = Float[np.ndarray, "boxes trims"]
 Each = Float[np.ndarray, "boxes"]
 
@@ -176,10 +179,14 @@ def bound(problems: Problems, low: Boxes, high: Boxes, by: Multipliers) -> Each:
             steady = by.kappa + least_wave(still, speed, *after)
             fast = by.kappa - least_wave(still, -speed, *after)
             gained = np.where(turns, gained, by.kappa * x + _aside((first, last), x, (steady, fast)))
-        total = total + gained
+        with np.errstate(invalid="ignore"):
+            total = total + gained
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
         before = after
-    found: Each = total + least_wave(slope, m * way, *before)
+    last = least_wave(slope, m * way, *before)
+    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    with np.errstate(invalid="ignore"):
+        found: Each = np.where(last == np.inf, np.inf, total + last)
     return found
 
 
@@ -189,7 +196,8 @@ def _aside(times: tuple[Each, Each], x: Each, worth: tuple[Each, Each]) -> Each:
     with np.errstate(invalid="ignore"):
         late, early = (last - x) * steady, (first - x) * fast
     least: Each = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
-    return least
+    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 
 def headings(problems: Problems, low: Boxes, high: Boxes) -> tuple[Boxes, Boxes]:

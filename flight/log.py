@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from .errors import FlightError
+from .fault_topics import FAULT as FAULT
+from .fault_topics import FAULT_EFFECT as FAULT_EFFECT
 from .library import Library
 from .library_file import parse_library
 from .se2 import Twist
@@ -27,6 +29,9 @@ INITIAL_STATE_ATTACHMENT = "initial_state.json"
 
 SPECIFICATION_ATTACHMENT = "specification.json"
 """All that the simulator needs to repeat the flight."""
+
+FAULTS_ATTACHMENT = "faults.json"
+"""What goes wrong in the flight, by numbers from 1: a JSON array of `flight.fault.Fault`; absent in most."""
 
 PLANS_ATTACHMENT = "plans.json"
 """The plans of a flight in receding horizon, in order: a JSON array of `maneuver-plan/1` with their times."""
@@ -139,7 +144,7 @@ PRIMITIVE = Topic(
     ),
 )
 
-TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE)
+TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT)
 
 
 class PrimitiveKind(IntEnum):
@@ -168,7 +173,7 @@ class FlightHeader:
         seed: of every random number of the flight.
         wind: wind class.
         code_version: version of this program.
-        backend: how the vehicle's expressions were evaluated.
+        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`.
         outcome: `completed`, or what went wrong.
     """
 
@@ -181,6 +186,11 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+
+    @property
+    def arithmetic(self) -> str:
+        """What evaluated the expressions; interpreted or compiled it gives the same bits."""
+        return self.backend.partition(" ")[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

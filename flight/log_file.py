@@ -23,6 +23,7 @@ from mcap.summary import Summary
 
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
+from .log_check import refuse_contradictions
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
 from .log_writer import log_bytes as log_bytes
@@ -134,11 +135,13 @@ def _parse(content: bytes) -> FlightLog:
         raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
-    return FlightLog(
+    log = FlightLog(
         header=_parse_header(metadata[HEADER_METADATA]),
         series=_parse_series(content, summary),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
+    refuse_contradictions(log)
+    return log
 
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:

@@ -71,7 +71,10 @@ def log_bytes(log: FlightLog) -> bytes:
     What programs read and what viewers draw stand in chunks of their own, so that neither reads the other's.
     """
     stream = io.BytesIO()
-    writer = Writer(stream, chunk_size=LARGEST_LOG, enable_data_crcs=True)
+    # Without an attachment the library would write an offset to a group that is not there.
+    writer = Writer(
+        stream, chunk_size=LARGEST_LOG, enable_data_crcs=True, use_summary_offsets=bool(log.attachments)
+    )
     writer.start(profile="", library="maneuver")
     writer.add_metadata(HEADER_METADATA, {key: str(value) for key, value in asdict(log.header).items()})
     writer.add_metadata(CONVENTIONS_METADATA, CONVENTIONS)

@@ -27,7 +27,7 @@ class FlightEvidence:
 
     Attributes:
         name: what to call the log in an error.
-        sha256: of the log's bytes, as hexadecimal digits.
+        sha256: of what the log holds (`flight.fingerprint`), as hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.
@@ -117,7 +117,7 @@ def _refuse_inconsistent(flights: list[FlightEvidence]) -> None:
         if flight.sha256 in seen:
             raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
         seen[flight.sha256] = flight.name
-        for what in ("vehicle", "model_hash", "wind", "code_version", "backend"):
+        for what in ("vehicle", "model_hash", "wind", "code_version", "arithmetic"):
             expected, got = getattr(first.header, what), getattr(flight.header, what)
             if got != expected:
                 raise InconsistentLogsError(
@@ -161,7 +161,7 @@ def _provenance(
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,
-        "backend": header.backend,
+        "backend": header.arithmetic,
         **({} if campaign is None else {"campaign": dict(campaign)}),
         "lost": sorted(flight.header.seed for flight in flights if flight.header.outcome != "completed"),
         "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in flights},

@@ -11,7 +11,7 @@ from flight.conditions import Conditions
 from flight.library import Library
 from identification.schedule import schedule
 from sim.campaign import FlightFlown, fly_campaign
-from sim.specification import FlightSpecification, specify_sequence
+from sim.specification import PLAIN, Departure, FlightSpecification, specify_sequence
 
 from .files import find_library
 from .progress import shown
@@ -83,6 +83,7 @@ def fly_whole_campaign(
     folder: Path,
     executor: Executor,
     force: bool,
+    departure: Departure = PLAIN,
 ) -> CampaignFlown:
     """Flies a campaign, one log a flight in the folder.
 
@@ -90,7 +91,10 @@ def fly_whole_campaign(
         FlightError: the campaign cannot be flown as asked.
     """
     library = campaign_library(campaign, wind)
-    specifications = specify_campaign(campaign, library, seed=seed, flights=flights, wind=wind)
+    specifications = [
+        specification.depart(departure)
+        for specification in specify_campaign(campaign, library, seed=seed, flights=flights, wind=wind)
+    ]
     flown = fly_campaign(specifications, library, folder=folder, executor=executor, force=force)
     done = list(shown(flown, total=len(specifications), what=f"flying {campaign.name}"))
     return CampaignFlown(library, tuple(sorted(done, key=lambda flight: flight.path.name)))

@@ -1,10 +1,10 @@
 """Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
 
-import hashlib
 from collections.abc import Sequence
 from concurrent.futures import Executor
 from pathlib import Path
 
+from flight.fingerprint import fingerprint
 from flight.log_file import read_log
 from identification.identify import FlightEvidence, evidence
 
@@ -22,4 +22,4 @@ def gather_evidence(paths: Sequence[Path], *, executor: Executor) -> list[Flight
 
 def _evidence_of(path: Path) -> FlightEvidence:
     log = read_log(path)
-    return evidence(log, name=str(path), sha256=hashlib.sha256(path.read_bytes()).hexdigest())
+    return evidence(log, name=str(path), sha256=fingerprint(log))

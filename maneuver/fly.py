@@ -8,12 +8,14 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from flight.errors import FlightError
-from flight.log_file import publish_log
+from flight.fault import parse_fault
+from flight.log_file import publish_log, read_log
 from sim.campaign import fly_specification
-from sim.specification import specify_sequence
+from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .films import make_film, refuse_film
 from .mission_flights import MissionTask, fly_mission
 from .numbers import Count, Seed
 from .policies import FlownPolicy
@@ -43,10 +45,14 @@ def fly(
     policy: FlownPolicy | None = None,
     gamma: float | None = None,
     wind: str | None = None,
+    ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
+    adaptation: bool = True,
+    fault: tuple[str, ...] = (),
     seed: Seed = 1,
     flights: Count | None = None,
     out: Path | None = None,
     workers: Count | None = None,
+    video: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -64,6 +70,12 @@ def fly(
 
         maneuver fly --campaign gtmax --flights 30 --out flights
 
+        maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
+
+        maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
+
+        maneuver fly --mission gtmax-2 --video chase.mp4
+
     Args:
         sequence: name or path of a sequence.
         mission: name or path of a mission.
@@ -72,14 +84,24 @@ def fly(
         policy: planner of a mission; worst-case by default.
         gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
+        ideal_sensors: the vehicle believes the truth, at once.
+        adaptation: whether the controller's adaptive element learns.
+        fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
+            exists stands in docs/helicopter.md, and in the answer to one that does not.
         seed: of all chance.
         flights: of a campaign; the campaign's number by default.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
         workers: processes of a campaign; one for each processor by default.
-        force: overwrite OUT.
+        video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
+        force: overwrite OUT and VIDEO.
         json: print what was flown as JSON.
     """
-    order = _Order(library, wind, seed, out, force)
+    departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
+    order = _Order(library, wind, departure, seed, out, force)
+    if video is not None:
+        if campaign is not None:
+            raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
+        refuse_film(video, force=force)
     if mission is None and (policy is not None or gamma is not None):
         raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
     if campaign is None and (flights is not None or workers is not None):
@@ -96,6 +118,9 @@ def fly(
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
+    if video is not None:
+        make_film(read_log(Path(str(result["log"]))), video, force=force)
+        result["video"] = str(video)
     if json:
         print(json_module.dumps(result))
     else:
@@ -126,6 +151,7 @@ class _Order:
 
     library: str
     wind: str | None
+    departure: Departure
     seed: int
     out: Path | None
     force: bool
@@ -138,7 +164,8 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
     library.maneuvers_along(walk.trims)
     path = order.out or Path(f"{walk.name}.mcap")
     refuse_existing(path, force=order.force)
-    log = fly_specification(specify_sequence(walk, seed=order.seed), library)
+    specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
+    log = fly_specification(specification, library)
     publish_log(log, path, force=order.force)
     outcome = log.header.outcome
     result = {"sequence": walk.name, "outcome": outcome, "duration": round(log.duration, 2), "log": str(path)}
@@ -159,6 +186,7 @@ def _fly_mission(
         gamma=gamma,
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
+        departure=order.departure,
         log=path,
         force=order.force,
     )
@@ -178,6 +206,7 @@ def _fly_campaign(
             seed=order.seed,
             flights=flights or campaign.flights,
             wind=order.wind or campaign.wind,
+            departure=order.departure,
             folder=folder,
             executor=executor,
             force=order.force,

@@ -18,7 +18,7 @@ from planner.policy import Planner
 from planner.receding_horizon import Flown, Settings, fly
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
-from sim.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
+from sim.specification import DEFAULT_ALTITUDE, PLAIN, Departure, FlightSpecification, pose
 
 from .campaign_flights import derived_seed
 from .policies import FlownPolicy
@@ -42,6 +42,7 @@ class MissionTask:
         wind: wind class.
         seed: of all chance.
         settings: how the loop is closed.
+        departure: of the helicopter's flight from the plain one.
         log: where the flight log goes; None keeps none.
         force: overwrite the log.
     """
@@ -54,6 +55,7 @@ class MissionTask:
     seed: int
     plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
+    departure: Departure = PLAIN
     log: Path | None = None
     force: bool = False
 
@@ -129,7 +131,7 @@ def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
         altitude=task.library.conditions.altitude or DEFAULT_ALTITUDE,
         start=pose(mission.start),
         start_trim=mission.start_trim,
-    )
+    ).depart(task.departure)
     helicopter = SimulatedHelicopter(specification, task.library)
     planner = planner_of(task.policy, task.library, gamma=task.gamma)
     flown = fly(helicopter, mission, planner=planner, library=task.library, settings=task.settings)

@@ -19,6 +19,7 @@ from review.page import Reviewed, review_page
 from review.pictures import write_pictures
 from review.summary import summarise
 
+from .films import make_film, make_still
 from .numbers import Count
 from .progress import shown
 from .review_report import campaign_report, report, side_by_side, summary_content
@@ -35,6 +36,9 @@ class _Order:
     html: bool
     png: bool
     out: Path
+    video: Path | None
+    still: Path | None
+    at: float
     force: bool
     json: bool
 
@@ -58,6 +62,9 @@ def review(
     png: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
     pages: NonNegativeInt = 10,
+    video: Path | None = None,
+    still: Path | None = None,
+    at: float = 0.0,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
@@ -79,22 +86,38 @@ def review(
 
         maneuver review flights --html --pages 5
 
+        maneuver review flight.mcap --video chase.mp4
+
+        maneuver review flight.mcap --still chase.png --at 9
+
     Args:
         logs: a flight log, up to four to compare, or a folder of logs.
         html: write a page.
         png: write pictures; of a single log.
         out: folder for what is written; the first LOG's name with -review by default.
         pages: flights of a folder that get a page of their own.
+        video: film a single flight, as seen from a camera that follows, to FILE.mp4.
+        still: draw one picture of that film, to FILE.png.
+        at: seconds into the flight of that picture.
         workers: processes for a folder; one for each processor by default.
         force: overwrite files of the same name.
         json: print the summary as JSON.
     """
-    order = _Order(html, png, out or Path(f"{logs[0].resolve().stem}-review"), force, json)
+    order = _Order(
+        html=html,
+        png=png,
+        out=out or Path(f"{logs[0].resolve().stem}-review"),
+        video=video,
+        still=still,
+        at=at,
+        force=force,
+        json=json,
+    )
     if out is not None and not (html or png):
         raise FlightError("--out is where --html and --png write: give one of them with it")
     folders = [path for path in logs if path.is_dir()]
-    if png and (folders or len(logs) > 1):
-        raise FlightError("--png draws a single log; --html shows several")
+    if (png or video or still) and (folders or len(logs) > 1):
+        raise FlightError("--png, --video and --still draw a single log; --html shows several")
     if folders and len(logs) > 1:
         raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
     if len(logs) > MOST_COMPARED:
@@ -115,6 +138,12 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     if page is not None:
         _publish_page(flights, page, force=order.force)
         files.insert(0, page)
+    if order.video is not None:
+        make_film(flights[0].log, order.video, force=order.force)
+        files.append(order.video)
+    if order.still is not None:
+        make_still(flights[0].log, order.still, time=order.at, force=order.force)
+        files.append(order.still)
     summaries = [part.summary for part in flights]
     if order.json:
         contents = [summary_content(summary) for summary in summaries]

@@ -1,6 +1,6 @@
-"""What is asked of the controller: response, margins at every trim, and what the adaptive element buys."""
+"""What is asked of the controller: margins at every trim, delay, and what the adaptive element buys."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from .controller import Controller
 from .figure import Figure
 from .gains import Gains
 from .margins import close_loop, margins, stable
-from .motion import Controls
 from .parameters import Parameters, change_vehicle
 
 GAIN_BAR, PHASE_BAR = 6.0, 45.0
@@ -21,13 +20,6 @@ _STEP, _HEIGHT = 0.01, 30.0
 TRIMS = tuple(
     Twist(speed * _FOOT, 0.0, rate)
     for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
-)
-# Changes of speed in ft/s and yaw rate in rad/s, with the settling time that the thesis's tables imply.
-_CHANGES = (
-    *((start, 0.0, end, 0.0, 4.2) for start, end in ((0, 3), (0, 10), (3, 10), (10, 3), (10, 0))),
-    *((10, start, 10, end, 3.2) for start, end in ((0.0, 0.6), (0.6, 0.0), (0.6, -0.6))),
-    (3, 0.0, 10, 0.6, 4.2),
-    (10, -0.6, 3, 0.0, 4.2),
 )
 _CHANGED = {
     "as believed": {},
@@ -41,25 +33,6 @@ _LEG = 10.0
 _FAST = TRIMS[2]
 # A flight whose body rates are beyond this has lost its stability, rad/s.
 _WILD = 1.0
-
-
-def check_response(parameters: Parameters) -> Iterator[Figure]:
-    """Yields settling times in still air with ideal sensors (thesis, 2.6.2), and what the tilt came to."""
-    for start, turn, end, next_turn, settling in _CHANGES:
-        before, after = Twist(start * _FOOT, 0.0, turn), Twist(end * _FOOT, 0.0, next_turn)
-        flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
-        name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"
-        straight = start != end
-        field = "forward" if straight else "yaw_rate"
-        values = flown.column(field)
-        time = settling_time(values, start=getattr(before, field), end=getattr(after, field))
-        yield Figure("response", f"{name}, 5 % settling", time, "s", 0.9 * settling, 1.1 * settling)
-
-
-def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: float) -> float:
-    """Returns when a response, sampled every 10 ms, comes within 5 % of its change for good, in s."""
-    outside = np.nonzero(np.abs(np.asarray(values) - end) > 0.05 * abs(end - start))[0]
-    return float(outside.max(initial=-1) + 1) * _STEP
 
 
 def check_margins(
@@ -125,13 +98,13 @@ def _wild(flown: Response) -> bool:
     return bool(last > _WILD or last > max(1.2 * third, 1e-3 + np.abs(flown.reference[-1, 2])))
 
 
-def check_adaptation(parameters: Parameters) -> Iterator[Figure]:
+def check_adaptation(parameters: Parameters, *, gains: Gains | None = None) -> Iterator[Figure]:
     """Yields the velocity error with the adaptive element as a share of that without it."""
     for name, change in _CHANGED.items():
         vehicle = change_vehicle(parameters, **change)
         high = 1.0 if not change else 0.5
         without, adapting = (
-            fly_walk(vehicle, parameters, adaptive=on).velocity_error for on in (False, True)
+            fly_walk(vehicle, parameters, adaptive=on, gains=gains).velocity_error for on in (False, True)
         )
         beside = f"{without:.3f} m/s without, {adapting:.3f} m/s with; wind class gtmax"
         share = adapting / without
@@ -152,15 +125,3 @@ def fly_walk(
         wind="gtmax",
         skip=round(_LEG / _STEP),
     )
-
-
-def check_limits(parameters: Parameters) -> Iterator[Figure]:
-    """Yields how much of attitude limit and servo rates the maneuvers in wind class `gtmax` use."""
-    flown = fly_walk(parameters, parameters, adaptive=True)
-    tilt = max(np.abs(flown.column(name)).max() for name in ("roll", "pitch"))
-    yield Figure("limits", "largest tilt of the walk", float(tilt), "rad", high=Gains().tilt_limit)
-    servos = parameters.servos
-    fastest = np.abs(np.diff(flown.servos, axis=0)).max(axis=0) / _STEP
-    for name, rate in zip(Controls._fields, fastest.tolist(), strict=True):
-        limit = servos.pedal_rate if name == "pedal" else servos.rate
-        yield Figure("limits", f"fastest {name} servo of the walk", rate, "rad/s", high=0.99 * limit)

@@ -1,6 +1,5 @@
 """Whole flights: repeatable, honest in their logs, and stable through every trim and maneuver."""
 
-import json
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
@@ -21,8 +20,8 @@ from flight.se2 import SE2, Twist
 from flight.sequence import Sequence
 from flight.vehicle import Vehicle
 from maneuver.workers import worker_pool
-from sim.campaign import fly_campaign, fly_specification
-from sim.fly import NoManeuverEndError, SimulatedHelicopter, fly_sequence
+from sim.campaign import fly_campaign, fly_sequence, fly_specification
+from sim.fly import NoManeuverEndError, SimulatedHelicopter
 from sim.replay import AnotherVehicleError, replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.streams import Stream, random_stream
@@ -234,17 +233,6 @@ def test_a_log_of_another_vehicle_is_not_replayed() -> None:
     other = FlightLog(replace(log.header, model_hash="0" * 64), log.series, log.attachments)
     with pytest.raises(AnotherVehicleError, match="expected the vehicle of the log, 0000"):
         replay(other)
-
-
-def test_a_gust_is_in_the_log_and_moves_the_vehicle() -> None:
-    calm = specify(1, wind="calm", ideal=True)
-    gust = {"start": 1.0, "duration": 2.0, "north": 4.0}
-    gusty = parse_specification(json.dumps({**json.loads(calm.to_json()), "gusts": [gust]}).encode(), "test")
-    still, blown = (SimulatedHelicopter(each, LIBRARY) for each in (calm, gusty))
-    for helicopter in (still, blown):
-        helicopter.coast(4.0)
-    assert blown.log()[WIND]["north"].max() == pytest.approx(4.0)
-    assert np.abs(blown.log()[TRUTH]["forward"]).max() > 10 * np.abs(still.log()[TRUTH]["forward"]).max()
 
 
 def test_the_adaptive_element_can_be_switched_off() -> None:

@@ -144,6 +144,17 @@ def test_a_meagre_log_has_a_page_and_what_is_missing_is_not_on_it() -> None:
     assert all(part["judged"] is None for part in flight["primitives"])
 
 
+def test_a_log_of_an_estimate_alone_is_reviewed_as_what_was_believed() -> None:
+    log = whole_flight()
+    believed = replace(log, series={ESTIMATE.name: log[ESTIMATE]})
+    summary = summarise(believed)
+    assert (summary.tracking, summary.navigation, summary.bounds, summary.arrival) == (None,) * 4
+    assert summary.distance > 1.0
+    content = content_of(page_of(believed))
+    assert content["flights"][0]["primitives"] == []
+    assert {curve["role"] for panel in content["panels"][:4] for curve in panel["curves"]} == {"estimated"}
+
+
 def test_equal_logs_give_equal_pages() -> None:
     assert page_of(whole_flight()) == page_of(whole_flight())
 

@@ -312,6 +312,21 @@ def test_a_meagre_log_and_two_flights_side_by_side_are_shown_without_complaint(
 
 
 @needs_browser
+def test_a_flight_lost_at_once_has_a_page_too(tab: Tab, tmp_path: Path) -> None:
+    log = whole_flight()
+    first = {
+        name: Series(part.topic, part.time[:1], part.values[:1])
+        for name, part in log.series.items()
+        if part.time[0] == 0.0
+    }
+    lost = replace(log.header, outcome="flight lost at 0.00 s: met the ground")
+    opened(tab, page_of(replace(log, header=lost, series=first)), tmp_path)
+    assert "lost" in tab.run("document.getElementById('tiles').textContent")
+    tab.click("[data-view=space]")
+    assert tab.complaints == []
+
+
+@needs_browser
 def test_a_script_that_fails_is_noticed(tab: Tab, tmp_path: Path) -> None:
     """The negative control of every test that sees no complaint."""
     opened(tab, page_of(whole_flight()).replace("writeTiles();\n", "noSuchThing();\n"), tmp_path)

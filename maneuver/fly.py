@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
 from flight.errors import FlightError
 from flight.fault import parse_fault
@@ -14,6 +15,8 @@ from sim.campaign import fly_specification
 from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
+from .campaign_size import campaign_size
+from .domain import warn_of_flight, warn_of_walk
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .films import make_film, refuse_film
 from .mission_flights import MissionTask, fly_mission
@@ -50,6 +53,7 @@ def fly(
     fault: tuple[str, ...] = (),
     seed: Seed = 1,
     flights: Count | None = None,
+    nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     out: Path | None = None,
     workers: Count | None = None,
     video: Path | None = None,
@@ -89,7 +93,9 @@ def fly(
         fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
             exists stands in docs/helicopter.md, and in the answer to one that does not.
         seed: of all chance.
-        flights: of a campaign; the campaign's number by default.
+        flights: of a campaign, to give bounds; the campaign's number by default.
+        nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
+            none where only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
         workers: processes of a campaign; one for each processor by default.
         video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
@@ -104,8 +110,10 @@ def fly(
         refuse_film(video, force=force)
     if mission is None and (policy is not None or gamma is not None):
         raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
-    if campaign is None and (flights is not None or workers is not None):
-        raise FlightError("--flights and --workers belong to a campaign: give --campaign with them")
+    if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
+        raise FlightError(
+            "--flights, --nominal-flights and --workers belong to a campaign: give --campaign with them"
+        )
     match sequence, mission, campaign:
         case str(), None, None:
             code, result = _fly_sequence(sequence, order)
@@ -114,7 +122,9 @@ def fly(
                 mission, order, policy or "worst-case", 1.0 if gamma is None else gamma
             )
         case None, None, str():
-            code, result = _fly_campaign(campaign, order, flights, workers or default_workers())
+            code, result = _fly_campaign(
+                campaign, order, (flights, nominal_flights), workers or default_workers()
+            )
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
@@ -165,6 +175,8 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
     path = order.out or Path(f"{walk.name}.mcap")
     refuse_existing(path, force=order.force)
     specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
+    warn_of_flight(library, wind=walk.wind, altitude=specification.altitude)
+    warn_of_walk(library, walk.trims, walk.coasting_times)
     log = fly_specification(specification, library)
     publish_log(log, path, force=order.force)
     outcome = log.header.outcome
@@ -190,21 +202,26 @@ def _fly_mission(
         log=path,
         force=order.force,
     )
+    warn_of_flight(library, wind=task.wind)
     flown = fly_mission(task)
     return (0 if flown.reached else LOST), {**asdict(flown), "log": str(path)}
 
 
 def _fly_campaign(
-    name: str, order: _Order, flights: int | None, workers: int
+    name: str, order: _Order, counts: tuple[int | None, int | None], workers: int
 ) -> tuple[int, dict[str, object]]:
     campaign = find_campaign(name)
+    size = campaign_size(
+        campaign, coverage=None, confidence=0.95, flights=counts[0], nominal_flights=counts[1]
+    )
     folder = order.out or Path(campaign.name)
     refuse_existing(folder, force=order.force)
     with worker_pool(workers) as executor:
         flown = fly_whole_campaign(
             campaign,
             seed=order.seed,
-            flights=flights or campaign.flights,
+            flights=size.bounding,
+            nominal_flights=size.nominal,
             wind=order.wind or campaign.wind,
             departure=order.departure,
             folder=folder,

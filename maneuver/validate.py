@@ -20,6 +20,7 @@ from flight.library import Library
 from flight.mission import Mission
 from planner.receding_horizon import Settings
 
+from .domain import warn_of_flight
 from .files import find_library, find_mission, refuse_existing
 from .mission_flights import MissionResult, MissionTask, Plant, fly_mission, mission_seed
 from .numbers import Count, Seed
@@ -133,6 +134,8 @@ def validate(
         raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
     if logs is not None:
         refuse_existing(logs, force=force)
+    if plant == "helicopter":
+        warn_of_flight(flown_with, wind=wind or flown_with.conditions.wind)
     tasks = list(
         _tasks(
             [find_mission(name) for name in missions],

@@ -149,16 +149,16 @@ class Navigation:
         if sensors.has_heading_and_height:
             self._correct_slow.step()
 
+    def spread(self) -> tuple[float, ...]:
+        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
+        self._measure_spread.evaluate()
+        return tuple(self._sigmas.tolist())
+
     def step(self, truth: Motion) -> Motion:
         """Returns what is believed now."""
         self.signals.truth[:] = truth
         self.run()
         return Motion._make(self.signals.estimate.tolist())
-
-    def spread(self) -> tuple[float, ...]:
-        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
-        self._measure_spread.evaluate()
-        return tuple(self._sigmas.tolist())
 
     def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""

@@ -50,16 +50,11 @@ class Recorder:
     def __init__(self, signals: Signals, *, height: float) -> None:
         self._height = height
         self._motion, self._period = _Rows(signals.motion), _Rows(signals.period)
-        self._spreads: list[tuple[float, ...]] = []
         self._primitives: list[tuple[float, ...]] = []
+        self._spreads: list[tuple[float, ...]] = []
         # Control periods at which a primitive begins.
         self._beginnings: list[int] = []
         self.add_motion, self.add_period = self._motion.add, self._period.add
-
-    def add_spread(self, sigmas: tuple[float, ...] | None) -> None:
-        """Notes what the vehicle believes of its errors; nothing where it knows of none."""
-        if sigmas is not None:
-            self._spreads.append(sigmas)
 
     def add_primitive(
         self, *, kind: PrimitiveKind, number: int, from_trim: int, to_trim: Trim, timed_out: bool
@@ -70,6 +65,11 @@ class Recorder:
         self._primitives.append(
             (kind, number, from_trim, to_trim.id, target.forward, target.side, target.yaw_rate, timed_out)
         )
+
+    def add_spread(self, sigmas: tuple[float, ...] | None) -> None:
+        """Notes what the vehicle believes of its errors now; nothing where it knows of none."""
+        if sigmas is not None:
+            self._spreads.append(sigmas)
 
     def track(self, first: int, last: int) -> Float[np.ndarray, "n 4"]:
         """Returns time, true north, east and heading: every second control period, and the last."""

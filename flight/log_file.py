@@ -27,7 +27,7 @@ from .log_check import refuse_contradictions
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
 from .log_writer import log_bytes as log_bytes
-from .message_block import constant_fields, empty_messages, topic_type
+from .message_block import constant_fields, empty_messages, everywhere, topic_type
 
 MAGIC = b"\x89MCAP0\r\n"
 _RECOVER = "; `maneuver recover` saves what is whole"
@@ -196,8 +196,7 @@ def _messages_at(records: bytes, offsets: np.ndarray[Any, Any], kind: np.dtype[A
     raw = np.frombuffer(records, np.uint8)
     if len(offsets) and int(offsets.max()) + kind.itemsize > len(raw):
         raise ValueError("a message lies outside its chunk")
-    rows = raw[offsets.astype(np.int64)[:, None] + np.arange(kind.itemsize)]
-    messages: np.ndarray[Any, Any] = rows.view(kind)[:, 0]
+    messages: np.ndarray[Any, Any] = everywhere(raw, kind)[offsets.astype(np.int64)].view(kind)
     expected = empty_messages(kind, 1)
     for name in constant_fields(kind):
         if not (messages[name] == expected[name]).all():

@@ -92,7 +92,8 @@ def viewer_channels(log: FlightLog) -> Iterator[ViewerChannel]:
             yield _scene(log)
         except FlightError as error:
             events.insert(0, Event(0.0, Level.ERROR, "log", str(error)))
-    yield _events(events)
+    if events:
+        yield _events(events)
 
 
 def _transforms(log: FlightLog) -> ViewerChannel:

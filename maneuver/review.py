@@ -11,7 +11,6 @@ from cyclopts.types import NonNegativeInt
 from rich.console import Console
 
 from flight.errors import AlreadyExistsError, FlightError
-from flight.log import FlightLog
 from flight.log_file import publish_bytes, read_log
 from review.campaign import FlightRow, outliers_first, row_of
 from review.campaign_page import campaign_page
@@ -37,11 +36,11 @@ class _Order:
     html: bool
     png: bool
     out: Path
-    force: bool
-    json: bool
     video: Path | None
     still: Path | None
     at: float
+    force: bool
+    json: bool
 
     def page(self, name: str) -> Path:
         """Returns where a page goes, which must not exist.
@@ -62,10 +61,10 @@ def review(
     html: Annotated[bool, Parameter(negative="")] = False,
     png: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
+    pages: NonNegativeInt = 10,
     video: Path | None = None,
     still: Path | None = None,
     at: float = 0.0,
-    pages: NonNegativeInt = 10,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
@@ -95,23 +94,30 @@ def review(
         logs: a flight log, up to four to compare, or a folder of logs.
         html: write a page.
         png: write pictures; of a single log.
-        video: film of a single flight, as seen from a camera that follows, FILE.mp4.
-        still: one picture of that film, FILE.png.
-        at: seconds into the flight of that picture.
         out: folder for what is written; the first LOG's name with -review by default.
         pages: flights of a folder that get a page of their own.
+        video: film a single flight, as seen from a camera that follows, to FILE.mp4.
+        still: draw one picture of that film, to FILE.png.
+        at: seconds into the flight of that picture.
         workers: processes for a folder; one for each processor by default.
         force: overwrite files of the same name.
         json: print the summary as JSON.
     """
-    order = _Order(html, png, out or Path(f"{logs[0].resolve().stem}-review"), force, json, video, still, at)
+    order = _Order(
+        html=html,
+        png=png,
+        out=out or Path(f"{logs[0].resolve().stem}-review"),
+        video=video,
+        still=still,
+        at=at,
+        force=force,
+        json=json,
+    )
     if out is not None and not (html or png):
         raise FlightError("--out is where --html and --png write: give one of them with it")
     folders = [path for path in logs if path.is_dir()]
-    if png and (folders or len(logs) > 1):
-        raise FlightError("--png draws a single log; --html shows several")
-    if (video or still) and (folders or len(logs) > 1):
-        raise FlightError("--video and --still show a single log")
+    if (png or video or still) and (folders or len(logs) > 1):
+        raise FlightError("--png, --video and --still draw a single log; --html shows several")
     if folders and len(logs) > 1:
         raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
     if len(logs) > MOST_COMPARED:
@@ -132,7 +138,12 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     if page is not None:
         _publish_page(flights, page, force=order.force)
         files.insert(0, page)
-    files += _make_films(flights[0].log, order)
+    if order.video is not None:
+        make_film(flights[0].log, order.video, force=order.force)
+        files.append(order.video)
+    if order.still is not None:
+        make_still(flights[0].log, order.still, time=order.at, force=order.force)
+        files.append(order.still)
     summaries = [part.summary for part in flights]
     if order.json:
         contents = [summary_content(summary) for summary in summaries]
@@ -143,15 +154,6 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     console.print(report(summaries[0]) if len(logs) == 1 else side_by_side(names, summaries))
     _say_files(files)
     return 0
-
-
-def _make_films(log: FlightLog, order: _Order) -> list[Path]:
-    """Makes what was asked for of a flight's film and returns where it is."""
-    if order.still is not None:
-        make_still(log, order.still, time=order.at, force=order.force)
-    if order.video is not None:
-        make_film(log, order.video, force=order.force)
-    return [path for path in (order.still, order.video) if path is not None]
 
 
 def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int:

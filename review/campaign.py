@@ -136,7 +136,7 @@ def _figures(log: FlightLog, summary: Summary) -> tuple[tuple[str, float], ...]:
 
 
 def _spark(log: FlightLog) -> tuple[float, ...]:
-    if COMMAND.name not in log.series:
+    if not {COMMAND.name, TRUTH.name} <= log.series.keys():
         return ()
     off = np.hypot(tracking_error(log, "forward"), tracking_error(log, "side"))
     return tuple(sparkline(log[TRUTH].time, off, points=SPARKLINE_POINTS))

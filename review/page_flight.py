@@ -7,10 +7,12 @@ from jaxtyping import Float
 
 from flight.attachments import PlanOfFlight, goal_of_flight, plans_of_flight
 from flight.events import events_of_flight
+from flight.fault_record import faults_flown
 from flight.log import (
     ESTIMATE,
     LIBRARY_ATTACHMENT,
     PRIMITIVE,
+    TRUTH,
     WIND,
     FlightLog,
     PrimitiveFlown,
@@ -56,6 +58,10 @@ def flight_content(log: FlightLog, summary: Summary, label: str) -> Content:
             {"time": event.time, "level": event.level.name, "source": event.source, "text": event.text}
             for event in events_of_flight(log)
         ],
+        "faults": [
+            {"start": flown.start, "end": flown.end, "text": f"{flown.fault.where} {flown.fault.what}"}
+            for flown in faults_flown(log).values()
+        ],
         "goal": _goal(log),
         "plans": _plans(log),
         "track": _track(log.motion),
@@ -69,7 +75,7 @@ def _primitives(log: FlightLog) -> list[Content]:
         return []
     names, colors = trim_names(log), trim_palette(log)
     judged: dict[tuple[PrimitiveKind, float], Departure] = {}
-    if LIBRARY_ATTACHMENT in log.attachments:
+    if LIBRARY_ATTACHMENT in log.attachments and TRUTH.name in log.series:
         judged = {(one.kind, one.start): one for one in deviations(log, log.library())}
     return [
         {

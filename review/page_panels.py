@@ -80,7 +80,7 @@ def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> l
     """
     shared = _Filling(tuple(logs), columns)
     filled = [shared.motion(panel) for panel in _MOTION]
-    filled += shared.components(_RATES, TRUTH)
+    filled += shared.components(_RATES, logs[0].motion.topic)
     filled += [shared.control(panel, limits) for panel in _CONTROLS]
     filled += [part for panel in _WIND for part in shared.components(panel, WIND)]
     filled += [shared.navigation(panel) for panel in _NAVIGATION]

@@ -13,6 +13,7 @@ from flight.log import (
     COMMAND,
     ESTIMATE,
     PLANS_ATTACHMENT,
+    PRIMITIVE,
     TRUTH,
     FlightLog,
     PrimitiveFlown,
@@ -88,18 +89,18 @@ class Summary:
         seed: of every random number of the flight.
         wind: wind class.
         duration: seconds.
-        distance: length of the true track over the ground, metres.
+        distance: length of the track over the ground, metres; the true one, or the believed one without it.
         outcome: `completed`, or what went wrong.
         trims: coasts flown, by trim.
         maneuvers: maneuvers flown, by id.
         timeouts: maneuvers that ended by time-out.
-        tracking: one for each velocity that a trim fixes; None without a command.
-        navigation: None without an estimate.
-        bounds: None without a library.
-        faults: what went wrong on purpose, when and how far, a sentence each.
+        tracking: one for each velocity that a trim fixes; None without command or truth.
+        navigation: None without estimate or truth.
+        bounds: None without library, truth or primitives.
         plans: how many plannings found something to fly; None where the log carries no plans.
         failures: how many plannings found nothing, so that the vehicle flew on with what it had.
         promise: seconds that the first plan promised; None without one.
+        faults: what went wrong on purpose, when and how far, a sentence each.
         arrival: None without a mission.
     """
 
@@ -117,10 +118,10 @@ class Summary:
     tracking: tuple[TrackingError, ...] | None
     navigation: NavigationError | None
     bounds: Bounds | None
-    faults: tuple[str, ...]
     plans: int | None
     failures: int
     promise: float | None
+    faults: tuple[str, ...]
     arrival: Arrival | None
 
 
@@ -128,15 +129,15 @@ def summarise(log: FlightLog) -> Summary:
     """Returns what a log says about its flight.
 
     Raises:
-        FlightError: the log lacks truth or primitives, or an attachment is broken.
+        FlightError: the log has neither truth nor estimate, or an attachment is broken.
     """
     header = log.header
-    flown = stretches_flown(log)
+    flown = stretches_flown(log) if PRIMITIVE.name in log.series else ()
     names = trim_names(log)
     goal = goal_of_flight(log)
     plannings = plannings_of_flight(log)
     plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
-    truth = log[TRUTH]
+    motion, true = log.motion, TRUTH.name in log.series
     return Summary(
         kind=header.kind,
         name=header.name,
@@ -144,7 +145,7 @@ def summarise(log: FlightLog) -> Summary:
         seed=header.seed,
         wind=header.wind,
         duration=log.duration,
-        distance=float(np.hypot(np.diff(truth["north"]), np.diff(truth["east"])).sum()),
+        distance=float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum()),
         outcome=header.outcome,
         trims=_counts(flown, PrimitiveKind.COAST, lambda part: names.get(part.id, "")),
         maneuvers=_counts(
@@ -153,14 +154,14 @@ def summarise(log: FlightLog) -> Summary:
             lambda part: f"{_trim_label(part.from_trim, names)} to {_trim_label(part.to_trim, names)}",
         ),
         timeouts=sum(part.timed_out for part in flown),
-        tracking=_tracking(log) if COMMAND.name in log.series else None,
-        navigation=_navigation(log) if ESTIMATE.name in log.series else None,
-        bounds=bounds_kept(log),
-        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
+        tracking=_tracking(log) if true and COMMAND.name in log.series else None,
+        navigation=_navigation(log) if true and ESTIMATE.name in log.series else None,
+        bounds=bounds_kept(log) if true and PRIMITIVE.name in log.series else None,
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
         promise=plans[0].cost if plans else None,
-        arrival=None if goal is None else arrival(log, goal),
+        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
+        arrival=arrival(log, goal) if true and goal is not None else None,
     )
 
 

@@ -20,7 +20,11 @@ def tiles_of(summary: Summary) -> list[Content]:
         note = (
             f"{coasts} coasts, {left - coasts} maneuvers" if left else f"of library {summary.bounds.library}"
         )
-        tiles.append(_tile("left their bounds", f"{left} of {judged}", note, "bad" if left else "good"))
+        tone = "bad" if left else "good"
+        if summary.kind == "campaign":
+            # What its primitives' bounds are is what a campaign is flown for.
+            note, tone = f"of {summary.bounds.library}, before identification", "plain"
+        tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
     tiles.append(
         _tile("time-outs", str(summary.timeouts), "of maneuvers", "bad" if summary.timeouts else "good")
     )
@@ -28,6 +32,9 @@ def tiles_of(summary: Summary) -> list[Content]:
         found, failed = summary.plans, summary.failures
         note = "no planning failed" if not failed else f"{failed} plannings found none"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
+    if summary.faults:
+        names = ", ".join(summary.faults)
+        tiles.append(_tile("faults", str(len(summary.faults)), names, "bad"))
     if summary.tracking is not None:
         # The furthest off in units of 1 m/s and 0.1 rad/s, of the order of one another in flight.
         worst = max(summary.tracking, key=lambda one: abs(one.worst) * (10 if "rad" in one.unit else 1))

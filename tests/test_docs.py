@@ -10,6 +10,7 @@ from flight.campaign import read_campaign
 from flight.fault import KINDS
 from flight.mission import read_mission
 from flight.sequence import read_sequence
+from tools.gallery import SHOTS, commands
 from tools.log_contract import PAGE, page
 
 
@@ -31,3 +32,12 @@ def test_every_kind_of_fault_stands_on_the_page_of_the_helicopter() -> None:
         " ".join(place) for place in KINDS
     ]
     assert all(f"| `{kind.words}` | {kind.meaning} |" in text for kind in KINDS.values())
+
+
+def test_the_gallery_shows_the_commands_that_make_it_and_its_pictures_exist() -> None:
+    text = (PAGE.parent / "review.md").read_text(encoding="utf-8")
+    shown = {line[2:] for line in text.splitlines() if line.startswith("$ ")}
+    assert set(commands()) <= shown
+    pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
+    assert len(pictures) == len(SHOTS)
+    assert all((PAGE.parent / picture).is_file() for picture in pictures)

@@ -171,9 +171,9 @@ def test_what_a_log_lacks_is_absent() -> None:
     assert summary.arrival is None
 
 
-def test_a_log_without_truth_is_refused_by_name() -> None:
+def test_a_log_without_any_motion_is_refused_by_name() -> None:
     with pytest.raises(FlightError, match=r"the log has no /truth; it has"):
-        summarise(without(still_flight(), TRUTH))
+        summarise(without(still_flight(), TRUTH, ESTIMATE))
 
 
 def test_the_worst_tracking_error_is_found_with_its_sign_and_time() -> None:

@@ -139,7 +139,7 @@ def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
 @pytest.mark.parametrize(
     ("order", "words"),
     [
-        (["--png"], "draws a single log"),
+        (["--png"], "draw a single log"),
         (["--out", "there"], "give one of them"),
         (["x.mcap"], "expected logs or one folder"),
     ],

@@ -144,6 +144,17 @@ def test_a_meagre_log_has_a_page_and_what_is_missing_is_not_on_it() -> None:
     assert all(part["judged"] is None for part in flight["primitives"])
 
 
+def test_a_log_of_an_estimate_alone_is_reviewed_as_what_was_believed() -> None:
+    log = whole_flight()
+    believed = replace(log, series={ESTIMATE.name: log[ESTIMATE]})
+    summary = summarise(believed)
+    assert (summary.tracking, summary.navigation, summary.bounds, summary.arrival) == (None,) * 4
+    assert summary.distance > 1.0
+    content = content_of(page_of(believed))
+    assert content["flights"][0]["primitives"] == []
+    assert {curve["role"] for panel in content["panels"][:4] for curve in panel["curves"]} == {"estimated"}
+
+
 def test_equal_logs_give_equal_pages() -> None:
     assert page_of(whole_flight()) == page_of(whole_flight())
 
@@ -297,6 +308,21 @@ def test_a_meagre_log_and_two_flights_side_by_side_are_shown_without_complaint(
     assert len(drawn) == 4
     assert min(drawn) > 100
     tab.click("#primitives tbody tr:nth-child(2)")
+    assert tab.complaints == []
+
+
+@needs_browser
+def test_a_flight_lost_at_once_has_a_page_too(tab: Tab, tmp_path: Path) -> None:
+    log = whole_flight()
+    first = {
+        name: Series(part.topic, part.time[:1], part.values[:1])
+        for name, part in log.series.items()
+        if part.time[0] == 0.0
+    }
+    lost = replace(log.header, outcome="flight lost at 0.00 s: met the ground")
+    opened(tab, page_of(replace(log, header=lost, series=first)), tmp_path)
+    assert "lost" in tab.run("document.getElementById('tiles').textContent")
+    tab.click("[data-view=space]")
     assert tab.complaints == []
 
 

@@ -4,7 +4,7 @@
 const page = JSON.parse(document.getElementById("data").textContent);
 const DEGREES = 180 / Math.PI;
 const tallest = Math.max(0.1, ...page.rows.flatMap((row) => row.spark));
-const WIDE = 200;
+const WIDE = 170;
 const HIGH = 30;
 
 function element(name, properties = {}, ...children) {
@@ -26,13 +26,13 @@ const COLUMNS = [
   { title: "flight", key: (row) => row.file, cell: flightCell },
   { title: "outcome", key: (row) => row.outcome, cell: outcomeCell },
   { title: "s", number: true, key: (row) => row.duration, cell: (row) => row.duration.toFixed(1) },
-  { title: "off command over the flight", wide: true, key: (row) => Math.max(0, ...row.spark), falls: true, cell: spark },
+  { title: "off command in time", wide: true, key: (row) => Math.max(0, ...row.spark), falls: true, cell: spark },
   { title: "left bounds", number: true, falls: true, key: (row) => row.left ?? -1, cell: (row) => (row.left === null ? "" : `${row.left} of ${row.primitives}`) },
   { title: "time-outs", number: true, falls: true, wide: true, key: (row) => row.timeouts, cell: (row) => String(row.timeouts) },
-  { title: "forward rms, m/s", falls: true, wide: true, ...figure("forward", 3) },
-  { title: "side rms, m/s", falls: true, wide: true, ...figure("side", 3) },
-  { title: "yaw rms, deg/s", falls: true, wide: true, ...figure("yaw_rate", 2, DEGREES) },
-  { title: "navigation rms, m", falls: true, wide: true, ...figure("navigation", 3) },
+  { title: "forward, m/s", falls: true, wide: true, ...figure("forward", 3) },
+  { title: "side, m/s", falls: true, wide: true, ...figure("side", 3) },
+  { title: "yaw, deg/s", falls: true, wide: true, ...figure("yaw_rate", 2, DEGREES) },
+  { title: "navigation, m", falls: true, wide: true, ...figure("navigation", 3) },
 ];
 const sorting = { column: 0, falls: true };
 

@@ -60,7 +60,10 @@ function drawRow(context, flight, number, x) {
       context.strokeRect(begin + 1, top + 1, end - begin - 2, ROW - 2);
     }
   });
-  context.fillStyle = css("--soft");
+  for (const fault of flight.faults) {
+    context.fillStyle = css("--alarm");
+    context.fillRect(x(fault.start), top, Math.max(x(fault.end) - x(fault.start), 2), 4);
+  }
   for (const event of flight.events.filter((one) => one.source === "plan" || one.level !== "INFO")) {
     context.fillStyle = event.level === "INFO" ? css("--soft") : css("--alarm");
     const at = x(event.time);

@@ -79,6 +79,11 @@ function drawBehind(u, panel) {
       context.fillRect(x(band.start), y(high), x(band.end) - x(band.start), y(low) - y(high));
     }
   }
+  context.fillStyle = css("--alarm");
+  for (const fault of flights.flatMap((flight) => flight.faults)) {
+    if (fault.end < state.from || fault.start > state.to) continue;
+    context.fillRect(x(fault.start), top, Math.max(x(fault.end) - x(fault.start), 2), 3 * devicePixelRatio);
+  }
   if (state.chosen !== null) {
     const part = flights[state.chosen.flight].primitives[state.chosen.place];
     context.strokeStyle = css("--faint");

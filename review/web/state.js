@@ -3,7 +3,8 @@
 
 const page = JSON.parse(document.getElementById("data").textContent);
 const flights = page.flights;
-const duration = Math.max(...flights.map((flight) => flight.duration));
+// A flight that was lost at once has a single sample; it is shown as if it had lasted a moment.
+const duration = Math.max(0.1, ...flights.map((flight) => flight.duration));
 const comparing = flights.length > 1;
 
 const state = { from: 0, to: duration, cursor: null, chosen: null, plan: 0 };

@@ -153,7 +153,7 @@ function drawTrack(context, number) {
     trackPath(context, track, 0, flight.duration, floor);
     context.stroke();
     context.lineWidth = 1;
-    const step = niceStep(flight.duration, 24);
+    const step = niceStep(Math.max(flight.duration, 0.1), 24);
     for (let time = 0; time <= flight.duration; time += step) {
       const at = placeAt(track, time);
       context.beginPath();

@@ -1,0 +1,1 @@
+"""What other viewers need to show a log well: a layout for Foxglove and Lichtblick, a blueprint for Rerun."""

@@ -23,6 +23,7 @@ from mcap.records import ChunkIndex, MessageIndex
 from mcap.summary import Summary
 from mcap.writer import Writer
 
+from .decision import DECISION
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
 
@@ -175,7 +176,7 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
 
 
 def _parse_series(content: bytes, summary: Summary) -> dict[str, Series]:
-    by_name = {topic.name: topic for topic in TOPICS}
+    by_name = {topic.name: topic for topic in (*TOPICS, DECISION)}
     topics = {
         channel.id: by_name[channel.topic]
         for channel in summary.channels.values()

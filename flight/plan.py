@@ -53,6 +53,7 @@ class Plan:
         reason: why there is no plan, or why it is not called optimal.
         lower_bound: seconds that no plan can undercut, where known.
         solve_time: seconds of computing; outside every hash.
+        tail: ids of the trims that lead from the last one to rest, for when nothing better comes.
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
     """
 
@@ -71,6 +72,7 @@ class Plan:
     lower_bound: float | None = None
     solve_time: float = 0.0
     alpha: float | None = None
+    tail: tuple[int, ...] = ()
 
     @property
     def found(self) -> bool:
@@ -128,6 +130,7 @@ class _PlanFile(FileModel):
     lower_bound: FiniteFloat | None = None
     verified: bool
     solve_time: NonNegativeFloat
+    tail: tuple[int, ...] = ()
     alpha: FiniteFloat | None = None
 
 
@@ -149,6 +152,7 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "maneuvers": list(plan.maneuvers),
         "coasting_times": list(plan.coasting_times),
         "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
+        "tail": list(plan.tail) or None,
         "lower_bound": plan.lower_bound,
         "verified": plan.verified,
         "solve_time": plan.solve_time,
@@ -200,6 +204,7 @@ def _to_plan(content: _PlanFile) -> Plan:
         reason=content.reason or "",
         lower_bound=content.lower_bound,
         alpha=content.alpha,
+        tail=content.tail,
         solve_time=content.solve_time,
     )
     _refuse_contradictions(plan, content)

@@ -9,11 +9,14 @@ from cyclopts import Parameter
 
 from flight.errors import FlightError
 from flight.log_file import publish_log
+from planner.latency import Latency
+from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
 from sim.specification import specify_sequence
 
 from .campaign_flights import fly_whole_campaign
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .latencies import latency_of
 from .mission_flights import MissionTask, fly_mission
 from .numbers import Count, Seed
 from .policies import FlownPolicy
@@ -28,9 +31,12 @@ WORDS = {
     "closest": "nearest to goal",
     "activations": "plannings",
     "failures": "without a plan",
+    "fallbacks": "ways to rest",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }
+# What a result holds for scorecards and pictures.
+NOT_SAID = {"gamma", "plant", "planning_times", "performances", "legs"}
 UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
 
 
@@ -42,6 +48,7 @@ def fly(
     library: str = "gtmax-sim",
     policy: FlownPolicy | None = None,
     gamma: float | None = None,
+    latency: str | None = None,
     wind: str | None = None,
     seed: Seed = 1,
     flights: Count | None = None,
@@ -71,6 +78,8 @@ def fly(
         library: name or path of the library that a sequence or mission is flown with.
         policy: planner of a mission; worst-case by default.
         gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
+        latency: what a mission is charged for each planning: seconds, `measured` (by the clock; what took
+            longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         seed: of all chance.
         flights: of a campaign; the campaign's number by default.
@@ -80,8 +89,8 @@ def fly(
         json: print what was flown as JSON.
     """
     order = _Order(library, wind, seed, out, force)
-    if mission is None and (policy is not None or gamma is not None):
-        raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
+    if mission is None and any(given is not None for given in (policy, gamma, latency)):
+        raise FlightError("--policy, --gamma and --latency belong to a mission: give --mission with them")
     if campaign is None and (flights is not None or workers is not None):
         raise FlightError("--flights and --workers belong to a campaign: give --campaign with them")
     match sequence, mission, campaign:
@@ -89,7 +98,11 @@ def fly(
             code, result = _fly_sequence(sequence, order)
         case None, str(), None:
             code, result = _fly_mission(
-                mission, order, policy or "worst-case", 1.0 if gamma is None else gamma
+                mission,
+                order,
+                policy or "worst-case",
+                1.0 if gamma is None else gamma,
+                Latency() if latency is None else latency_of(latency),
             )
         case None, None, str():
             code, result = _fly_campaign(campaign, order, flights, workers or default_workers())
@@ -146,7 +159,7 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
 
 
 def _fly_mission(
-    name: str, order: _Order, policy: FlownPolicy, gamma: float
+    name: str, order: _Order, policy: FlownPolicy, gamma: float, latency: Latency
 ) -> tuple[int, dict[str, object]]:
     mission = find_mission(name)
     library = find_library(order.library)
@@ -159,11 +172,13 @@ def _fly_mission(
         gamma=gamma,
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
+        settings=Settings(latency=latency),
         log=path,
         force=order.force,
     )
-    flown = fly_mission(task)
-    return (0 if flown.reached else LOST), {**asdict(flown), "log": str(path)}
+    flown = asdict(fly_mission(task))
+    result = {key: value for key, value in flown.items() if key not in NOT_SAID}
+    return (0 if flown["reached"] else LOST), {**result, "log": str(path)}
 
 
 def _fly_campaign(

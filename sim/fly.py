@@ -1,7 +1,8 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 from importlib.metadata import version
 from math import cos, sin
@@ -170,9 +171,10 @@ class SimulatedHelicopter:
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
         start, track = self.time, [self._track_point()]
-        for _ in range(round(duration / CONTROL_PERIOD)):
-            self._advance()
-            track.append(self._track_point())
+        with _keeping(track):
+            for _ in range(round(duration / CONTROL_PERIOD)):
+                self._advance()
+                track.append(self._track_point())
         return Leg(self.time - start, settled=True, track=_thin(track))
 
     def perform(self, maneuver: Maneuver) -> Leg:
@@ -192,11 +194,12 @@ class SimulatedHelicopter:
         start, track = self.time, [self._track_point()]
         judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=self._target, entry_time=start)
         verdict = Verdict.UNDER_WAY
-        while verdict is Verdict.UNDER_WAY:
-            self._advance()
-            track.append(self._track_point())
-            if self._periods % _PERIODS_A_SAMPLE == 0:
-                verdict = judge.judge(self.time, self._estimate.velocity)
+        with _keeping(track):
+            while verdict is Verdict.UNDER_WAY:
+                self._advance()
+                track.append(self._track_point())
+                if self._periods % _PERIODS_A_SAMPLE == 0:
+                    verdict = judge.judge(self.time, self._estimate.velocity)
         self._timed_out = verdict is Verdict.TIMED_OUT
         return Leg(self.time - start, settled=not self._timed_out, track=_thin(track))
 
@@ -298,6 +301,16 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
         legs.append(vehicle.perform(maneuver))
         legs.append(vehicle.coast(coasting_time))
     return tuple(legs)
+
+
+@contextmanager
+def _keeping(track: list[tuple[float, float, float, float]]) -> Iterator[None]:
+    """Hands on what was flown of a primitive in which the vehicle is lost."""
+    try:
+        yield
+    except FlightLostError as error:
+        error.track = _thin(track)
+        raise
 
 
 def _thin(track: list[tuple[float, float, float, float]]) -> np.ndarray:

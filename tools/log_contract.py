@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from flight import log
+from flight.decision import DECISION
 from flight.log import TOPICS, Topic
 
 PAGE = Path(__file__).parent.parent / "docs" / "flight-log.md"
@@ -27,7 +28,10 @@ ATTACHMENTS = (
     (log.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
     (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
     (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
-    (log.PLANS_ATTACHMENT, "its plans, in order, each `maneuver-plan/1` with the time it was made"),
+    (
+        log.PLANS_ATTACHMENT,
+        "its plans, in order, each `maneuver-plan/1` with when it was asked for and how long that took",
+    ),
 )
 
 
@@ -35,7 +39,7 @@ def page() -> str:
     """Returns the page."""
     rows = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in ATTACHMENTS)
     attachments = f"## Attachments\n\n| name | content |\n| --- | --- |\n{rows}\n"
-    return "\n".join([HEAD, *map(_section, TOPICS), attachments])
+    return "\n".join([HEAD, *map(_section, (*TOPICS, DECISION)), attachments])
 
 
 def _section(topic: Topic) -> str:

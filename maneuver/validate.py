@@ -74,10 +74,10 @@ def validate(
     """Flies missions in closed loop and compares with the plans: reached or not, flown time, predicted time.
 
     Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
-    --out the flights are kept as they come: the same command, started again, flies only what is missing. The
-    folder then holds a scorecard (Markdown, CSV, JSON) and pictures. The exit code is 0 when every flight of the
-    worst-case policy (or, without it, of the policies flown) reached its goal. A flight that ends by time-out,
-    by the limit of plannings, without a plan or on its way to rest counts as not reached.
+    --out the flights are kept as they come: the same command, started again, flies only what is missing.
+    The folder then holds a scorecard (Markdown, CSV, JSON) and pictures. The exit code is 0 when every
+    flight of the worst-case policy (or, without it, of the policies flown) reached its goal. A flight that
+    ends by time-out, by the limit of plannings, without a plan or on its way to rest counts as not reached.
 
     For example:
 

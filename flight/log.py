@@ -1,21 +1,23 @@
 """The flight log: what was commanded, believed and true, on one time axis.
 
-This module is the contract: topics, fields, units, frames. World axes are north, east, down. Velocities are
-given in the heading frame, the level body frame: forward along the heading, side to the right, down. Angles
-are clockwise seen along the axis; headings are not wrapped. Times are seconds since the flight's start.
+This module is the contract of the channels that programs read: topics, fields, units, frames; those that
+viewers draw are made from them by `flight.viewer_channels`, and never read back. World axes are north, east,
+down. Velocities are given in the heading frame, the level body frame: forward along the heading, side to the
+right, down. Angles are clockwise seen along the axis; headings are not wrapped. Times are seconds since the
+flight's start.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 
-import numpy as np
-from jaxtyping import Float
-
 from .errors import FlightError
 from .library import Library
 from .library_file import parse_library
 from .se2 import Twist
+from .series import Field as Field
+from .series import Series as Series
+from .series import Topic as Topic
 
 LIBRARY_ATTACHMENT = "library.json"
 """The library flown with: names what `/primitive` counts, and carries the maneuver-end rule."""
@@ -32,33 +34,20 @@ PLANS_ATTACHMENT = "plans.json"
 MISSION_ATTACHMENT = "mission.json"
 """The mission of a flight in receding horizon."""
 
+VEHICLE_ATTACHMENT = "vehicle.json"
+"""Every number of the vehicle that flew, with the changes that were made to it."""
 
-@dataclass(frozen=True, slots=True)
-class Field:
-    """One number of a topic: its name, its unit, and what it means."""
+MODEL_ATTACHMENT = "model.xml"
+"""The vehicle's shape, as MuJoCo's MJCF: x forward, y left, z up."""
 
-    name: str
-    unit: str
-    meaning: str
-
-
-@dataclass(frozen=True, slots=True)
-class Topic:
-    """A channel of the log: every message holds all fields, as doubles, in this order."""
-
-    name: str
-    message: str
-    meaning: str
-    fields: tuple[Field, ...]
-
-    def __post_init__(self) -> None:
-        """Keeps the wire layout fixed: field numbers above 15 would take a second tag byte."""
-        assert len(self.fields) <= 15, self.name
-
-    @property
-    def field_names(self) -> tuple[str, ...]:
-        """Names of the fields, in their order."""
-        return tuple(field.name for field in self.fields)
+CONVENTIONS = {
+    "world": "north, east, down; metres",
+    "body": "heading frame: forward along the heading, side to the right, down",
+    "angles": "radians, clockwise seen along the axis; heading from north, not wrapped",
+    "time": "nanoseconds since the start of the flight, simulated; log and publish time are equal",
+    "viewer": "topics in /viewer_z_up: x east, y north, z up; vehicle x forward, y left, z up",
+}
+"""What a metadata record of this name says, for who has the file alone."""
 
 
 _STATE = (
@@ -90,6 +79,22 @@ COMMAND = Topic(
 )
 ESTIMATE = Topic("/estimate", "maneuver.State", "what the vehicle believes", _STATE)
 TRUTH = Topic("/truth", "maneuver.State", "what is so", _STATE)
+NAVIGATION = Topic(
+    "/navigation",
+    "maneuver.Spread",
+    "what the vehicle believes of the estimate's errors: one standard deviation of each",
+    (
+        Field("north", "m", "position in the world"),
+        Field("east", "m", "position in the world"),
+        Field("down", "m", "position in the world"),
+        Field("forward", "m/s", "velocity along the heading, horizontal"),
+        Field("side", "m/s", "velocity to the right of the heading, horizontal"),
+        Field("descent", "m/s", "velocity down"),
+        Field("roll", "rad", "roll angle"),
+        Field("pitch", "rad", "pitch angle"),
+        Field("heading", "rad", "heading"),
+    ),
+)
 WIND = Topic(
     "/wind",
     "maneuver.Wind",
@@ -134,7 +139,7 @@ PRIMITIVE = Topic(
     ),
 )
 
-TOPICS = (COMMAND, ESTIMATE, TRUTH, WIND, CONTROLS, PRIMITIVE)
+TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE)
 
 
 class PrimitiveKind(IntEnum):
@@ -149,36 +154,6 @@ class MissingTopicError(FlightError):
 
     def __init__(self, topic: Topic, present: Mapping[str, object]) -> None:
         super().__init__(f"the log has no {topic.name}; it has {sorted(present)}")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Series:
-    """The messages of one topic.
-
-    Attributes:
-        topic: what the columns are.
-        time: seconds since the flight's start, not decreasing.
-        values: a row for each time, a column for each field.
-    """
-
-    topic: Topic
-    time: Float[np.ndarray, "n"]
-    values: Float[np.ndarray, "n fields"]
-
-    def __post_init__(self) -> None:
-        """Holds the shape to the topic."""
-        if self.values.shape != (len(self.time), len(self.topic.fields)):
-            raise ValueError(
-                f"{self.topic.name}: values must be ({len(self.time)}, {len(self.topic.fields)}), "
-                f"got {self.values.shape}"
-            )
-
-    def __getitem__(self, field: str) -> Float[np.ndarray, "n"]:
-        """Returns the column of a field."""
-        return np.asarray(self.values[:, self.topic.field_names.index(field)])
-
-    def __len__(self) -> int:
-        return len(self.time)
 
 
 @dataclass(frozen=True, slots=True)
@@ -228,9 +203,18 @@ class FlightLog:
             raise MissingTopicError(topic, self.series) from None
 
     @property
+    def motion(self) -> Series:
+        """The true states, or the believed ones where the log has no truth.
+
+        Raises:
+            MissingTopicError: the log has neither.
+        """
+        return self[ESTIMATE if TRUTH.name not in self.series and ESTIMATE.name in self.series else TRUTH]
+
+    @property
     def duration(self) -> float:
-        """Seconds from the start to the last true state."""
-        return float(self[TRUTH].time[-1])
+        """Seconds from the start to the last state."""
+        return float(self.motion.time[-1])
 
     def library(self) -> Library:
         """Returns the library flown with.

@@ -9,34 +9,31 @@ import os
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, fields
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import zstandard
-from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import ChunkIndex, MessageIndex
+from mcap.records import ChunkIndex
 from mcap.summary import Summary
-from mcap.writer import Writer
 
 from .decision import DECISION
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
+from .log_check import refuse_contradictions
+from .log_writer import HEADER_METADATA as HEADER_METADATA
+from .log_writer import LARGEST_LOG as LARGEST_LOG
+from .log_writer import log_bytes as log_bytes
+from .message_block import constant_fields, empty_messages, topic_type
 
-CHUNK_SECONDS = 10.0
-LARGEST_LOG = 2 * 1024**3
-"""Bytes of a file, and of its content decompressed."""
-
-_MAGIC = b"\x89MCAP0\r\n"
-_HEADER_METADATA = "flight"
+MAGIC = b"\x89MCAP0\r\n"
+_RECOVER = "; `maneuver recover` saves what is whole"
 _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
-_MESSAGE_HEADER = [("opcode", "u1"), ("length", "<u8"), ("channel", "<u2"), ("sequence", "<u4")]
-_MESSAGE_TIMES = [("log_time", "<u8"), ("publish_time", "<u8")]
 
 
 def publish_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
@@ -81,28 +78,6 @@ def _publish(content: bytes, path: Path) -> None:
         os.close(folder)
 
 
-def log_bytes(log: FlightLog) -> bytes:
-    """Returns the log as the bytes of an MCAP file; equal logs give equal bytes."""
-    stream = io.BytesIO()
-    writer = Writer(stream, chunk_size=LARGEST_LOG, enable_data_crcs=True)
-    writer.start(profile="", library="maneuver")
-    writer.add_metadata(_HEADER_METADATA, {key: str(value) for key, value in asdict(log.header).items()})
-    for name, content in log.attachments.items():
-        media_type = "application/json" if name.endswith(".json") else "application/octet-stream"
-        writer.add_attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=content)
-    channels = {name: _register(writer, series.topic) for name, series in log.series.items()}
-    last = max((float(series.time[-1]) for series in log.series.values() if len(series)), default=0.0)
-    written = dict.fromkeys(channels, 0)
-    for window in range(int(last // CHUNK_SECONDS) + 1):
-        for name, series in log.series.items():
-            end = int(np.searchsorted(series.time, (window + 1) * CHUNK_SECONDS))
-            _add_block(writer, channels[name], series, slice(written[name], end))
-            written[name] = end
-        writer._Writer__finalize_chunk()  # type: ignore[attr-defined]
-    writer.finish()  # type: ignore[no-untyped-call]
-    return stream.getvalue()
-
-
 def read_log(path: Path) -> FlightLog:
     """Reads a log, every byte of it checked.
 
@@ -133,22 +108,22 @@ def read_log(path: Path) -> FlightLog:
 
 def _check(content: bytes, path: Path) -> None:
     """Refuses content whose beginning, end or checksums are not those of a complete file."""
-    if not content.startswith(_MAGIC):
+    if not content.startswith(MAGIC):
         raise BadFileError(path, "expected an MCAP file, got something else")
-    end = len(content) - len(_MAGIC) - _FOOTER.size
-    if end < len(_MAGIC) or not content.endswith(_MAGIC):
-        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing")
+    end = len(content) - len(MAGIC) - _FOOTER.size
+    if end < len(MAGIC) or not content.endswith(MAGIC):
+        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing{_RECOVER}")
     opcode, _, summary_start, _, summary_crc = _FOOTER.unpack_from(content, end)
     data_end = summary_start - _DATA_END.size
-    if opcode != Opcode.FOOTER or not len(_MAGIC) <= data_end <= end:
-        raise BadFileError(path, "is damaged: its footer points nowhere")
+    if opcode != Opcode.FOOTER or not len(MAGIC) <= data_end <= end:
+        raise BadFileError(path, f"is damaged: its footer points nowhere{_RECOVER}")
     opcode, _, data_crc = _DATA_END.unpack_from(content, data_end)
     if not data_crc or not summary_crc:
         raise BadFileError(path, "has no checksums; a flight log of this program has them all")
     if opcode != Opcode.DATA_END or zlib.crc32(content[:data_end]) != data_crc:
-        raise BadFileError(path, "is damaged: its data do not match their checksum")
+        raise BadFileError(path, f"is damaged: its data do not match their checksum{_RECOVER}")
     if zlib.crc32(content[summary_start : end + _FOOTER.size - 4]) != summary_crc:
-        raise BadFileError(path, "is damaged: its summary does not match its checksum")
+        raise BadFileError(path, f"is damaged: its summary does not match its checksum{_RECOVER}")
 
 
 def _parse(content: bytes) -> FlightLog:
@@ -157,15 +132,17 @@ def _parse(content: bytes) -> FlightLog:
     if summary is None:
         raise ValueError("it has no summary")
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-    if _HEADER_METADATA not in metadata:
-        raise ValueError(f"expected metadata {_HEADER_METADATA!r}, got {sorted(metadata)}")
+    if HEADER_METADATA not in metadata:
+        raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
-    return FlightLog(
-        header=_parse_header(metadata[_HEADER_METADATA]),
+    log = FlightLog(
+        header=_parse_header(metadata[HEADER_METADATA]),
         series=_parse_series(content, summary),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
+    refuse_contradictions(log)
+    return log
 
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
@@ -188,7 +165,7 @@ def _parse_series(content: bytes, summary: Summary) -> dict[str, Series]:
             blocks[number].append(block)
     series = {}
     for number, topic in topics.items():
-        messages = np.concatenate([np.empty(0, _message_type(topic)), *blocks[number]])
+        messages = np.concatenate([np.empty(0, topic_type(topic)), *blocks[number]])
         values = np.stack([messages[f"v{i}"] for i in range(len(topic.fields))], axis=1)
         series[topic.name] = Series(topic, messages["log_time"] * 1e-9, values)
     return series
@@ -198,6 +175,8 @@ def _chunk_blocks(
     content: bytes, index: ChunkIndex, topics: Mapping[int, Topic]
 ) -> Iterator[tuple[int, np.ndarray[Any, Any]]]:
     """Yields channel and messages of one chunk; the data's checksum has been verified over the whole file."""
+    if topics.keys().isdisjoint(index.message_index_offsets):
+        return
     if index.compression != "zstd":
         raise ValueError(f"expected chunks compressed by zstd, got {index.compression!r}")
     # Record head, times, size, checksum, name of the compression, size of what follows.
@@ -211,7 +190,7 @@ def _chunk_blocks(
             continue
         (length,) = struct.unpack_from("<I", content, offset + 9 + 2)
         entries = np.frombuffer(content, "<u8", length // 8, offset + 9 + 2 + 4).reshape(-1, 2)
-        yield number, _messages_at(records, entries[:, 1], _message_type(topics[number]))
+        yield number, _messages_at(records, entries[:, 1], topic_type(topics[number]))
 
 
 def _messages_at(records: bytes, offsets: np.ndarray[Any, Any], kind: np.dtype[Any]) -> np.ndarray[Any, Any]:
@@ -220,78 +199,8 @@ def _messages_at(records: bytes, offsets: np.ndarray[Any, Any], kind: np.dtype[A
         raise ValueError("a message lies outside its chunk")
     rows = raw[offsets.astype(np.int64)[:, None] + np.arange(kind.itemsize)]
     messages: np.ndarray[Any, Any] = rows.view(kind)[:, 0]
-    expected = _empty_messages(kind, 1)
-    for name in ("opcode", "length", *(n for n in kind.names or () if n.startswith("t"))):
+    expected = empty_messages(kind, 1)
+    for name in constant_fields(kind):
         if not (messages[name] == expected[name]).all():
             raise ValueError("a message does not have the layout of its topic")
     return messages
-
-
-def _register(writer: Writer, topic: Topic) -> int:
-    schema = writer.register_schema(topic.message, "protobuf", _file_descriptor_set(topic))
-    units = {field.name: f"{field.unit}; {field.meaning}" for field in topic.fields}
-    return writer.register_channel(topic.name, "protobuf", schema, {"meaning": topic.meaning, **units})
-
-
-def _add_block(writer: Writer, channel: int, series: Series, rows: slice) -> None:
-    """Adds messages as one piece.
-
-    The library's own `add_message` costs about 11 microseconds a message; this does the same to the same
-    private members, which is why the dependency is pinned below its next major version and a test holds the
-    two ways to the same content.
-    """
-    count = rows.stop - rows.start
-    if count <= 0:
-        return
-    messages = _empty_messages(_message_type(series.topic), count)
-    times = np.rint(series.time[rows] * 1e9).astype(np.uint64)
-    messages["channel"] = channel
-    messages["sequence"] = np.arange(rows.start, rows.stop)
-    messages["log_time"] = messages["publish_time"] = times
-    for place in range(len(series.topic.fields)):
-        messages[f"v{place}"] = series.values[rows, place]
-    first, last = int(times[0]), int(times[-1])
-    builder = writer._Writer__chunk_builder  # type: ignore[attr-defined]
-    offsets = builder.count + messages.itemsize * np.arange(count)
-    index = builder.message_indices.setdefault(channel, MessageIndex(channel_id=channel, records=[]))
-    index.records.extend(zip(times.tolist(), offsets.tolist(), strict=True))
-    builder.message_start_time = min(builder.message_start_time, first) if builder.num_messages else first
-    builder.message_end_time = max(builder.message_end_time, last)
-    builder.num_messages += count
-    builder.record_writer.write(messages.tobytes())
-    statistics = writer._Writer__statistics  # type: ignore[attr-defined]
-    start = statistics.message_start_time
-    statistics.message_start_time = min(start, first) if statistics.message_count else first
-    statistics.message_end_time = max(statistics.message_end_time, last)
-    statistics.channel_message_counts[channel] += count
-    statistics.message_count += count
-
-
-def _message_type(topic: Topic) -> np.dtype[Any]:
-    payload = [part for i in range(len(topic.fields)) for part in ((f"t{i}", "u1"), (f"v{i}", "<f8"))]
-    return np.dtype([*_MESSAGE_HEADER, *_MESSAGE_TIMES, *payload])
-
-
-def _empty_messages(kind: np.dtype[Any], count: int) -> np.ndarray[Any, Any]:
-    """Returns messages with what is the same in all of them: kind of record, length, protobuf tags."""
-    messages = np.zeros(count, kind)
-    messages["opcode"] = Opcode.MESSAGE
-    messages["length"] = kind.itemsize - 9
-    for number, name in enumerate((name for name in kind.names or () if name.startswith("t")), start=1):
-        messages[name] = number << 3 | 1
-    return messages
-
-
-def _file_descriptor_set(topic: Topic) -> bytes:
-    package, _, message = topic.message.rpartition(".")
-    file = FileDescriptorProto(name=f"{topic.message}.proto", package=package, syntax="proto3")
-    description = file.message_type.add(name=message)
-    for number, field in enumerate(topic.fields, start=1):
-        description.field.add(
-            name=field.name,
-            number=number,
-            type=FieldDescriptorProto.TYPE_DOUBLE,
-            label=FieldDescriptorProto.LABEL_OPTIONAL,
-        )
-    content: bytes = FileDescriptorSet(file=[file]).SerializeToString(deterministic=True)
-    return content

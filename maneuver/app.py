@@ -28,6 +28,7 @@ VERBS = {
     "review": ("maneuver.review:review", "A flight log in, summary and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
+    "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
     "library": ("maneuver.library:app", "Shows and checks motion-primitive libraries."),
 }
 

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -15,7 +16,6 @@ from sim.parameters import model_hash
 from .files import refuse_existing
 from .mission_flights import MissionResult, MissionTask, fly_mission
 from .progress import shown
-from .workers import worker_pool
 
 _RESULT = TypeAdapter(MissionResult)
 
@@ -74,7 +74,7 @@ def fly_and_keep(flight: KeptTask) -> MissionResult:
 
 
 def fly_all(
-    tasks: list[MissionTask], *, folder: Path | None, logs: Path | None, workers: int, force: bool
+    tasks: list[MissionTask], *, folder: Path | None, logs: Path | None, executor: Executor, force: bool
 ) -> list[MissionResult]:
     """Flies what is not kept yet, and returns all flights in their order.
 
@@ -82,7 +82,7 @@ def fly_all(
         tasks: the flights.
         folder: that keeps them; None keeps nothing.
         logs: folder of their logs.
-        workers: processes.
+        executor: flies them.
         force: write into folders that hold something else.
 
     Raises:
@@ -91,14 +91,12 @@ def fly_all(
     if folder is None:
         if logs is not None:
             refuse_existing(logs, force=force)
-        with worker_pool(workers) as executor:
-            return list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying missions"))
+        return list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying missions"))
     if not (folder / FLIGHTS).is_dir():
         refuse_existing(folder, force=force)
     flights = keep_all(tasks, folder / FLIGHTS)
     known = {flight.path: found for flight in flights if (found := flight.result()) is not None}
     missing = [flight for flight in flights if flight.path not in known]
-    with worker_pool(workers) as executor:
-        flown = shown(executor.map(fly_and_keep, missing), total=len(missing), what="flying missions")
-        known |= {flight.path: result for flight, result in zip(missing, flown, strict=True)}
+    flown = shown(executor.map(fly_and_keep, missing), total=len(missing), what="flying missions")
+    known |= {flight.path: result for flight, result in zip(missing, flown, strict=True)}
     return [known[flight.path] for flight in flights]

@@ -3,6 +3,7 @@
 import json as json_module
 import sys
 from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -11,13 +12,17 @@ from rich.console import Console
 from rich.table import Table
 
 from flight.library import Library
+from flight.log_file import publish_bytes
 from planner.kernel.build import kernel
 from planner.nominal import Nominal
 from planner.sequences import walks
 from planner.worst_case import WorstCase
 
-from .files import find_library, find_mission
+from .files import find_library, find_mission, refuse_existing
+from .numbers import Count
+from .thesis_closed_loop import compare_loops, loops_csv, loops_markdown
 from .thesis_examples import example_rows
+from .workers import default_workers, worker_pool
 
 TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
 """Sequences of up to four trims from each start trim (thesis, Table 11)."""
@@ -38,7 +43,7 @@ START_NOT_PRINTED = (
 NOT_COMPARED = (
     "The closed-loop columns are not compared: the thesis prints neither its activation interval nor its "
     "iteration limit nor the errors that its plant had. Their pattern (nominal reaches the goal in 3 of 15 "
-    "runs, worst case in 14 of 15) is what can be compared: see `maneuver validate --plant automaton`."
+    "runs, worst case in 14 of 15) is what can be compared: --closed-loop flies and tabulates it."
 )
 
 
@@ -105,12 +110,19 @@ class Comparison:
     verdict: str
 
 
-def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+def thesis(
+    *,
+    closed_loop: Path | None = None,
+    workers: Count | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
     """Prints what the thesis prints beside what is computed from its own tables, differences marked.
 
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
     cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 31 and 33 follow, misprints marked.
-    The exit code is 1 where a figure differs without an explanation.
+    The exit code is 1 where a figure differs without an explanation. With --closed-loop Tables 12 to 26 are
+    flown too, by the automaton, and written beside the thesis's as Markdown and CSV.
 
     For example:
 
@@ -118,9 +130,16 @@ def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
 
         maneuver thesis --json
 
+        maneuver thesis --closed-loop tables
+
     Args:
+        closed_loop: folder for the tables in closed loop; they are not flown by default.
+        workers: processes; one for each processor by default.
+        force: write into a folder that has something in it.
         json: print one JSON document.
     """
+    if closed_loop is not None:
+        _fly_tables(closed_loop, workers or default_workers(), force=force)
     rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED), *examples()]
     if json:
         document = {"comparisons": [asdict(row) for row in rows], "not_compared": NOT_COMPARED}
@@ -128,6 +147,14 @@ def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     else:
         _show(rows)
     return DIFFERS if any(row.verdict == "differs" for row in rows) else 0
+
+
+def _fly_tables(folder: Path, workers: int, *, force: bool) -> None:
+    refuse_existing(folder, force=force)
+    with worker_pool(workers) as executor:
+        loops = compare_loops(executor)
+    publish_bytes(loops_markdown(loops).encode(), folder / "tables-12-to-26.md", force=force)
+    publish_bytes(loops_csv(loops).encode(), folder / "tables-12-to-26.csv", force=force)
 
 
 def sequence_counts(library: Library) -> list[Comparison]:

@@ -71,9 +71,9 @@ _PRINTED = (
 
 def printed_loops() -> Iterator[PrintedLoop]:
     """Yields the tables' lines, the nominal policy before the worst case."""
-    for table, mission, gamma, *figures in _PRINTED:
-        yield PrintedLoop(table, mission, gamma, "nominal", *figures[:3])
-        yield PrintedLoop(table, mission, gamma, "worst-case", *figures[3:])
+    for table, mission, gamma, plan, flight, gave_up, robust_plan, robust_flight, robust_gave_up in _PRINTED:
+        yield PrintedLoop(table, mission, gamma, "nominal", plan, flight, gave_up)
+        yield PrintedLoop(table, mission, gamma, "worst-case", robust_plan, robust_flight, robust_gave_up)
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,13 +183,19 @@ def loops_csv(rows: Sequence[LoopCompared]) -> str:
     return stream.getvalue()
 
 
+HEADS = (
+    *("table", "mission", "gamma", "policy", "plan, printed", "ours", "flight, printed"),
+    *("thesis's loop, -gamma", "+gamma", "our loop, -gamma", "+gamma"),
+)
+
+
 def loops_markdown(rows: Sequence[LoopCompared]) -> str:
     """Returns the lines as a table."""
-    heads = ("table", "mission", "gamma", "policy", "plan, printed", "ours", "flight, printed")
-    heads = (*heads, "thesis's loop, -gamma", "+gamma", "our loop, -gamma", "+gamma")
-    lines = ["| " + " | ".join(heads) + " |", "| " + " | ".join(["---"] * len(heads)) + " |"]
+    lines = ["| " + " | ".join(HEADS) + " |", "| " + " | ".join(["---"] * len(HEADS)) + " |"]
     for row in rows:
-        flight = f"gave up at {row.printed_flight:.2f}" if row.printed_gave_up else f"{row.printed_flight:.2f}"
+        flight = (
+            f"gave up at {row.printed_flight:.2f}" if row.printed_gave_up else f"{row.printed_flight:.2f}"
+        )
         cells = [str(row.table), row.mission, f"{row.gamma:g}", row.policy, f"{row.printed_plan:.3f}"]
         cells += [number(row.plan, 3), flight]
         cells += [_time(time) for time in (row.thesis_loop_minus, row.thesis_loop_plus)]

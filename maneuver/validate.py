@@ -27,7 +27,7 @@ from .scorecard_console import show
 from .scorecard_files import Scorecard, comma_separated, json_text, markdown
 from .validation_grid import Grid
 from .validation_pictures import write_validation_pictures
-from .workers import default_workers
+from .workers import default_workers, worker_pool
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")
@@ -152,7 +152,8 @@ def validate(
         max_nodes=max_nodes,
         logs=logs,
     )
-    results = fly_all(grid.tasks(), folder=out, logs=logs, workers=workers or default_workers(), force=force)
+    with worker_pool(workers or default_workers()) as executor:
+        results = fly_all(grid.tasks(), folder=out, logs=logs, executor=executor, force=force)
     card = Scorecard(
         command=_command(),
         library=flown_with.name,

@@ -9,6 +9,7 @@ from matplotlib.patches import FancyArrowPatch
 
 from flight.library import Library
 from flight.trim import Trim
+from flight.trim_labels import trim_colors
 
 from . import palette
 
@@ -33,7 +34,7 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
         tall: height of the graph over half its width.
     """
     places = _places(library.trims, tall)
-    colors = palette.trim_colors(places)
+    colors = trim_colors(places)
     axes.set_aspect("equal", adjustable="box", anchor="N")
     for maneuver in library.maneuvers:
         ends = places[maneuver.from_trim], places[maneuver.to_trim]

@@ -7,8 +7,8 @@ import numpy as np
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
 from flight.se2 import SE2
+from flight.stretches import stretches_flown
 
-from .stretches import stretches_flown
 from .tracking import VELOCITIES
 
 # Bounds of a library are observed extremes; rounding in their sums is not a departure.

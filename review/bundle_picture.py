@@ -10,11 +10,11 @@ from matplotlib.transforms import Bbox
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
+from flight.planned_track import planned_track
 
 from . import palette
 from .flight_drawn import MANEUVERED
 from .marks import dart, draw_goal, note
-from .planned_track import planned_track
 from .stroke import Stroke
 
 LEVELS = (

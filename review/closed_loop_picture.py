@@ -9,11 +9,11 @@ from matplotlib.ticker import MaxNLocator
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
+from flight.planned_track import planned_track
 
 from . import palette
 from .flight_drawn import MANEUVERED, FlightDrawn, draw_flight, policies_of, policy_color
 from .marks import dart, draw_goal, note
-from .planned_track import planned_track
 from .stroke import Stroke
 
 

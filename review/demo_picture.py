@@ -14,13 +14,13 @@ from flight.library import Library
 from flight.log import TRUTH, FlightLog
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
+from flight.planned_track import planned_track
 from flight.se2 import SE2
 
 from . import palette
 from .automaton_picture import draw_automaton
 from .library_picture import draw_trim_errors
 from .marks import dart, draw_goal, note
-from .planned_track import planned_track
 from .stroke import Stroke
 from .summary import arrival
 

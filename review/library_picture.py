@@ -11,6 +11,7 @@ from matplotlib.lines import Line2D
 from flight.library import Library
 from flight.maneuver import Maneuver
 from flight.trim import Trim
+from flight.trim_labels import trim_colors
 
 from . import palette
 from .automaton_picture import draw_automaton
@@ -72,7 +73,7 @@ def library_picture(library: Library) -> Figure:
 
 def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
     """Draws the body velocity of every trim with its error, a panel for each component."""
-    colors = palette.trim_colors(trim.id for trim in library.trims)
+    colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(TRIM_NUMBERS), sharey=True)
     labels = [f"{trim.name}  {trim.id}" for trim in library.trims]
     for axes, (name, interval) in zip(panels, TRIM_NUMBERS, strict=True):
@@ -89,7 +90,7 @@ def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
     """Draws duration and displacement of every maneuver with their errors, a panel for each number."""
     if not library.maneuvers:
         return
-    colors = palette.trim_colors(trim.id for trim in library.trims)
+    colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(MANEUVER_NUMBERS), sharey=True)
     labels = [
         f"{maneuver.from_trim} \N{RIGHTWARDS ARROW} {maneuver.to_trim}   {maneuver.id:2d}"

@@ -1,6 +1,6 @@
 """Colours and strokes of every picture: one meaning each, told apart by the colour-blind."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
@@ -15,19 +15,8 @@ BELIEVED = "#E69F00"
 ALARM = "#D55E00"
 GOAL = "#009E73"
 
-# Okabe and Ito's palette without its yellow, which a white page swallows; then Tol's muted one.
-_TRIMS = (
-    *("#555555", "#56B4E9", "#0072B2", "#E69F00", "#009E73", "#D55E00", "#CC79A7"),
-    *("#332288", "#117733", "#882255", "#AA4499", "#44AA99", "#999933", "#88CCEE"),
-)
-
 TEXT_SIZE = 9.0
 SMALL_TEXT = 7.5
-
-
-def trim_colors(trims: Iterable[int]) -> dict[int, str]:
-    """Returns a colour for each trim, by its place among the ids in rising order."""
-    return {trim: _TRIMS[place % len(_TRIMS)] for place, trim in enumerate(sorted(set(trims)))}
 
 
 def page(width: float, height: float) -> Figure:

@@ -9,10 +9,11 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
+from flight.planned_track import Line, planned_track
+from flight.trim_labels import trim_colors
 
 from . import palette
 from .marks import dart, draw_goal, note
-from .planned_track import Line, planned_track
 from .stroke import Dashes, Stroke
 
 MANEUVERED: Dashes = (0.0, (2.5, 1.5))
@@ -80,7 +81,7 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
     coasts, maneuvers = planned_track(
         library, plan.sequence, scenario.coasting_times, start=mission.start, gamma=scenario.gamma
     )
-    colors = palette.trim_colors(trim.id for trim in library.trims)
+    colors = trim_colors(trim.id for trim in library.trims)
     handles = []
     for trim, line, time in zip(plan.sequence, coasts, scenario.coasting_times, strict=True):
         style = Stroke(colors[trim], 3.0, layer=5.0)

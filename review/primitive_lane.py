@@ -4,25 +4,14 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from flight.log import FlightLog, PrimitiveFlown, PrimitiveKind
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_label, trim_names, trim_palette
 
 from . import palette
 from .bounds import bounds_kept
-from .stretches import stretches_flown
-from .summary import trim_names
 
 # Inches that a letter takes in the lane.
 LETTER = 0.074
-
-
-def trim_palette(log: FlightLog) -> dict[int, str]:
-    """Returns a colour for each trim of the library, or of the flight where no library is attached."""
-    flown = {part.to_trim for part in stretches_flown(log)}
-    return palette.trim_colors(flown | set(trim_names(log)))
-
-
-def trim_label(trim: int, names: dict[int, str]) -> str:
-    """Returns a trim's id and, where known, its name."""
-    return f"{trim} {names[trim]}" if trim in names else f"trim {trim}"
 
 
 def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:

@@ -7,20 +7,20 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.arrival import Arrival, Destination, first_arrival
+from flight.attachments import goal_of_flight, plans_of_flight
 from flight.log import (
     COMMAND,
     ESTIMATE,
-    LIBRARY_ATTACHMENT,
     PLANS_ATTACHMENT,
     TRUTH,
     FlightLog,
     PrimitiveFlown,
     PrimitiveKind,
 )
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_names
 
-from .attachments import goal_of_flight, plans_of_flight
 from .bounds import Bounds, bounds_kept
-from .stretches import stretches_flown
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
@@ -150,13 +150,6 @@ def summarise(log: FlightLog) -> Summary:
         plans=len(plans_of_flight(log)) if PLANS_ATTACHMENT in log.attachments else None,
         arrival=None if goal is None else arrival(log, goal),
     )
-
-
-def trim_names(log: FlightLog) -> dict[int, str]:
-    """Returns the names of the trims by id; empty where no library is attached."""
-    if LIBRARY_ATTACHMENT not in log.attachments:
-        return {}
-    return {trim.id: trim.name for trim in log.library().trims}
 
 
 def _trim_label(trim: int, names: dict[int, str]) -> str:

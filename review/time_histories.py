@@ -18,10 +18,11 @@ from flight.log import (
     FlightLog,
     PrimitiveKind,
 )
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_palette
 
 from . import palette, stroke
-from .primitive_lane import shade_primitives, trim_palette
-from .stretches import stretches_flown
+from .primitive_lane import shade_primitives
 from .tracking import navigation_error
 
 DEGREES_PER_RADIAN = degrees(1.0)

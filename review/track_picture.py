@@ -8,6 +8,7 @@ from matplotlib.offsetbox import AnchoredOffsetbox, DrawingArea, HPacker, TextAr
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.ticker import MaxNLocator
 
+from flight.attachments import goal_of_flight, plans_of_flight
 from flight.log import (
     ESTIMATE,
     LIBRARY_ATTACHMENT,
@@ -17,16 +18,14 @@ from flight.log import (
     PrimitiveFlown,
     PrimitiveKind,
 )
+from flight.planned_track import planned_track
 from flight.se2 import SE2
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_label, trim_names, trim_palette
 
 from . import palette, stroke
-from .attachments import goal_of_flight, plans_of_flight
 from .bounds import pose_at
 from .marks import dart, draw_goal, note
-from .planned_track import planned_track
-from .primitive_lane import trim_label, trim_palette
-from .stretches import stretches_flown
-from .summary import trim_names
 
 # Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)

@@ -12,6 +12,8 @@ from typing import Protocol
 import casadi as ca
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
+# Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
+SPREAD = 9
 ERRORS = ESTIMATED + CONSIDERED
 # An innovation of more than this many standard deviations is not believed.
 GATE = 5.0
@@ -167,6 +169,20 @@ def believe() -> ca.Function:
     yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
     motion = ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
     return ca.Function("believe", [nominal, reading], [motion])
+
+
+def spread() -> ca.Function:
+    """Returns (nominal, covariance) -> one standard deviation of what `believe` says: its first nine entries.
+
+    First order: the slopes of what is believed over the error, around no error.
+    """
+    nominal, covariance = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("covariance", ERRORS, ERRORS)
+    error = ca.SX.sym("error", ESTIMATED)
+    believed = believe()(inject(nominal, error), ca.SX.zeros(6))[:SPREAD]
+    slopes = ca.substitute(ca.jacobian(believed, error), error, 0)
+    estimated = _symmetric(covariance)[:ESTIMATED, :ESTIMATED]
+    sigmas = ca.sqrt(ca.sum2((slopes @ estimated) * slopes))
+    return ca.Function("spread", [nominal, covariance], [ca.densify(sigmas)])
 
 
 def first_nominal() -> ca.Function:

@@ -15,7 +15,9 @@ from flight.library_file import library_text
 from flight.log import (
     INITIAL_STATE_ATTACHMENT,
     LIBRARY_ATTACHMENT,
+    MODEL_ATTACHMENT,
     SPECIFICATION_ATTACHMENT,
+    VEHICLE_ATTACHMENT,
     FlightHeader,
     FlightLog,
     PrimitiveKind,
@@ -34,15 +36,16 @@ from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import Channel, ManeuverGenerator, Reference
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation
-from .parameters import Parameters, model_hash, read_parameters
+from .parameters import Parameters, model_hash, model_text, read_parameters
 from .recorder import Recorder
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 BACKEND = f"casadi-vm-{version('casadi')}"
-# Motion is logged, and the maneuver-end rule applied, at every second control period.
-_PERIODS_A_SAMPLE = 2
+# Motion is logged, and the maneuver-end rule applied, at every second control period; what the vehicle
+# believes of its errors is logged at every tenth.
+_PERIODS_A_SAMPLE, _PERIODS_A_SPREAD = 2, 10
 
 
 class NoManeuverEndError(FlightError):
@@ -225,6 +228,8 @@ class SimulatedHelicopter:
         files = {
             SPECIFICATION_ATTACHMENT: specification.to_json(),
             LIBRARY_ATTACHMENT: library_text(self._library).encode(),
+            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
+            MODEL_ATTACHMENT: model_text(),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
@@ -236,6 +241,8 @@ class SimulatedHelicopter:
             raise self._lost
         if self._periods % _PERIODS_A_SAMPLE == 0:
             self._note_motion()
+        if self._periods % _PERIODS_A_SPREAD == 0:
+            self._recorder.add_spread(self.time, self._navigation.spread())
         truth = self._truth
         self._reference = self._generator.step(self._target)
         controls = self._controller.step(self._estimate, self._reference)

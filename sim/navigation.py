@@ -14,7 +14,7 @@ from flight.se2 import SE2
 
 from . import filter_equations as equations
 from .bound_function import BoundFunction
-from .filter_equations import ERRORS, ESTIMATED, NOMINAL
+from .filter_equations import ERRORS, ESTIMATED, NOMINAL, SPREAD
 from .motion import Motion
 from .sensors import Readings, SensorErrors, Sensors
 
@@ -30,6 +30,10 @@ class IdealNavigation:
     def step(self, truth: Motion) -> Motion:
         """Returns the truth."""
         return truth
+
+    def spread(self) -> None:
+        """Knows of no error."""
+        return
 
     def move(self, displacement: SE2, truth: Motion) -> None:
         """Follows a motion of the whole world."""
@@ -99,6 +103,11 @@ class Navigation:
             BoundFunction(equations.believe(), (nominal, self._inertial), (self._believed,))
             for nominal in self._nominals
         )
+        self._sigmas = np.zeros(SPREAD)
+        self._measure_spread = tuple(
+            BoundFunction(equations.spread(), (nominal, covariance), (self._sigmas,))
+            for nominal, covariance in zip(self._nominals, self._covariances, strict=True)
+        )
 
     def _both(self, function: ca.Function, *inputs: np.ndarray) -> tuple[BoundFunction, ...]:
         """Binds a function from either state to the other, because input and output must not be one array."""
@@ -134,6 +143,11 @@ class Navigation:
         self._heading += remainder(values[8] - self._heading, 2.0 * pi)
         values[8] = self._heading
         return Motion._make(values)
+
+    def spread(self) -> tuple[float, ...]:
+        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
+        self._measure_spread[self._current].evaluate()
+        return tuple(self._sigmas.tolist())
 
     def _correct(self, readings: Readings) -> None:
         if readings.fix is not None and not self.gps_lost:

@@ -191,3 +191,8 @@ def model_hash() -> str:
     """Returns the SHA-256 of the vehicle's numbers and shape, in hexadecimal."""
     files = (models.FOLDER / name for name in ("gtmax.toml", "gtmax.xml"))
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
+
+
+def model_text() -> bytes:
+    """Returns the vehicle's shape as MJCF."""
+    return (models.FOLDER / "gtmax.xml").read_bytes()

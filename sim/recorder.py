@@ -8,6 +8,7 @@ from flight.log import (
     COMMAND,
     CONTROLS,
     ESTIMATE,
+    NAVIGATION,
     PRIMITIVE,
     TOPICS,
     TRUTH,
@@ -53,6 +54,11 @@ class Recorder:
         forward, side, yaw_rate = reference
         self._add(COMMAND, time, (forward.value, side.value, yaw_rate.value, self._height))
 
+    def add_spread(self, time: float, sigmas: tuple[float, ...] | None) -> None:
+        """Notes what the vehicle believes of its errors at a time; nothing where it knows of none."""
+        if sigmas is not None:
+            self._add(NAVIGATION, time, sigmas)
+
     def add_period(self, time: float, *, controls: Controls, servos: Controls, wind: Wind) -> None:
         """Notes what is held over the control period that begins."""
         row = (
@@ -75,7 +81,8 @@ class Recorder:
 
     def log(self, header: FlightHeader, attachments: Mapping[str, bytes]) -> FlightLog:
         """Returns all that was noted as a flight log."""
-        series = {topic.name: _series(topic, *self._rows[topic.name]) for topic in TOPICS}
+        noted = (topic for topic in TOPICS if self._rows[topic.name][0])
+        series = {topic.name: _series(topic, *self._rows[topic.name]) for topic in noted}
         return FlightLog(header, series, dict(attachments))
 
 

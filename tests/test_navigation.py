@@ -7,8 +7,10 @@ import pytest
 from scipy.stats import chi2
 
 from flight.se2 import SE2, Twist
+from sim import filter_equations as equations
 from sim.closed_loop import respond
 from sim.controller_check import TRIMS, fly_walk
+from sim.filter_equations import ESTIMATED
 from sim.motion import Motion
 from sim.navigation import IdealNavigation, Navigation
 from sim.navigation_check import check_navigation, flown_errors
@@ -125,3 +127,18 @@ def _drift(motion: Motion, seconds: float) -> Motion:
 def _moved(motion: Motion, displacement: SE2) -> Motion:
     pose = displacement @ motion.pose
     return motion._replace(north=pose.x, east=pose.y, heading=pose.heading)
+
+
+def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance() -> None:
+    """First order against 4000 draws; the heading frame turns with the heading."""
+    truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
+    navigation = navigate(truths[0])
+    for truth in truths[1:1500]:
+        navigation.step(truth)
+    nominal = navigation._nominals[navigation._current]
+    covariance = navigation._covariances[navigation._current][:ESTIMATED, :ESTIMATED]
+    covariance = np.triu(covariance) + np.triu(covariance, 1).T
+    errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
+    disturbed = equations.injection().map(4000)(nominal, errors.T)
+    drawn = np.array(equations.believe().map(4000)(disturbed, np.zeros(6)))[: equations.SPREAD].T
+    np.testing.assert_allclose(navigation.spread(), drawn.std(axis=0), rtol=0.05)

@@ -28,15 +28,16 @@ from flight.log import (
 )
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
+from flight.planned_track import planned_track
 from flight.se2 import SE2
+from flight.stretches import stretches_flown
+from flight.trim_labels import trim_colors
 from review import palette
 from review.automaton_picture import draw_automaton
 from review.demo_picture import PlanFlown, caption, demo_picture
 from review.library_picture import library_picture
 from review.pictures import publish_picture, track_picture, write_pictures
-from review.planned_track import planned_track
 from review.primitive_lane import draw_primitive_lane
-from review.stretches import stretches_flown
 from review.summary import arrival
 from review.time_histories import draw_control, draw_velocity, draw_wind
 from review.track_picture import draw_track
@@ -235,7 +236,7 @@ def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLo
 
 
 def test_trims_differ_in_colour() -> None:
-    colors = palette.trim_colors(range(14))
+    colors = trim_colors(range(14))
     assert len(set(colors.values())) == 14
 
 

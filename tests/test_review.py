@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from numpy.typing import NDArray
 
 from flight.arrival import Destination
+from flight.attachments import goal_of_flight, plans_of_flight
 from flight.errors import BadFileError, FlightError
 from flight.library import Library
 from flight.log import (
@@ -30,10 +31,9 @@ from flight.log import (
     Topic,
 )
 from flight.log_file import publish_log
+from flight.stretches import stretches_flown
 from maneuver.app import run
-from review.attachments import goal_of_flight, plans_of_flight
 from review.bounds import bounds_kept
-from review.stretches import stretches_flown
 from review.summary import arrival, summarise
 from tests.synthetic_log import STILL, synthetic_library, synthetic_log
 

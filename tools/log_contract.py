@@ -1,31 +1,53 @@
 """Writes the flight log's contract as a page: `python -m tools.log_contract`."""
 
+from collections.abc import Iterable
+from dataclasses import fields
 from pathlib import Path
 
-from flight import log
+from flight import log, z_up
 from flight.decision import DECISION
-from flight.log import TOPICS, Topic
+from flight.log import CONVENTIONS, TOPICS, FlightHeader, Topic
+from flight.viewer_channels import VIEWER_TOPICS, ViewerTopic
 
 PAGE = Path(__file__).parent.parent / "docs" / "flight-log.md"
 
 HEAD = """# The flight log
 
-One MCAP file a flight, written whole or not at all. Channels are protobuf, every field a double, numbered in
-the order below; chunks are compressed by zstd; every checksum is written, and reading verifies them all. Log
-time and publish time are equal: nanoseconds since the flight's start, simulated, never of the wall clock.
+One MCAP file a flight, written whole or not at all; it opens in Foxglove, Lichtblick, Rerun and PlotJuggler
+as it is. Every channel is protobuf. Chunks are compressed by zstd; every checksum is written, and reading
+verifies them all. Equal flights give equal bytes. A topic that is absent is absent, not zero.
 
-World axes are north, east, down. Velocities are given in the heading frame, the level body frame: forward
-along the heading, side to the right. Angles are in radians, headings clockwise from north and not wrapped.
+There are two kinds of channels. The first are for programs: every field is a double, numbered in the order
+below, in SI units, north-east-down; `flight.log_file.read_log` reads them into arrays. The second are for
+viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never read
+back. [review.md](review.md) says how to open a log in the viewers.
 
-The metadata record `flight` holds the header: kind, name, vehicle, model_hash, seed, wind, code_version,
-backend, outcome. A topic that is absent is absent, not zero.
+This page is made from `flight/log.py` and `flight/viewer_channels.py` by `python -m tools.log_contract`.
 
-This page is made from `flight/log.py` by `python -m tools.log_contract`.
+## Example
+
+```python
+from pathlib import Path
+
+from flight.log import COMMAND, TRUTH, primitives_flown
+from flight.log_file import read_log
+
+log = read_log(Path("flight.mcap"))
+print(log.header.vehicle, log.header.wind, log.duration)
+truth, command = log[TRUTH], log[COMMAND]
+print(truth.time[-1], truth["forward"].max(), truth["down"][-1], command["yaw_rate"][-1])
+for part in primitives_flown(log):
+    print(part.kind.name, part.id, part.start, part.end)
+```
+
+Any other reader of MCAP and protobuf gives the same numbers: schemas are in the file.
 """
 
 ATTACHMENTS = (
     (log.LIBRARY_ATTACHMENT, "the library flown with; carries the maneuver-end rule"),
     (log.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
+    (log.VEHICLE_ATTACHMENT, "every number of the vehicle that flew"),
+    (log.MODEL_ATTACHMENT, "its shape, as MuJoCo's MJCF: x forward, y left, z up"),
     (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
     (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
     (
@@ -37,15 +59,43 @@ ATTACHMENTS = (
 
 def page() -> str:
     """Returns the page."""
-    rows = "\n".join(f"| `{name}` | {meaning} |" for name, meaning in ATTACHMENTS)
-    attachments = f"## Attachments\n\n| name | content |\n| --- | --- |\n{rows}\n"
-    return "\n".join([HEAD, *map(_section, (*TOPICS, DECISION)), attachments])
+    return "\n".join([HEAD, *map(_topic, (*TOPICS, DECISION)), _viewers(), _metadata(), _attachments()])
 
 
-def _section(topic: Topic) -> str:
-    rows = "\n".join(f"| `{field.name}` | {field.unit} | {field.meaning} |" for field in topic.fields)
-    head = f"## `{topic.name}`\n\n`{topic.message}`: {topic.meaning}.\n"
-    return f"{head}\n| field | unit | meaning |\n| --- | --- | --- |\n{rows}\n"
+def _topic(topic: Topic) -> str:
+    rows = ((f"`{field.name}`", field.unit, field.meaning) for field in topic.fields)
+    return f"## `{topic.name}`\n\n`{topic.message}`: {topic.meaning}.\n\n" + _table(
+        ("field", "unit", "meaning"), rows
+    )
+
+
+def _viewers() -> str:
+    def row(topic: ViewerTopic) -> tuple[str, ...]:
+        return f"`{topic.name}`", f"`{topic.message.DESCRIPTOR.full_name}`", topic.meaning
+
+    frames = (
+        f"World `{z_up.WORLD}`, x east, y north, z up; vehicle `{z_up.VEHICLE}` and, where it believes "
+        f"to be, `{z_up.BELIEVED_VEHICLE}`, x forward, y left, z up."
+    )
+    return f"## For viewers\n\n{frames}\n\n" + _table(
+        ("topic", "message", "what is to be seen"), map(row, VIEWER_TOPICS)
+    )
+
+
+def _metadata() -> str:
+    header = ", ".join(field.name for field in fields(FlightHeader))
+    text = f"`flight` is the header: {header}. `conventions` says, for who has the file alone:"
+    return f"## Metadata\n\n{text}\n\n" + _table(("key", "value"), CONVENTIONS.items())
+
+
+def _attachments() -> str:
+    rows = ((f"`{name}`", meaning) for name, meaning in ATTACHMENTS)
+    return "## Attachments\n\n" + _table(("name", "content"), rows)
+
+
+def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
+    lines = [head, ("---",) * len(head), *rows]
+    return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
 if __name__ == "__main__":

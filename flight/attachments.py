@@ -2,21 +2,22 @@
 
 import json
 from dataclasses import dataclass
+from math import pi
 from typing import TypeVar
 
 from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeFloat, TypeAdapter, ValidationError
 
-from flight.arrival import Destination
-from flight.errors import BadFileError
-from flight.file_model import first_problem
-from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
+from .arrival import Destination
+from .errors import BadFileError
+from .file_model import first_problem
+from .log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 
 Content = TypeVar("Content")
 
 
 @dataclass(frozen=True, slots=True)
 class PlanOfFlight:
-    """One plan of a receding-horizon flight, as far as a picture needs it.
+    """One plan of a receding-horizon flight, as far as its reader needs it.
 
     Attributes:
         time: seconds since the flight's start at which it was made.
@@ -24,6 +25,9 @@ class PlanOfFlight:
         cost: seconds that the deciding scenario takes.
         sequence: trim ids.
         coasting_times: seconds in each trim, of the deciding scenario.
+        policy: which planner made it; empty where the log does not say.
+        status: what the planner called it; empty where the log does not say.
+        level: uncertainty level that was planned for, 0 for a nominal plan.
     """
 
     time: float
@@ -31,6 +35,17 @@ class PlanOfFlight:
     cost: float
     sequence: tuple[int, ...]
     coasting_times: tuple[float, ...]
+    policy: str = ""
+    status: str = ""
+    level: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class PlanningFailed:
+    """A planning that found nothing to fly: when, and why."""
+
+    time: float
+    reason: str
 
 
 class _Part(BaseModel):
@@ -46,6 +61,8 @@ class _Settings(_Part):
 class _Mission(_Part):
     goal: tuple[FiniteFloat, FiniteFloat]
     tolerance: NonNegativeFloat
+    goal_heading: FiniteFloat | None = None
+    heading_tolerance: NonNegativeFloat = pi
     settings: _Settings = _Settings()
 
 
@@ -57,8 +74,12 @@ class _Scenario(_Part):
 
 class _Plan(_Part):
     time: NonNegativeFloat
-    sequence: tuple[int, ...]
-    scenarios: tuple[_Scenario, ...]
+    sequence: tuple[int, ...] = ()
+    scenarios: tuple[_Scenario, ...] = ()
+    policy: str = ""
+    status: str = ""
+    reason: str | None = None
+    gamma: FiniteFloat = 0.0
 
 
 def goal_of_flight(log: FlightLog) -> Destination | None:
@@ -71,7 +92,8 @@ def goal_of_flight(log: FlightLog) -> Destination | None:
     if mission is None:
         return None
     # What the loop was closed with comes before what the mission's file says.
-    return Destination(mission.goal, mission.settings.final_tolerance or mission.tolerance)
+    tolerance = mission.settings.final_tolerance or mission.tolerance
+    return Destination(mission.goal, tolerance, mission.goal_heading, mission.heading_tolerance)
 
 
 def plans_of_flight(log: FlightLog) -> tuple[PlanOfFlight, ...]:
@@ -80,13 +102,34 @@ def plans_of_flight(log: FlightLog) -> tuple[PlanOfFlight, ...]:
     Raises:
         BadFileError: the attachment is there, but broken.
     """
+    return tuple(plan for plan in plannings_of_flight(log) if isinstance(plan, PlanOfFlight))
+
+
+def plannings_of_flight(log: FlightLog) -> tuple[PlanOfFlight | PlanningFailed, ...]:
+    """Returns every planning, with a plan or without, in order; empty where the log has none.
+
+    Raises:
+        BadFileError: the attachment is there, but broken.
+    """
     plans = _attachment(log, PLANS_ATTACHMENT, TypeAdapter(tuple[_Plan, ...])) or ()
-    return tuple(_deciding(plan) for plan in plans if plan.scenarios)
+    return tuple(
+        _deciding(plan) if plan.scenarios else PlanningFailed(plan.time, plan.reason or "no reason given")
+        for plan in plans
+    )
 
 
 def _deciding(plan: _Plan) -> PlanOfFlight:
     scenario = max(plan.scenarios, key=lambda scenario: scenario.cost)
-    return PlanOfFlight(plan.time, scenario.gamma, scenario.cost, plan.sequence, scenario.coasting_times)
+    return PlanOfFlight(
+        time=plan.time,
+        gamma=scenario.gamma,
+        cost=scenario.cost,
+        sequence=plan.sequence,
+        coasting_times=scenario.coasting_times,
+        policy=plan.policy,
+        status=plan.status,
+        level=plan.gamma if any(part.gamma for part in plan.scenarios) else 0.0,
+    )
 
 
 def _attachment(log: FlightLog, name: str, content: TypeAdapter[Content]) -> Content | None:

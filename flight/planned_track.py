@@ -6,13 +6,16 @@ from itertools import pairwise
 import numpy as np
 from jaxtyping import Float
 
-from flight.library import Library
-from flight.maneuver import Maneuver
-from flight.se2 import SE2, Twist
-from flight.trim import Trim
+from .library import Library
+from .maneuver import Maneuver
+from .se2 import SE2, Twist
+from .trim import Trim
 
 POINTS = 40
 """Points drawn for each primitive."""
+
+LEVELS = 5
+"""Lines of a tube."""
 
 Line = Float[np.ndarray, "n 2"]
 
@@ -37,16 +40,53 @@ def planned_track(
         start: pose at the beginning.
         gamma: uncertainty level of every primitive.
     """
-    coasts, maneuvers, pose = [], [], start
+    pieces = _pieces(library, sequence, coasting_times, start=start, gamma=gamma)
+    return pieces[::2], pieces[1::2]
+
+
+def planned_tube(
+    library: Library,
+    sequence: Sequence[int],
+    coasting_times: Sequence[float],
+    *,
+    start: SE2,
+    level: float,
+) -> Float[np.ndarray, "gammas n 2"]:
+    """Returns where a walk leads with its coasting times kept, at levels from -level to level.
+
+    A line of north and east for each level, in metres; points of one place among the lines belong to the same
+    part of the same primitive, so that the area between neighbours is what the walk sweeps.
+
+    Args:
+        library: of the primitives.
+        sequence: trim ids.
+        coasting_times: seconds in each trim.
+        start: pose at the beginning.
+        level: largest uncertainty level, >= 0.
+    """
+    levels = np.linspace(-level, level, LEVELS)
+    return np.array(
+        [
+            np.concatenate(_pieces(library, sequence, coasting_times, start=start, gamma=float(gamma)))
+            for gamma in levels
+        ]
+    )
+
+
+def _pieces(
+    library: Library, sequence: Sequence[int], coasting_times: Sequence[float], *, start: SE2, gamma: float
+) -> tuple[Line, ...]:
+    """Returns coasts and maneuvers in turn, as flown."""
+    pieces, pose = [], start
     trims = [library.trim(number) for number in sequence]
     joints = [library.maneuver(a.id, b.id) for a, b in pairwise(trims)]
     for place, (trim, coasting_time) in enumerate(zip(trims, coasting_times, strict=True)):
-        coasts.append(_coast(pose, trim.at(gamma), coasting_time))
+        pieces.append(_coast(pose, trim.at(gamma), coasting_time))
         pose = pose @ SE2.exp(trim.at(gamma), coasting_time)
         if place < len(joints):
-            maneuvers.append(_maneuver(pose, joints[place], (trim, trims[place + 1]), gamma))
+            pieces.append(_maneuver(pose, joints[place], (trim, trims[place + 1]), gamma))
             pose = pose @ joints[place].at(gamma).displacement
-    return tuple(coasts), tuple(maneuvers)
+    return tuple(pieces)
 
 
 def _coast(pose: SE2, velocity: Twist, duration: float) -> Line:

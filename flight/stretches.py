@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 
-from flight.log import FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
+from .log import FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
 
 
 def stretches_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:

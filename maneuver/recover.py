@@ -1,0 +1,87 @@
+"""`maneuver recover`: what is whole in a damaged log, as a log that opens."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from flight.errors import BadFileError, FlightError
+from flight.log_file import LARGEST_LOG, publish_bytes
+from flight.log_recovery import Salvage, holds, recovered_bytes, salvage
+
+from .files import refuse_existing
+
+NOTHING_TO_SAVE = 1
+WITH_LOSS = 3
+
+
+def recover(
+    log: Annotated[Path, Parameter(negative="")],
+    /,
+    *,
+    out: Path | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Recovers a log that was cut short or damaged; any MCAP file, not only ours.
+
+    Every chunk and attachment whose checksum is right is kept, and the result is read again before it is said
+    to be there. The exit code is 0 without loss, 3 with loss, 1 where nothing could be saved. A flight log
+    recovered with loss says so in its outcome, and identification counts it as lost.
+
+    For example:
+
+        maneuver recover flights/gtmax-0007.mcap --out gtmax-0007-recovered.mcap
+
+    Args:
+        log: the damaged file; it is left as it is.
+        out: where the recovered log goes; beside LOG, with `-recovered` in its name, by default.
+        force: overwrite OUT.
+    """
+    out = out or log.with_name(f"{log.stem}-recovered.mcap")
+    refuse_existing(out, force=force)
+    if out.resolve() == log.resolve():
+        raise FlightError(f"--out {out} is the damaged log itself; expected another name")
+    found = salvage(_content(log))
+    if not found.messages:
+        print(f"nothing to save: {_losses(found)}")
+        return NOTHING_TO_SAVE
+    content = recovered_bytes(found)
+    if not holds(content, found):
+        raise FlightError(f"{log}: what was recovered cannot be read again; nothing was written")
+    publish_bytes(content, out, force=force)
+    print(f"recovered  {out}")
+    print(
+        f"kept       {len(found.messages)} messages of {len(found.channels)} channels, "
+        f"{len(found.attachments)} attachments, up to {found.last_time:.2f} s"
+    )
+    print(f"lost       {_losses(found)}")
+    return 0 if found.lossless else WITH_LOSS
+
+
+def _content(path: Path) -> bytes:
+    try:
+        size = path.stat().st_size
+        if size > LARGEST_LOG:
+            raise BadFileError(path, f"expected at most {LARGEST_LOG} bytes, got {size}")
+        return path.read_bytes()
+    except OSError as error:
+        raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
+
+
+def _losses(found: Salvage) -> str:
+    if found.lossless:
+        return "nothing"
+    counts = {
+        "damaged chunks": found.damaged_chunks,
+        "damaged attachments": found.damaged_attachments,
+        "messages of unknown channels": found.orphans,
+        "bytes that are no record": found.skipped_bytes,
+    }
+    parts = [f"{count} {what}" for what, count in counts.items() if count]
+    if found.announced is not None and found.announced > len(found.messages):
+        parts.append(f"{found.announced - len(found.messages)} of {found.announced} messages")
+    elif not found.ended:
+        parts.append("all after the end of the file as it is, unknown how much")
+    if found.data_intact is False and not parts:
+        parts.append("no message, but something beside them was altered")
+    return ", ".join(parts)

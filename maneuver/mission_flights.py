@@ -30,6 +30,7 @@ from sim.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
 from .policies import FlownPolicy
+from .timed_planner import TimedPlanner
 
 # Beside those of `campaign_flights`.
 _MISSION_STREAM = 102
@@ -98,7 +99,7 @@ class MissionResult:
     """What a closed-loop flight came to: `planner.flown.Flown` without plans.
 
     Attributes:
-        planning_times: seconds that each planning took by the clock; they do not repeat.
+        planning_times: seconds of the processor that each planning took; they do not repeat.
         performances: of the helicopter's primitives beside their errors.
         legs: what was flown.
     """
@@ -135,13 +136,15 @@ def mission_seed(seed: int, mission: str, number: int) -> int:
 def fly_mission(task: MissionTask) -> MissionResult:
     """Flies a mission once, and keeps the helicopter's log where one is wanted."""
     judged: tuple[Performance, ...] = ()
+    planner = TimedPlanner(_planner(task), task.library)
+    planner.warm_up(task.mission)
     if task.plant == "helicopter":
-        flown, log = fly_helicopter(task)
+        flown, log = fly_helicopter(task, planner)
         judged = performances(log)
         if task.log is not None:
             publish_log(log, task.log, force=task.force)
     else:
-        flown = fly_automaton(task)
+        flown = fly_automaton(task, planner)
     return MissionResult(
         mission=task.mission.name,
         policy=task.policy,
@@ -158,7 +161,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         fallbacks=flown.fallbacks,
         reason=flown.reason,
         log=task.log,
-        planning_times=tuple(round(plan.solve_time, 6) for plan in flown.plans),
+        planning_times=tuple(planner.times),
         performances=judged,
         legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
     )
@@ -169,7 +172,7 @@ def plant_name(plant: Plant) -> str:
     return plant if isinstance(plant, str) else f"gamma {plant:+g}"
 
 
-def fly_automaton(task: MissionTask) -> Flown:
+def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
     """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
     mission = task.mission
     gamma: float | Iterator[float]
@@ -178,12 +181,11 @@ def fly_automaton(task: MissionTask) -> Flown:
     else:
         rng = np.random.default_rng(np.random.SeedSequence(task.seed, spawn_key=(_GAMMA_STREAM,)))
         gamma = independent_gammas(rng)
-    return _close_loop(
-        AutomatonVehicle(task.library, start=mission.start, trim=mission.start_trim, gamma=gamma), task
-    )
+    vehicle = AutomatonVehicle(task.library, start=mission.start, trim=mission.start_trim, gamma=gamma)
+    return _close_loop(vehicle, task, planner)
 
 
-def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
+def fly_helicopter(task: MissionTask, planner: Planner | None = None) -> tuple[Flown, FlightLog]:
     """Flies a mission by the simulated helicopter, and returns what it came to with its log."""
     mission = task.mission
     task.library.trim(mission.start_trim)
@@ -197,7 +199,7 @@ def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
         start_trim=mission.start_trim,
     )
     helicopter = SimulatedHelicopter(specification, task.library)
-    flown = _close_loop(helicopter, task)
+    flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: _mission_json(task), PLANS_ATTACHMENT: _plans_json(flown)})
     return flown, replace(log, series={**log.series, DECISION.name: decision_series(flown.decisions)})
 
@@ -211,8 +213,12 @@ def planner_of(
     return WorstCase(library, gamma, max_nodes=max_nodes)
 
 
-def _close_loop(vehicle: Vehicle, task: MissionTask) -> Flown:
-    planner = planner_of(task.policy, task.library, gamma=task.gamma, max_nodes=task.max_nodes)
+def _planner(task: MissionTask) -> Planner:
+    return planner_of(task.policy, task.library, gamma=task.gamma, max_nodes=task.max_nodes)
+
+
+def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
+    planner = planner or _planner(task)
     return fly(vehicle, task.mission, planner=planner, library=task.library, settings=task.settings)
 
 

@@ -49,7 +49,7 @@ class Cell:
         activations: median number of plannings in a flight.
         failures: plannings that gave nothing to fly, all flights together.
         fallbacks: ways to rest begun, all flights together.
-        planning_time_99: seconds that 99 % of all plannings kept, by the clock; None without one.
+        planning_time_99: processor's seconds that 99 % of all plannings kept; None without one.
         reasons: why flights did not reach the goal, each once.
     """
 

@@ -41,8 +41,7 @@ HEADS = (
 NOTES = """`reached`: the true track entered the tolerance, on a plan; a flight that ends by time-out, by the
 limit of plannings, without a plan or on its way to rest is not. `inside the prediction`: that, within the
 time that the first plan promised. Intervals are Wilson's. `flown` and `predicted` are medians; `95 % keep`
-counts flights that did not reach the goal as endless. Planning times are by the clock of the machine that
-flew."""
+counts flights that did not reach the goal as endless. Planning times are the processor's."""
 
 
 BLAME_HEADS = (

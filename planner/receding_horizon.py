@@ -1,6 +1,6 @@
 """Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import inf
 
 from flight.decision import DecisionKind
@@ -13,15 +13,12 @@ from flight.se2 import SE2
 from flight.vehicle import Vehicle
 
 from .flown import FlightRecord, Flown
-from .latency import Latency
 from .levels import Levels
+from .loop_settings import Settings as Settings
 from .policy import Planner
 from .remainder import SHORTEST_COAST, Remainder, Step
 from .tail import way_to_rest
 from .verdict import Verdict, judge
-
-LONGEST_INTERVAL = 3600.0
-"""Seconds between two plannings; long enough for a plan to be flown as it is."""
 
 
 class NoToleranceError(FlightError):
@@ -29,56 +26,6 @@ class NoToleranceError(FlightError):
 
     def __init__(self, mission: str) -> None:
         super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """How the loop is closed.
-
-    Attributes:
-        activation_interval: seconds between two plannings; a maneuver under way is finished first.
-        max_activations: plannings after which the flight is given up, and the vehicle brought to rest.
-        final_tolerance: metres within which the goal counts as reached; None for the mission's.
-        tolerance_share: of the distance to go; the planner is handed that as its tolerance where it is larger
-            than the final one (thesis, 6.3.1).
-        aim: part of the final tolerance that the planner is handed: a plan of least time ends at the edge of
-            what it is given, where every error misses.
-        latency: for how long the vehicle flies on while a plan is made.
-        replan_in_maneuver: whether it is planned again during every maneuver, from where it is foretold to
-            end, so that the plan is ready there (thesis, 6.3.3).
-        hysteresis: seconds by which a new plan must be faster than the one under way, where that still leads
-            to the goal, to be taken instead.
-        learn_level: whether the coasting times flown are those of the uncertainty level that the vehicle has
-            shown so far, not those of the deciding one.
-    """
-
-    activation_interval: float = 0.5
-    max_activations: int = 200
-    final_tolerance: float | None = None
-    tolerance_share: float = 0.0
-    aim: float = 0.5
-    latency: Latency = field(default_factory=Latency)
-    replan_in_maneuver: bool = False
-    hysteresis: float = 1.0
-    learn_level: bool = True
-
-    def __post_init__(self) -> None:
-        """Refuses a loop that cannot run."""
-        if not 0 < self.activation_interval <= LONGEST_INTERVAL:
-            raise ValueError(
-                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
-                f"got {self.activation_interval} s"
-            )
-        if self.max_activations < 1:
-            raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")
-        if self.final_tolerance is not None and not 0 < self.final_tolerance < inf:
-            raise ValueError(f"final_tolerance must be > 0 m, got {self.final_tolerance} m")
-        if not 0 <= self.tolerance_share < 1:
-            raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
-        if not 0 < self.aim <= 1:
-            raise ValueError(f"aim must be in (0, 1], got {self.aim}")
-        if not 0 <= self.hysteresis < inf:
-            raise ValueError(f"hysteresis must be >= 0 s, got {self.hysteresis} s")
 
 
 def fly(
@@ -154,18 +101,18 @@ class _Loop:
         """
         began = self._vehicle.time
         steps, rest = self._left.window(self._thinking())
-        asked = self._asked(steps, share=self._settings.tolerance_share)
-        plan = self._planner.plan(asked)
+        asked, plan = self._ask(self._asked(steps, share=self._settings.tolerance_share), rest)
         latency = self._settings.latency.of(len(self._record.plans), plan)
         first = not self._record.plans
         self._record.add_planning(began, asked, plan, latency)
-        late = latency > self._settings.latency.configured
-        verdict = judge(plan, self._library, asked, known_hash=self._hash, late=late)
+        verdict = self._judged(plan, asked, late=latency > self._settings.latency.configured)
         if first and verdict.kind is not DecisionKind.ADOPTED:
             self._record.decide(began, verdict.kind, cost=inf, level=self._level)
             return f"no plan from the start: {verdict.reason}"
-        ended = self._fly(steps) or self._choose(verdict, asked, plan, rest)
-        return ended or self._advance(began + self._settings.activation_interval)
+        if ended := self._fly(steps):
+            return ended
+        self._choose(verdict, asked, plan, rest)
+        return self._advance(began + self._settings.activation_interval)
 
     def _thinking(self) -> float:
         """Returns for how long the vehicle flies on before the plan is; a maneuver that is due is flown."""
@@ -182,21 +129,42 @@ class _Loop:
         tolerance = max(self._settings.aim * self._goal.tolerance, share * distance)
         return replace(self._goal, start=pose, start_trim=trim, tolerance=tolerance)
 
-    def _choose(self, verdict: Verdict, asked: Mission, plan: Plan, rest: Remainder) -> str:
+    def _ask(self, asked: Mission, rest: Remainder) -> tuple[Mission, Plan]:
+        """Returns a question with its answer: with room for errors, unless room costs too much.
+
+        Where the plan under way no longer leads to the goal, and a clearly faster plan does without the room,
+        that is the better one: no plan of the automaton corrects a little.
+        """
+        plan, goal = self._planner.plan(asked), self._goal.tolerance
+        if asked.tolerance >= goal or self._arrives(rest, asked.start) < inf:
+            return asked, plan
+        close = replace(asked, tolerance=goal)
+        faster = self._planner.plan(close)
+        took = plan.solve_time + faster.solve_time
+        honest = self._judged(faster, close).kind is DecisionKind.ADOPTED
+        if honest and faster.cost + self._settings.hysteresis < plan.cost:
+            return close, replace(faster, solve_time=took)
+        return asked, replace(plan, solve_time=took)
+
+    def _judged(self, plan: Plan, asked: Mission, *, late: bool = False) -> Verdict:
+        return judge(plan, self._library, asked, known_hash=self._hash, late=late)
+
+    def _choose(self, verdict: Verdict, asked: Mission, plan: Plan, rest: Remainder) -> None:
         """Takes the new plan, keeps the one under way, or falls back."""
         now, self._left = self._vehicle.time, rest
         if verdict.kind is not DecisionKind.ADOPTED:
             self._record.decide(now, verdict.kind, cost=inf, level=self._level)
-            return ""
+            return
         scenario = self._scenario(plan)
-        if self._keeps(asked.start, scenario):
-            cost = rest.outcome(asked.start, self._library, self._level)[1]
-            self._record.decide(now, DecisionKind.KEPT, cost=cost, level=self._level)
-            return ""
+        remaining = self._arrives(rest, asked.start)
+        # The same walk with other coasting times is the plan under way, brought up to date.
+        same = (rest.trim, *rest.trims) == plan.sequence
+        if self._settings.hysteresis and not same and remaining <= scenario.cost + self._settings.hysteresis:
+            self._record.decide(now, DecisionKind.KEPT, cost=remaining, level=self._level)
+            return
         self._level = scenario.gamma
         self._left = Remainder.of(plan, scenario)
         self._record.decide(now, DecisionKind.ADOPTED, cost=plan.cost, level=scenario.gamma)
-        return ""
 
     def _scenario(self, plan: Plan) -> Scenario:
         """Returns the scenario whose coasting times are flown."""
@@ -208,14 +176,16 @@ class _Loop:
         shown = self._levels.shown(otherwise=plan.deciding.gamma)
         return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
 
-    def _keeps(self, start: SE2, scenario: Scenario) -> bool:
-        """Whether the plan under way still leads to the goal, and not much later than the new one."""
-        if not self._settings.hysteresis or self._left.used_up or self._left.fallback or self._record.refused:
-            return False
-        end, time = self._left.outcome(start, self._library, self._level)
-        meets = end.distance_to(self._goal.goal) <= self._goal.tolerance
-        wanted = self._goal.goal_heading is None and self._goal.goal_trim is None
-        return meets and wanted and time <= scenario.cost + self._settings.hysteresis
+    def _arrives(self, rest: Remainder, start: SE2) -> float:
+        """Returns the seconds that what is left of a plan takes to the goal; infinite where it misses.
+
+        A wanted heading or trim is left to the planner.
+        """
+        goal = self._goal
+        if rest.used_up or rest.fallback or (goal.goal_heading, goal.goal_trim) != (None, None):
+            return inf
+        end, time = rest.outcome(start, self._library, self._level)
+        return time if end.distance_to(goal.goal) <= goal.tolerance else inf
 
     def _advance(self, until: float) -> str:
         """Flies what is left for so long, and a maneuver begun in it to its end."""

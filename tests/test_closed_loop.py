@@ -28,6 +28,8 @@ from planner.receding_horizon import Settings, fly
 from planner.remainder import Remainder, Step
 from planner.tail import rest_trim, way_to_rest
 from planner.worst_case import WorstCase
+from sim.fly import SimulatedHelicopter
+from sim.specification import FlightSpecification, pose
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 LIBRARY = find_library("gtmax-sim")
@@ -268,3 +270,21 @@ def test_a_way_to_rest_needs_maneuvers() -> None:
     stranded = replace(library, maneuvers=library.maneuvers[:1])
     assert way_to_rest(stranded, 3) == ()
     assert way_to_rest(stranded, 2) == (1,)
+
+
+def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+    mission = shipped("gtmax-2")
+    specification = FlightSpecification(seed=1, start=pose(mission.start), start_trim=2, settling_time=1.0)
+    helicopter = SimulatedHelicopter(specification, LIBRARY)
+    advance = SimulatedHelicopter._advance
+
+    def fall(self: SimulatedHelicopter) -> None:
+        if self.time >= 6.0:
+            raise FlightLostError(self.time, "it met the ground")
+        advance(self)
+
+    monkeypatch.setattr(SimulatedHelicopter, "_advance", fall)
+    result = fly(helicopter, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    assert not result.reached
+    assert result.flown_time == pytest.approx(6.0)
+    assert result.legs[-1].track[-1, 0] == pytest.approx(6.0)

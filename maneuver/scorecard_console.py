@@ -7,7 +7,7 @@ from rich.console import Console
 from rich.table import Table
 
 from .scorecard import Cell
-from .scorecard_files import Scorecard, interval, number
+from .scorecard_files import Scorecard, number
 
 MOST_ROWS = 24
 """Cells that are shown one by one; where there are more, all missions together stand for them."""
@@ -18,7 +18,10 @@ def show(card: Scorecard) -> None:
     console = Console(highlight=False)
     cells = card.cells if len(card.cells) <= MOST_ROWS else card.totals
     console.print(f"{_where(cells)}; medians of flown and planned time", soft_wrap=True)
-    console.print(_table(cells))
+    table = _table(cells)
+    # Numbers are for reading, wherever they are written to: a narrow terminal wraps, nothing is cut.
+    console.width = max(console.width, console.measure(table).maximum)
+    console.print(table)
     shown = [(cell, reason) for cell in card.cells for reason in cell.reasons]
     for cell, reason in shown[:MOST_ROWS]:
         console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", soft_wrap=True)
@@ -50,7 +53,7 @@ def _table(cells: Sequence[Cell]) -> Table:
     }
     numbers = {
         "reached": lambda cell: f"{cell.reached.count}/{cell.flights}",
-        "95 %": lambda cell: interval(cell.reached),
+        "95 %": lambda cell: f"{cell.reached.low:.2f}-{cell.reached.high:.2f}",
         "flown, s": lambda cell: number(cell.flown_time),
         "plan, s": lambda cell: number(cell.predicted_time),
         "inside": lambda cell: f"{cell.inside.count}/{cell.flights}",

@@ -18,10 +18,13 @@ from review.pictures import publish_picture
 from review.prediction_picture import prediction_picture
 
 from .mission_flights import LegFlown, MissionResult, planner_of
-from .scorecard import Cell, Promise
+from .scorecard import Cell, Promise, Share
 
-MOST_MAPS = 8
-"""Missions that are drawn from above; more would not be looked at."""
+MOST_MAPS = 24
+"""Maps of what was flown, all plants and winds together; more would not be looked at."""
+
+MOST_BUNDLES = 8
+"""Missions whose plans are drawn in other worlds."""
 
 MOST_FLIGHTS = 8
 """Flights of one policy on one map."""
@@ -50,31 +53,45 @@ def write_validation_pictures(
         promises: calibrated times.
     """
     highest = max((row.gamma for row in results), default=0.0)
-    for place in dict.fromkeys((row.plant, row.wind) for row in results):
+    places = list(dict.fromkeys((row.plant, row.wind) for row in results))
+    for place in places:
         rows = [row for row in results if (row.plant, row.wind) == place]
-        own = [row for row in rows if row.policy == "nominal" or row.gamma == highest]
-        words = f"{place[0]}, wind {place[1]}" if place[1] != "none" else f"automaton, {place[0]}"
-        stem = "-".join(words.replace(",", "").replace("wind ", "").split())
-        for mission in missions[:MOST_MAPS]:
-            _map(folder / f"map-{mission.name}-{stem}.png", mission, library, own, gamma=highest, words=words)
-        flights = [_drawn(row, library) for row in own]
-        title = f"{library.name}, {words}"
-        publish_picture(
-            occurrence_picture(flights, library, title=title), folder / f"occurrence-{stem}.png", force=True
-        )
-        factors: dict[str, float] = {
-            promise.policy: promise.factor
-            for promise in promises
-            if (promise.plant, promise.wind) == place and promise.factor is not None
-        }
-        publish_picture(
-            prediction_picture(flights, factors, title=title), folder / f"predicted-{stem}.png", force=True
-        )
-    for mission in missions[:MOST_MAPS]:
+        own = [promise for promise in promises if (promise.plant, promise.wind) == place]
+        _place(folder, rows, missions[: max(MOST_MAPS // len(places), 1)], library, promises=own)
+    for mission in missions[:MOST_BUNDLES]:
         plans = _plans(mission, library, tuple(dict.fromkeys(row.policy for row in results)), highest)
         figure = bundle_picture(mission, library, plans, _worlds(library), gamma=highest or 1.0)
         publish_picture(figure, folder / f"bundle-{mission.name}.png", force=True)
     _over_levels(folder / "gamma.png", totals, library)
+
+
+def _place(
+    folder: Path,
+    rows: Sequence[MissionResult],
+    missions: Sequence[Mission],
+    library: Library,
+    *,
+    promises: Sequence[Promise],
+) -> None:
+    """Draws what one plant did in one wind: the nominal policy, and the worst case at its highest level."""
+    highest = max(row.gamma for row in rows)
+    own = [row for row in rows if row.policy == "nominal" or row.gamma == highest]
+    plant, wind = own[0].plant, own[0].wind
+    words = f"{plant}, wind {wind}" if wind != "none" else f"automaton, {plant}"
+    stem = words.replace(",", "").replace("wind ", "").replace("+", "").replace(" ", "-")
+    for mission in missions:
+        _map(folder / f"map-{mission.name}-{stem}.png", mission, library, own, gamma=highest, words=words)
+    flights = [_drawn(row, library) for row in own]
+    title = f"{library.name}, {words}"
+    bars = occurrence_picture(flights, library, title=title)
+    publish_picture(bars, folder / f"occurrence-{stem}.png", force=True)
+    factors: dict[str, float] = {
+        promise.policy: promise.factor
+        for promise in promises
+        if promise.factor is not None and promise.gamma in {0.0, highest}
+    }
+    points = prediction_picture(flights, factors, title=title)
+    publish_picture(points, folder / f"predicted-{stem}.png", force=True)
 
 
 def _map(
@@ -137,14 +154,18 @@ def _over_levels(path: Path, totals: Sequence[Cell], library: Library) -> None:
 
 
 def _level(cell: Cell, level: float) -> LevelFlown:
-    share = cell.reached
     return LevelFlown(
         policy=cell.policy,
         level=level,
-        reached=(share.count / share.of, share.low, share.high),
+        reached=_with_interval(cell.reached),
+        inside=_with_interval(cell.inside),
         flown_time=cell.flown_time,
         predicted_time=cell.predicted_time,
     )
+
+
+def _with_interval(share: Share) -> tuple[float, float, float]:
+    return share.count / share.of, share.low, share.high
 
 
 def _drawn(row: MissionResult, library: Library) -> FlightDrawn:

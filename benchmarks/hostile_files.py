@@ -93,7 +93,7 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
             "log",
             whole,
             ".mcap",
-            _command("review", "--force"),
+            _command("review", "--html", "--force"),
             lambda _, chance: changed_log(flown, chance),
             True,
         ),

@@ -28,7 +28,8 @@ class Campaign:
         library: name or path of the library that names the trims and the maneuvers.
         wind: wind class.
         altitude: metres above ground.
-        flights: how many.
+        flights: how many give the bounds.
+        nominal_flights: how many others give the values of maneuvers; 0 lets the same flights give both.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
     """
@@ -40,6 +41,7 @@ class Campaign:
     flights: int
     coasting_range: tuple[float, float]
     maneuver_end: Mapping[str, ManeuverEnd]
+    nominal_flights: int = 0
 
     def __post_init__(self) -> None:
         """Refuses coasting times in the wrong order."""
@@ -67,6 +69,7 @@ class _CampaignFile(FileModel):
     wind: str
     altitude: FiniteFloat = Field(gt=0)
     flights: PositiveInt
+    nominal_flights: int = Field(default=0, ge=0)
     coasting_range: tuple[FiniteFloat, FiniteFloat]
     maneuver_end: dict[str, ManeuverEndPart]
 
@@ -89,4 +92,5 @@ def _to_campaign(content: _CampaignFile) -> Campaign:
         flights=content.flights,
         coasting_range=content.coasting_range,
         maneuver_end={wind: part.rule() for wind, part in content.maneuver_end.items()},
+        nominal_flights=content.nominal_flights,
     )

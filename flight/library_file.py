@@ -5,50 +5,36 @@ import json
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, FiniteFloat, JsonValue, PositiveInt, WithJsonSchema
+from pydantic import AfterValidator, Field, FiniteFloat, JsonValue, WithJsonSchema
 
-from .conditions import Conditions, TrimErrorKind
+from .conditions_file import ConditionsPart, conditions_content
 from .file_model import FileModel, parse_json, read_text
 from .library import Library
 from .maneuver import Maneuver, ManeuverError
-from .maneuver_end_file import ManeuverEndPart, maneuver_end_content
-from .se2 import SE2, Twist
-from .statistics import ScalarStatistics, Statistics
+from .se2 import SE2
+from .statistics import Statistics
+from .statistics_file import (
+    AveragedErrorPart,
+    StatisticsPart,
+    VelocityPart,
+    averaged_error_content,
+    statistics_content,
+    velocity_content,
+)
 from .trim import Trim
 
 SCHEMA = "maneuver-library/1"
 
 
-class _Velocity(FileModel):
-    """Body velocity, or its signed error."""
-
-    forward: FiniteFloat = Field(description="metres per second")
-    side: FiniteFloat = Field(description="metres per second, to the right")
-    yaw_rate: FiniteFloat = Field(description="radians per second, right turns positive")
-
-
-class _Scalar(FileModel):
-    mean: FiniteFloat
-    standard_deviation: FiniteFloat = Field(ge=0)
-    largest_deviation: FiniteFloat = Field(ge=0)
-
-
-class _Statistics(FileModel):
-    """How the errors of one primitive were found."""
-
-    samples: PositiveInt
-    timeouts: int = Field(ge=0)
-    coverage: FiniteFloat = Field(ge=0, le=1, description="share of future samples inside all bounds at once")
-    confidence: FiniteFloat = Field(ge=0, le=1)
-    scalars: dict[str, _Scalar]
-
-
 class _Trim(FileModel):
     id: int
     name: str
-    velocity: _Velocity
-    error: _Velocity = Field(description="signed; gamma scales it")
-    statistics: _Statistics | None = None
+    velocity: VelocityPart
+    error: VelocityPart = Field(description="signed; gamma scales it")
+    statistics: StatisticsPart | None = None
+    averaged: list[AveragedErrorPart] | None = Field(
+        default=None, description="errors averaged over a coast, by its duration"
+    )
 
 
 class _Displacement(FileModel):
@@ -71,16 +57,8 @@ class _Maneuver(FileModel):
     displacement: _Displacement
     heading_change: FiniteFloat = Field(description="radians, clockwise positive")
     error: _ManeuverError = Field(description="signed; gamma scales it")
-    statistics: _Statistics | None = None
+    statistics: StatisticsPart | None = None
     notes: str | None = None
-
-
-class _Conditions(FileModel):
-    wind: str
-    altitude: FiniteFloat | None = None
-    maneuver_end: ManeuverEndPart | None = None
-    trim_error_kind: TrimErrorKind
-    coasting_range: tuple[FiniteFloat, FiniteFloat] | None = None
 
 
 def _known_schema(schema: str) -> str:
@@ -98,7 +76,7 @@ class LibraryFile(FileModel):
     name: str
     description: str
     vehicle: str
-    conditions: _Conditions
+    conditions: ConditionsPart
     provenance: dict[str, JsonValue]
     trims: list[_Trim] = Field(min_length=1)
     maneuvers: list[_Maneuver]
@@ -145,7 +123,7 @@ def _to_library(content: LibraryFile) -> Library:
         vehicle=content.vehicle,
         trims=tuple(_to_trim(trim) for trim in content.trims),
         maneuvers=tuple(_to_maneuver(maneuver) for maneuver in content.maneuvers),
-        conditions=_to_conditions(content.conditions),
+        conditions=content.conditions.conditions(),
         provenance=content.provenance,
     )
 
@@ -154,9 +132,10 @@ def _to_trim(content: _Trim) -> Trim:
     return Trim(
         id=content.id,
         name=content.name,
-        velocity=Twist(**content.velocity.model_dump()),
-        error=Twist(**content.error.model_dump()),
+        velocity=content.velocity.twist(),
+        error=content.error.twist(),
         statistics=_to_statistics(content.statistics),
+        averaged=tuple(part.averaged_error() for part in content.averaged or ()),
     )
 
 
@@ -173,38 +152,17 @@ def _to_maneuver(content: _Maneuver) -> Maneuver:
     )
 
 
-def _to_statistics(content: _Statistics | None) -> Statistics | None:
-    if content is None:
-        return None
-    scalars = tuple(ScalarStatistics(name, **scalar.model_dump()) for name, scalar in content.scalars.items())
-    return Statistics(content.samples, content.timeouts, content.coverage, content.confidence, scalars)
-
-
-def _to_conditions(content: _Conditions) -> Conditions:
-    rule = content.maneuver_end
-    return Conditions(
-        wind=content.wind,
-        altitude=content.altitude,
-        maneuver_end=None if rule is None else rule.rule(),
-        trim_error_kind=content.trim_error_kind,
-        coasting_range=content.coasting_range,
-    )
+def _to_statistics(content: StatisticsPart | None) -> Statistics | None:
+    return None if content is None else content.statistics()
 
 
 def _from_library(library: Library) -> LibraryFile:
-    rule = library.conditions.maneuver_end
     content = {
         "schema": SCHEMA,
         "name": library.name,
         "description": library.description,
         "vehicle": library.vehicle,
-        "conditions": {
-            "wind": library.conditions.wind,
-            "altitude": library.conditions.altitude,
-            "maneuver_end": None if rule is None else maneuver_end_content(rule),
-            "trim_error_kind": library.conditions.trim_error_kind,
-            "coasting_range": library.conditions.coasting_range,
-        },
+        "conditions": conditions_content(library.conditions),
         "provenance": dict(library.provenance),
         "trims": [_trim_content(trim) for trim in library.trims],
         "maneuvers": [_maneuver_content(maneuver) for maneuver in library.maneuvers],
@@ -216,9 +174,10 @@ def _trim_content(trim: Trim) -> dict[str, Any]:
     return {
         "id": trim.id,
         "name": trim.name,
-        "velocity": _twist_content(trim.velocity),
-        "error": _twist_content(trim.error),
-        "statistics": _statistics_content(trim.statistics),
+        "velocity": velocity_content(trim.velocity),
+        "error": velocity_content(trim.error),
+        "statistics": statistics_content(trim.statistics),
+        "averaged": [averaged_error_content(part) for part in trim.averaged] or None,
     }
 
 
@@ -237,29 +196,6 @@ def _maneuver_content(maneuver: Maneuver) -> dict[str, Any]:
             "side": error.side,
             "heading_change": error.heading_change,
         },
-        "statistics": _statistics_content(maneuver.statistics),
+        "statistics": statistics_content(maneuver.statistics),
         "notes": maneuver.notes or None,
-    }
-
-
-def _twist_content(twist: Twist) -> dict[str, float]:
-    return {"forward": twist.forward, "side": twist.side, "yaw_rate": twist.yaw_rate}
-
-
-def _statistics_content(statistics: Statistics | None) -> dict[str, Any] | None:
-    if statistics is None:
-        return None
-    return {
-        "samples": statistics.samples,
-        "timeouts": statistics.timeouts,
-        "coverage": statistics.coverage,
-        "confidence": statistics.confidence,
-        "scalars": {
-            scalar.name: {
-                "mean": scalar.mean,
-                "standard_deviation": scalar.standard_deviation,
-                "largest_deviation": scalar.largest_deviation,
-            }
-            for scalar in statistics.scalars
-        },
     }

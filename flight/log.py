@@ -28,6 +28,9 @@ INITIAL_STATE_ATTACHMENT = "initial_state.json"
 SPECIFICATION_ATTACHMENT = "specification.json"
 """All that the simulator needs to repeat the flight."""
 
+FAULTS_ATTACHMENT = "faults.json"
+"""What goes wrong in the flight, by numbers from 1: a JSON array of `flight.fault.Fault`; absent in most."""
+
 PLANS_ATTACHMENT = "plans.json"
 """The plans of a flight in receding horizon, in order: a JSON array of `maneuver-plan/1` with their times."""
 
@@ -139,7 +142,29 @@ PRIMITIVE = Topic(
     ),
 )
 
-TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE)
+FAULT = Topic(
+    "/fault",
+    "maneuver.Fault",
+    "one message at the start and one at the end of every fault; absent where none was asked for",
+    (
+        Field("number", "-", "place in `faults.json`, from 1"),
+        Field("active", "-", "1 where it starts, 0 where it ends"),
+        Field("size_1", "as its kind", "by how much, as the kind of fault counts it; 0 where it does not"),
+        Field("size_2", "as its kind", "likewise"),
+        Field("size_3", "as its kind", "likewise"),
+    ),
+)
+FAULT_EFFECT = Topic(
+    "/fault_effect",
+    "maneuver.FaultEffect",
+    "what shows that a fault acted, for every control period of its; absent where none was asked for",
+    (
+        Field("number", "-", "place in `faults.json`, from 1"),
+        Field("effect", "as its kind", "how far it takes the flight from one without it; 0 where not at all"),
+    ),
+)
+
+TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT)
 
 
 class PrimitiveKind(IntEnum):
@@ -168,7 +193,7 @@ class FlightHeader:
         seed: of every random number of the flight.
         wind: wind class.
         code_version: version of this program.
-        backend: how the vehicle's expressions were evaluated.
+        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`.
         outcome: `completed`, or what went wrong.
     """
 
@@ -181,6 +206,11 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+
+    @property
+    def arithmetic(self) -> str:
+        """What evaluated the expressions; interpreted or compiled it gives the same bits."""
+        return self.backend.partition(" ")[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

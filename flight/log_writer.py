@@ -86,7 +86,7 @@ def log_bytes(log: FlightLog) -> bytes:
 
 def _series_block(writer: Writer, series: Series) -> _Block:
     topic = series.topic
-    schema = writer.register_schema(topic.message, "protobuf", _topic_descriptors(topic))
+    schema = writer.register_schema(topic.message, "protobuf", topic_descriptors(topic))
     units = {field.name: f"{field.unit}; {field.meaning}" for field in topic.fields}
     channel = writer.register_channel(topic.name, "protobuf", schema, {"meaning": topic.meaning, **units})
     messages = _messages(channel, topic_type(topic), np.rint(series.time * 1e9).astype(np.uint64))
@@ -149,7 +149,8 @@ def _add(writer: Writer, block: _Block, start: int, end: int) -> None:
     statistics.message_count += count
 
 
-def _topic_descriptors(topic: Topic) -> bytes:
+def topic_descriptors(topic: Topic) -> bytes:
+    """Returns the schema of a topic: its serialised `FileDescriptorSet`."""
     package, _, message = topic.message.rpartition(".")
     file = FileDescriptorProto(name=f"{topic.message}.proto", package=package, syntax="proto3")
     description = file.message_type.add(name=message)

@@ -1,13 +1,16 @@
 """A motion plan: a walk in the maneuver automaton with its coasting times, and what it promises."""
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from typing import Any, Literal
 
-from pydantic import Field, FiniteFloat, NonNegativeFloat
+from pydantic import Field, FiniteFloat, NonNegativeFloat, PositiveInt
 
+from .certificate import Certificate, Refutation
+from .errors import BadFileError
 from .file_model import FileModel, parse_json, read_text
 from .se2 import SE2
 
@@ -15,6 +18,10 @@ Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Policy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
 
 SCHEMA = "maneuver-plan/1"
+
+
+class PlanContradictionError(BadFileError):
+    """A plan file is well formed, but what it says in one place is not what it says in another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,9 +59,14 @@ class Plan:
         verified: whether code that shares nothing with the solver flew every scenario to the goal.
         reason: why there is no plan, or why it is not called optimal.
         lower_bound: seconds that no plan can undercut, where known.
+        certificate: proof of the lower bound, or that there is no plan, where asked for.
         solve_time: seconds of computing; outside every hash.
         tail: ids of the trims that lead from the last one to rest, for when nothing better comes.
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
+        miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
+            where one set of coasting times is flown at all of them.
+        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one
+            does.
     """
 
     status: Status
@@ -70,9 +82,12 @@ class Plan:
     verified: bool = False
     reason: str = ""
     lower_bound: float | None = None
+    certificate: Certificate | None = None
     solve_time: float = 0.0
     alpha: float | None = None
     tail: tuple[int, ...] = ()
+    miss: float | None = None
+    at_smallest_tolerance: "Plan | None" = None
 
     @property
     def found(self) -> bool:
@@ -108,8 +123,19 @@ class _Pose(FileModel):
 class _Scenario(FileModel):
     gamma: FiniteFloat
     cost: FiniteFloat
-    coasting_times: tuple[NonNegativeFloat, ...]
+    coasting_times: tuple[FiniteFloat, ...]
     end: _Pose
+
+
+class _Refutation(FileModel):
+    sequence: tuple[int, ...]
+    gamma: FiniteFloat
+    tree: str
+
+
+class _Certificate(FileModel):
+    max_trims: PositiveInt
+    refutations: tuple[_Refutation, ...]
 
 
 class _PlanFile(FileModel):
@@ -121,17 +147,20 @@ class _PlanFile(FileModel):
     mission: str
     policy: Policy
     gamma: FiniteFloat
-    tolerance: NonNegativeFloat
+    tolerance: FiniteFloat
     cost: FiniteFloat | None = None
     sequence: tuple[int, ...]
     maneuvers: tuple[int, ...]
-    coasting_times: tuple[NonNegativeFloat, ...]
+    coasting_times: tuple[FiniteFloat, ...]
     scenarios: tuple[_Scenario, ...]
     lower_bound: FiniteFloat | None = None
+    certificate: _Certificate | None = None
     verified: bool
     solve_time: NonNegativeFloat
     tail: tuple[int, ...] = ()
     alpha: FiniteFloat | None = None
+    miss: NonNegativeFloat | None = None
+    at_smallest_tolerance: "_PlanFile | None" = None
 
 
 def plan_content(plan: Plan) -> dict[str, Any]:
@@ -153,9 +182,12 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "coasting_times": list(plan.coasting_times),
         "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
         "tail": list(plan.tail) or None,
+        "miss": plan.miss,
         "lower_bound": plan.lower_bound,
+        "certificate": None if plan.certificate is None else _certificate_content(plan.certificate),
         "verified": plan.verified,
         "solve_time": plan.solve_time,
+        "at_smallest_tolerance": plan.at_smallest_tolerance and plan_content(plan.at_smallest_tolerance),
     }
     return {key: value for key, value in content.items() if value is not None}
 
@@ -169,9 +201,23 @@ def read_plan(path: Path) -> Plan:
     """Reads a plan file.
 
     Raises:
-        BadFileError: the file is missing, broken or contradicts itself; names the place.
+        BadFileError: the file is missing or broken; names the place.
+        PlanContradictionError: it is whole, but contradicts itself; names the place.
     """
-    return parse_json(read_text(path), path, _PlanFile, _to_plan)
+    plan, content = parse_json(read_text(path), path, _PlanFile, lambda content: (_to_plan(content), content))
+    for contradiction in _contradictions(plan, content):
+        raise PlanContradictionError(path, contradiction)
+    return plan
+
+
+def _certificate_content(certificate: Certificate) -> dict[str, Any]:
+    return {
+        "max_trims": certificate.max_trims,
+        "refutations": [
+            {"sequence": list(one.sequence), "gamma": one.gamma, "tree": one.tree}
+            for one in certificate.refutations
+        ],
+    }
 
 
 def _scenario_content(scenario: Scenario) -> dict[str, Any]:
@@ -184,7 +230,7 @@ def _scenario_content(scenario: Scenario) -> dict[str, Any]:
 
 
 def _to_plan(content: _PlanFile) -> Plan:
-    plan = Plan(
+    return Plan(
         status=content.status,
         library=content.library,
         library_hash=content.library_hash,
@@ -205,25 +251,37 @@ def _to_plan(content: _PlanFile) -> Plan:
         lower_bound=content.lower_bound,
         alpha=content.alpha,
         tail=content.tail,
+        miss=content.miss,
+        certificate=None if content.certificate is None else _to_certificate(content.certificate),
         solve_time=content.solve_time,
+        at_smallest_tolerance=_to_plan(wider) if (wider := content.at_smallest_tolerance) else None,
     )
-    _refuse_contradictions(plan, content)
-    return plan
 
 
-def _refuse_contradictions(plan: Plan, content: _PlanFile) -> None:
+def _to_certificate(content: _Certificate) -> Certificate:
+    refutations = tuple(Refutation(one.sequence, one.gamma, one.tree) for one in content.refutations)
+    return Certificate(content.max_trims, refutations)
+
+
+def _contradictions(plan: Plan, content: _PlanFile) -> Iterator[str]:
+    """Returns where a plan's parts do not fit together."""
     if plan.found != (plan.status in {"optimal", "feasible"}):
-        raise ValueError(
-            f"scenarios: a plan that is {plan.status} has {'some' if not plan.found else 'none'}"
-        )
-    if len(plan.maneuvers) != max(len(plan.sequence) - 1, 0):
-        raise ValueError(
-            f"maneuvers: one between each two of the {len(plan.sequence)} trims, got {len(plan.maneuvers)}"
-        )
+        yield f"scenarios: a plan that is {plan.status} has {'some' if not plan.found else 'none'}"
+    joints = max(len(plan.sequence) - 1, 0)
+    if len(plan.maneuvers) != joints:
+        yield f"maneuvers: expected {joints} between {len(plan.sequence)} trims, got {len(plan.maneuvers)}"
     for place, scenario in enumerate(plan.scenarios):
         if len(scenario.coasting_times) != len(plan.sequence):
-            raise ValueError(f"scenarios[{place}].coasting_times: one for each of {len(plan.sequence)} trims")
-    if plan.found and content.cost != plan.cost:
-        raise ValueError(f"cost: the deciding scenario takes {plan.cost} s, got {content.cost} s")
+            yield f"scenarios[{place}].coasting_times: one for each of {len(plan.sequence)} trims"
+        if min(scenario.coasting_times, default=0.0) < 0:
+            yield f"scenarios[{place}].coasting_times: must be >= 0 s, got {scenario.coasting_times}"
+    if content.cost != (plan.cost if plan.found else None):
+        yield f"cost: the deciding scenario takes {plan.cost} s, got {content.cost} s"
     if content.coasting_times != plan.coasting_times:
-        raise ValueError("coasting_times: those of the deciding scenario, got others")
+        yield "coasting_times: those of the deciding scenario, got others"
+    wider, its_content = plan.at_smallest_tolerance, content.at_smallest_tolerance
+    if wider is not None and its_content is not None:
+        for contradiction in _contradictions(wider, its_content):
+            yield f"at_smallest_tolerance.{contradiction}"
+    if plan.tolerance < 0:
+        yield f"tolerance: must be >= 0 m, got {plan.tolerance} m"

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .se2 import Twist
-from .statistics import Statistics
+from .statistics import AveragedError, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -16,6 +16,7 @@ class Trim:
         velocity: the nominal body velocity.
         error: the signed error of the velocity; gamma scales it.
         statistics: how the error was found, where it was measured.
+        averaged: errors averaged over a coast, by its duration, where they were measured.
     """
 
     id: int
@@ -23,6 +24,7 @@ class Trim:
     velocity: Twist
     error: Twist
     statistics: Statistics | None = None
+    averaged: tuple[AveragedError, ...] = ()
 
     def at(self, gamma: float) -> Twist:
         """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""

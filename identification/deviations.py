@@ -1,4 +1,7 @@
-"""The deviations of one primitive over many flights, and the errors that follow from them."""
+"""One primitive with the errors that follow from many flights, and what may be claimed of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
@@ -6,74 +9,98 @@ from jaxtyping import Float
 from flight.maneuver import Maneuver, ManeuverError
 from flight.se2 import SE2, Twist
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
-from flight.statistics import ScalarStatistics, Statistics
+from flight.statistics import (
+    COMMAND,
+    NOMINAL_FLIGHTS,
+    SAME_FLIGHTS,
+    AveragedError,
+    Centre,
+    ScalarStatistics,
+    Statistics,
+)
 from flight.trim import Trim
 
 from .bounds import joint_coverage
-from .segmentation import CoastSegment, ManeuverSegment
-
-TRIM_SCALARS = ("forward", "side", "yaw_rate")
-MANEUVER_SCALARS = ("duration", "forward", "side", "heading_change")
+from .box import Box, box_around, smallest_box
+from .samples import MANEUVER_SCALARS, TRIM_SCALARS, Samples
 
 
-def identified_trim(trim: Trim, coasts_by_flight: list[list[CoastSegment]], confidence: float) -> Trim:
-    """Returns the trim with the largest deviations from its commanded velocity as its errors.
+@dataclass(frozen=True, slots=True, eq=False)
+class DurationBin:
+    """What flights show of a trim averaged over coasts of some duration, in seconds."""
 
-    A flight is one sample: its largest deviation of each scalar at any instant of any of its coasts in this
-    trim. The centre of the bounds is the command, fixed before any flight, so three numbers are fitted.
+    shortest: float
+    longest: float
+    samples: Samples
+
+
+def identified_trim(
+    trim: Trim,
+    samples: Samples,
+    confidence: float,
+    *,
+    commanded: bool = True,
+    averaged: tuple[DurationBin, ...] = (),
+) -> Trim:
+    """Returns the trim with the largest deviations from its velocity as its errors.
+
+    A commanded velocity was fixed before any flight, so one number is fitted for each scalar. About one that
+    was found in the same flights the box still holds the smallest box of all, for which two are.
 
     Args:
-        trim: names the trim and the velocity commanded.
-        coasts_by_flight: for each flight that held the trim, its coasts; none empty.
+        trim: names the trim and its velocity.
+        samples: of the kind of error wanted.
         confidence: of the coverage claimed.
+        commanded: whether the velocity was fixed before the flights.
+        averaged: errors averaged over coasts, bin by bin, to stand beside.
     """
     centre = np.array([trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate])
-    samples = [np.concatenate([coast.velocity for coast in coasts]) for coasts in coasts_by_flight]
-    largest = np.array([np.abs(velocity - centre).max(axis=0) for velocity in samples])
-    means = np.array([velocity.mean(axis=0) for velocity in samples])
-    size = largest.max(axis=0)
-    return Trim(
-        id=trim.id,
-        name=trim.name,
-        velocity=trim.velocity,
-        error=signed_trim_error(Twist(*size.tolist()), trim.velocity),
-        statistics=Statistics(
-            samples=len(samples),
-            timeouts=0,
-            coverage=joint_coverage(len(samples), support=len(TRIM_SCALARS), confidence=confidence),
-            confidence=confidence,
-            scalars=_scalars(TRIM_SCALARS, means, size),
-        ),
+
+    def box_of(shown: Samples) -> Box:
+        box = box_around(centre, shown.low, shown.high)
+        return box if commanded else replace(box, support=2 * box.support)
+
+    def signed(size: Float[np.ndarray, "3"]) -> Twist:
+        return signed_trim_error(Twist(*size.tolist()), trim.velocity)
+
+    box = box_of(samples)
+    source: Centre = COMMAND if commanded else SAME_FLIGHTS
+    return replace(
+        trim,
+        error=signed(box.size),
+        statistics=_statistics(TRIM_SCALARS, samples, box, source, confidence),
+        averaged=tuple(_averaged_error(part, box_of(part.samples), signed, confidence) for part in averaged),
     )
 
 
 def identified_maneuver(
     maneuver: Maneuver,
-    segments_by_flight: list[list[ManeuverSegment]],
+    samples: Samples,
     *,
+    nominal: Samples | None,
     left: Trim,
     reached: Trim,
     confidence: float,
 ) -> Maneuver:
-    """Returns the maneuver with its mean values, and its largest deviations from them as errors.
+    """Returns the maneuver with its values, and its largest deviations from them as errors.
 
-    A flight is one sample, however often it performs the maneuver. The centre is the mean of the same
-    performances. The box around it contains the box from the smallest to the largest, for which the claim
-    is made, with two numbers fitted for each scalar.
+    With nominal flights the values are their means: a centre fixed before the others were seen. Without, the
+    box is the smallest around all samples, its middle the value, with two numbers fitted for each scalar.
 
     Args:
         maneuver: names the maneuver; its numbers are not used.
-        segments_by_flight: for each flight that performed it, its performances; none empty.
+        samples: of the flights that give the bounds.
+        nominal: of the flights that give the values; None where there are none.
         left: the trim that the maneuver leaves.
         reached: the trim that it leads to.
         confidence: of the coverage claimed.
     """
-    segments = [segment for flight in segments_by_flight for segment in flight]
-    samples = len(segments_by_flight)
-    rows = np.array([_maneuver_row(segment) for segment in segments])
-    mean = rows.mean(axis=0)
-    size = np.abs(rows - mean).max(axis=0)
-    duration, forward, side, heading_change = mean.tolist()
+    centre: Centre
+    if nominal is None:
+        box, centre = smallest_box(samples.low, samples.high), SAME_FLIGHTS
+    else:
+        box, centre = box_around(nominal.rows.mean(axis=0), samples.low, samples.high), NOMINAL_FLIGHTS
+    duration, forward, side, heading_change = box.centre.tolist()
     return Maneuver(
         id=maneuver.id,
         from_trim=maneuver.from_trim,
@@ -81,26 +108,48 @@ def identified_maneuver(
         duration=duration,
         displacement=SE2(forward, side, heading_change),
         error=signed_maneuver_error(
-            ManeuverError(*size.tolist()), left=left.velocity, reached=reached.velocity
+            ManeuverError(*box.size.tolist()), left=left.velocity, reached=reached.velocity
         ),
-        statistics=Statistics(
-            samples=samples,
-            timeouts=sum(not segment.settled for segment in segments),
-            coverage=joint_coverage(samples, support=2 * len(MANEUVER_SCALARS), confidence=confidence),
-            confidence=confidence,
-            scalars=_scalars(MANEUVER_SCALARS, rows, size),
-        ),
+        statistics=_statistics(MANEUVER_SCALARS, samples, box, centre, confidence),
     )
 
 
-def _maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:
-    displacement = segment.displacement
-    return segment.duration, displacement.x, displacement.y, displacement.heading
+def _averaged_error(
+    part: DurationBin, box: Box, signed: Callable[[Float[np.ndarray, "3"]], Twist], confidence: float
+) -> AveragedError:
+    return AveragedError(
+        shortest=part.shortest,
+        longest=part.longest,
+        error=signed(box.size),
+        samples=part.samples.count,
+        coverage=_coverage(part.samples, box, confidence),
+    )
+
+
+def _coverage(samples: Samples, box: Box, confidence: float) -> float:
+    return joint_coverage(
+        samples.count, support=box.support, confidence=confidence, discarded=len(samples.discarded)
+    )
+
+
+def _statistics(
+    names: tuple[str, ...], samples: Samples, box: Box, centre: Centre, confidence: float
+) -> Statistics:
+    return Statistics(
+        samples=samples.count,
+        timeouts=samples.timeouts,
+        coverage=_coverage(samples, box, confidence),
+        confidence=confidence,
+        scalars=_scalars(names, samples.rows, box.size),
+        discarded=len(samples.discarded),
+        support=box.support,
+        centre=centre,
+    )
 
 
 def _scalars(
-    names: tuple[str, ...], samples: Float[np.ndarray, "n scalars"], largest: Float[np.ndarray, "scalars"]
+    names: tuple[str, ...], rows: Float[np.ndarray, "n scalars"], largest: Float[np.ndarray, "scalars"]
 ) -> tuple[ScalarStatistics, ...]:
-    spread = samples.std(axis=0, ddof=1) if len(samples) > 1 else np.zeros(len(names))
-    rows = zip(names, samples.mean(axis=0).tolist(), spread.tolist(), largest.tolist(), strict=True)
-    return tuple(ScalarStatistics(*row) for row in rows)
+    spread = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(len(names))
+    columns = zip(names, rows.mean(axis=0).tolist(), spread.tolist(), largest.tolist(), strict=True)
+    return tuple(ScalarStatistics(*column) for column in columns)

@@ -1,99 +1,73 @@
 """From flight logs to a motion-primitive library; reads nothing but the logs."""
 
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal
 
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_text
-from flight.log import FlightHeader, FlightLog
+from flight.maneuver import Maneuver
+from flight.trim import Trim
 
-from .deviations import identified_maneuver, identified_trim
-from .segmentation import CoastSegment, ManeuverSegment, Segments, segment
+from .coast_errors import averaged_hull, duration_bins, instantaneous_hull
+from .deviations import DurationBin, identified_maneuver, identified_trim
+from .flight_evidence import FlightEvidence as FlightEvidence
+from .flight_evidence import StateJudged as StateJudged
+from .flight_evidence import evidence as evidence
+from .flight_evidence import motion_judged as motion_judged
+from .samples import NeverFlownError as NeverFlownError
+from .samples import maneuver_samples, trim_samples
+
+TrimErrors = Literal["instantaneous", "averaged"]
 
 
 class InconsistentLogsError(FlightError):
     """Logs that were not flown alike cannot make one library."""
 
 
-class NeverFlownError(FlightError):
-    """No log shows a primitive of the automaton."""
-
-
-@dataclass(frozen=True, slots=True)
-class FlightEvidence:
-    """What identification keeps of one log.
-
-    Attributes:
-        name: what to call the log in an error.
-        sha256: of the log's bytes, as hexadecimal digits.
-        header: the log's header.
-        library: the library flown with.
-        segments: its primitives.
-    """
-
-    name: str
-    sha256: str
-    header: FlightHeader
-    library: Library
-    segments: Segments
-
-
-def evidence(log: FlightLog, *, name: str, sha256: str) -> FlightEvidence:
-    """Returns what identification keeps of a log.
-
-    Raises:
-        FlightError: the log lacks something; its text begins with the log's name.
-    """
-    try:
-        return FlightEvidence(name, sha256, log.header, log.library(), segment(log))
-    except FlightError as error:
-        raise FlightError(f"{name}: {error}") from None
-
-
 def identify(
     flights: Iterable[FlightEvidence],
     *,
     name: str,
+    nominal: Iterable[FlightEvidence] = (),
     confidence: float = 0.95,
+    trim_errors: TrimErrors = "instantaneous",
     campaign: Mapping[str, Any] | None = None,
 ) -> Library:
     """Returns the library that the flights show.
 
-    Values are commanded velocities for trims and means for maneuvers; errors are the largest deviations,
+    The value of a trim is its command; the value of a maneuver is its mean over the nominal flights, or the
+    middle of its extremes where there are none. Errors are the largest deviations over the other flights,
     signed by the convention (thesis, 3.2.6). The order of the flights does not matter.
 
     Args:
-        flights: one for each log.
+        flights: those that give the bounds, one for each log.
         name: of the library.
+        nominal: those that give the values of maneuvers.
         confidence: of the coverage that is claimed for each primitive.
+        trim_errors: whether a trim's error is its largest deviation at any instant, or averaged over a coast
+            of any duration flown: then the largest of all its bins, which the planner may use for each.
         campaign: what is known of how the flights were ordered, for the provenance; plain JSON values.
 
     Raises:
         InconsistentLogsError: there are none, or they differ in vehicle, wind or what was to be flown.
         NeverFlownError: a trim or maneuver of the automaton occurs in no log.
     """
-    ordered = sorted(flights, key=lambda flight: (flight.header.seed, flight.sha256))
-    _refuse_inconsistent(ordered)
-    flown = ordered[0].library
-    header = ordered[0].header
-    trims = tuple(identified_trim(trim, _coasts(ordered, trim.id), confidence) for trim in flown.trims)
-    maneuvers = tuple(
-        identified_maneuver(
-            maneuver,
-            _performances(ordered, maneuver.id),
-            left=flown.trim(maneuver.from_trim),
-            reached=flown.trim(maneuver.to_trim),
-            confidence=confidence,
-        )
-        for maneuver in flown.maneuvers
-    )
+    bounding, centring = _ordered(flights), _ordered(nominal)
+    _refuse_inconsistent([*bounding, *centring])
+    if not bounding:
+        raise InconsistentLogsError("expected flight logs that give the bounds, got nominal flights alone")
+    first = bounding[0]
+    flown, header = first.library, first.header
+    trims = _trims(bounding, trim_errors, confidence)
+    maneuvers = tuple(_maneuver(row, flown, bounding, centring, confidence) for row in flown.maneuvers)
+    beside = f" (values from {len(centring)} others)" if centring else ""
     return Library(
         name=name,
         description=(
-            f"Identified from {len(ordered)} simulated flights in wind class {header.wind}; "
-            "errors are the largest deviations of the true motion."
+            f"Identified from {len(bounding)} flights{beside} in wind class {header.wind}; "
+            f"errors are the largest deviations of the {first.judged} motion."
         ),
         vehicle=header.vehicle,
         trims=trims,
@@ -101,14 +75,67 @@ def identify(
         conditions=replace(
             flown.conditions,
             wind=header.wind,
-            trim_error_kind="instantaneous",
-            coasting_range=_coasting_range(ordered),
+            trim_error_kind=trim_errors,
+            coasting_range=_coasting_range(bounding),
+            vehicle_hash=header.model_hash,
+            speed_range=_speed_range(flown),
+            entry_trims=tuple(sorted({row.from_trim for row in flown.maneuvers})),
         ),
-        provenance=_provenance(ordered, confidence, campaign),
+        provenance=_provenance(bounding, centring, confidence, campaign),
     )
 
 
-def _refuse_inconsistent(flights: list[FlightEvidence]) -> None:
+def _ordered(flights: Iterable[FlightEvidence]) -> list[FlightEvidence]:
+    return sorted(flights, key=lambda flight: (flight.header.seed, flight.sha256))
+
+
+def _trims(flights: Sequence[FlightEvidence], kind: TrimErrors, confidence: float) -> tuple[Trim, ...]:
+    flown = flights[0].library
+    durations = [coast.duration for flight in flights for coast in flight.segments.coasts]
+    bins = duration_bins(durations, flown.conditions.coasting_range) if durations else []
+    hull = instantaneous_hull if kind == "instantaneous" or not bins else averaged_hull(bins[0][0])
+    return tuple(
+        identified_trim(
+            trim,
+            trim_samples(flights, trim.id, hull=hull).required(f"trim {trim.id} is held"),
+            confidence,
+            commanded=flights[0].trims_commanded,
+            averaged=tuple(_bins_of(trim.id, flights, bins)),
+        )
+        for trim in flown.trims
+    )
+
+
+def _bins_of(
+    trim: int, flights: Sequence[FlightEvidence], bins: Sequence[tuple[float, float]]
+) -> Iterable[DurationBin]:
+    for shortest, longest in bins:
+        samples = trim_samples(flights, trim, hull=averaged_hull(shortest, longest))
+        # Where no coast in this trim was that long, nothing is said of it.
+        if len(samples.low):
+            yield DurationBin(shortest, longest, samples)
+
+
+def _maneuver(
+    row: Maneuver,
+    flown: Library,
+    bounding: Sequence[FlightEvidence],
+    centring: Sequence[FlightEvidence],
+    confidence: float,
+) -> Maneuver:
+    seen = f"maneuver {row.id} is performed to its end"
+    nominal = maneuver_samples(centring, row.id).required(seen) if centring else None
+    return identified_maneuver(
+        row,
+        maneuver_samples(bounding, row.id).required(seen),
+        nominal=nominal,
+        left=flown.trim(row.from_trim),
+        reached=flown.trim(row.to_trim),
+        confidence=confidence,
+    )
+
+
+def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
     if not flights:
         raise InconsistentLogsError("expected flight logs, got none")
     first = flights[0]
@@ -117,52 +144,63 @@ def _refuse_inconsistent(flights: list[FlightEvidence]) -> None:
         if flight.sha256 in seen:
             raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
         seen[flight.sha256] = flight.name
-        for what in ("vehicle", "model_hash", "wind", "code_version", "backend"):
+        for what in ("vehicle", "model_hash", "wind", "code_version", "arithmetic"):
             expected, got = getattr(first.header, what), getattr(flight.header, what)
             if got != expected:
                 raise InconsistentLogsError(
                     f"{flight.name}: {what} is {got}, in {first.name} it is {expected}"
                 )
+        for what in ("found_by", "judged"):
+            expected, got = getattr(first, what), getattr(flight, what)
+            if got != expected:
+                raise InconsistentLogsError(f"{flight.name}: {got}, in {first.name} it is {expected}")
         if library_text(flight.library) != library_text(first.library):
             raise InconsistentLogsError(f"{flight.name}: was flown with another library than {first.name}")
 
 
-def _coasts(flights: list[FlightEvidence], trim: int) -> list[list[CoastSegment]]:
-    """Returns the coasts in a trim, flight by flight, without the flights that never held it."""
-    by_flight = [[coast for coast in flight.segments.coasts if coast.trim == trim] for flight in flights]
-    held = [coasts for coasts in by_flight if coasts]
-    if not held:
-        raise NeverFlownError(f"trim {trim} is held in none of the {len(flights)} logs")
-    return held
-
-
-def _performances(flights: list[FlightEvidence], maneuver: int) -> list[list[ManeuverSegment]]:
-    """Returns the performances of a maneuver, flight by flight, without the flights that lack it."""
-    by_flight = [
-        [segment for segment in flight.segments.maneuvers if segment.id == maneuver] for flight in flights
-    ]
-    performed = [segments for segments in by_flight if segments]
-    if not performed:
-        raise NeverFlownError(f"maneuver {maneuver} is performed in none of the {len(flights)} logs")
-    return performed
-
-
-def _coasting_range(flights: list[FlightEvidence]) -> tuple[float, float]:
+def _coasting_range(flights: Sequence[FlightEvidence]) -> tuple[float, float]:
     durations = [coast.duration for flight in flights for coast in flight.segments.coasts]
     return min(durations), max(durations)
 
 
+def _speed_range(library: Library) -> tuple[float, float]:
+    speeds = [trim.velocity.forward for trim in library.trims]
+    return min(speeds), max(speeds)
+
+
 def _provenance(
-    flights: list[FlightEvidence], confidence: float, campaign: Mapping[str, Any] | None
+    bounding: Sequence[FlightEvidence],
+    centring: Sequence[FlightEvidence],
+    confidence: float,
+    campaign: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
-    header = flights[0].header
+    first = bounding[0]
+    header, flown = first.header, first.library
+    everyone = _ordered([*bounding, *centring])
+    ordered = flown.conditions.coasting_range
     return {
-        "method": "largest deviations of the true motion over flights, maneuvers by command change",
+        "method": (
+            f"largest deviations of the {first.judged} motion over flights, maneuvers by {first.found_by}"
+        ),
+        "deviations_of": first.judged,
         "confidence": confidence,
         "model_hash": header.model_hash,
         "code_version": header.code_version,
-        "backend": header.backend,
+        "backend": header.arithmetic,
         **({} if campaign is None else {"campaign": dict(campaign)}),
-        "lost": sorted(flight.header.seed for flight in flights if flight.header.outcome != "completed"),
-        "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in flights},
+        **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),
+        "nominal": [flight.header.seed for flight in centring],
+        "lost": [flight.header.seed for flight in everyone if flight.lost],
+        "unsettled": _unsettled(everyone),
+        "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in everyone},
     }
+
+
+def _unsettled(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
+    """Returns the seeds of the flights in which a maneuver did not settle, by the maneuver's id."""
+    listed: dict[str, list[int]] = {}
+    for flight in flights:
+        for segment in flight.segments.maneuvers:
+            if not segment.settled:
+                listed.setdefault(str(segment.id), []).append(flight.header.seed)
+    return dict(sorted(listed.items(), key=lambda item: int(item[0])))

@@ -1,13 +1,13 @@
 """Cutting a flight log into primitives: maneuvers from command change to settling, coasts between."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
-from flight.log import TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind, Series, primitives_flown
+from flight.library import Library
+from flight.log import FlightLog, PrimitiveKind, Series, primitives_flown
 from flight.maneuver_end import ManeuverEnd, ManeuverEndJudge, Verdict
 from flight.se2 import SE2, Twist
 
@@ -18,7 +18,7 @@ class ManeuverSegment:
 
     Attributes:
         id: of the maneuver.
-        start: time of the command change, seconds.
+        start: time of the change of trim, seconds.
         duration: seconds to the end of the dwell; to the next command or time-out where it did not settle.
         displacement: forward, to the right, heading change, in the body frame at entry.
         settled: whether it ended by the rule.
@@ -56,91 +56,129 @@ class Segments:
     coasts: tuple[CoastSegment, ...]
 
 
-def segment(log: FlightLog) -> Segments:
-    """Cuts a log into primitives, judging the true motion (thesis, 3.2.2).
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A change of trim: seconds, ids of the trims left and led to."""
 
-    A maneuver is entered when the command changes and ends by the rule of `flight.maneuver_end`, applied to
-    the true body velocity. A coast begins at the end of a maneuver and lasts to the next command change. What
-    follows a maneuver that did not settle is no coast: the vehicle was never seen in that trim.
+    time: float
+    from_trim: int
+    to_trim: int
+
+
+@dataclass(frozen=True, slots=True)
+class Walk:
+    """The trims of a flight.
+
+    Attributes:
+        first: id of the trim held at the start; None where the flight begins in a maneuver.
+        entries: the changes of trim, in their order.
+    """
+
+    first: int | None
+    entries: tuple[Entry, ...]
+
+
+def segment(log: FlightLog) -> Segments:
+    """Cuts a log into primitives by its command channel, judging the motion (thesis, 3.2.2).
 
     Raises:
         FlightError: the log lacks a topic or the rule.
     """
-    rule = log.library().conditions.maneuver_end
+    return cut(log, commanded_walk(log), log.library())
+
+
+def commanded_walk(log: FlightLog) -> Walk:
+    """Returns the changes of trim that were commanded.
+
+    Raises:
+        MissingTopicError: the log has no `/primitive`.
+    """
+    primitives = primitives_flown(log)
+    entries = tuple(
+        Entry(primitive.start, primitive.from_trim, primitive.to_trim)
+        for primitive in primitives
+        if primitive.kind is PrimitiveKind.MANEUVER
+    )
+    held = bool(primitives) and primitives[0].kind is PrimitiveKind.COAST
+    return Walk(primitives[0].to_trim if held else None, entries)
+
+
+def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
+    """Cuts a log into primitives where the trim changes.
+
+    A maneuver ends by the rule of `flight.maneuver_end`, applied to the true body velocity, or to the
+    believed one in a log that knows no truth. A coast begins at the end of a maneuver and lasts to the next
+    change. What follows a maneuver that did not settle is no coast: the vehicle was never seen in that trim.
+
+    Args:
+        log: the motion.
+        walk: where the trim changes.
+        library: names the maneuvers, and says when one has ended.
+
+    Raises:
+        FlightError: the log has no motion, or the library no rule or no such maneuver.
+    """
+    rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError(
             "the log's library has no conditions.maneuver_end: nothing says when a maneuver ends"
         )
-    truth = log[TRUTH]
+    motion = log.motion
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
-    for trim, entry, until in _held(log):
-        begin = 0.0
-        if entry is not None:
-            maneuver = _maneuver_segment(truth, rule, entry, until)
-            maneuvers.append(maneuver)
-            begin = maneuver.start + maneuver.duration
-            if not maneuver.settled:
-                continue
-        coast = _coast_segment(truth, trim, begin, until)
-        if coast is not None:
-            coasts.append(coast)
+    changes = [*(entry.time for entry in walk.entries), log.duration]
+    if walk.first is not None:
+        coasts += _coast_segments(motion, walk.first, float(motion.time[0]), changes[0])
+    for entry, until in zip(walk.entries, changes[1:], strict=True):
+        maneuver = _maneuver_segment(motion, rule, library, entry, until)
+        maneuvers.append(maneuver)
+        if maneuver.settled:
+            coasts += _coast_segments(motion, entry.to_trim, maneuver.start + maneuver.duration, until)
     return Segments(tuple(maneuvers), tuple(coasts))
 
 
-def _held(log: FlightLog) -> Iterator[tuple[int, PrimitiveFlown | None, float]]:
-    """Yields each trim led to, the maneuver that led to it (none at the start), the next command change."""
-    primitives = primitives_flown(log)
-    entries = [primitive for primitive in primitives if primitive.kind is PrimitiveKind.MANEUVER]
-    changes = [*(entry.start for entry in entries), log.duration]
-    if not primitives:
-        return
-    if primitives[0].kind is PrimitiveKind.COAST:
-        yield primitives[0].to_trim, None, changes[0]
-    for entry, until in zip(entries, changes[1:], strict=True):
-        yield entry.to_trim, entry, until
-
-
 def _maneuver_segment(
-    truth: Series, rule: ManeuverEnd, entry: PrimitiveFlown, until: float
+    motion: Series, rule: ManeuverEnd, library: Library, entry: Entry, until: float
 ) -> ManeuverSegment:
-    judge = ManeuverEndJudge(rule, to_trim=entry.to_trim, target=entry.target, entry_time=entry.start)
-    first, last = _span(truth, entry.start, until)
-    velocity = _velocity(truth, first, last).tolist()
+    target = library.trim(entry.to_trim).velocity
+    judge = ManeuverEndJudge(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
+    first, last = _span(motion, entry.time, until)
+    velocity = _velocity(motion, first, last).tolist()
     end, verdict = last - 1, Verdict.UNDER_WAY
-    for place, (time, sample) in enumerate(zip(truth.time[first:last].tolist(), velocity, strict=True)):
+    for place, (time, sample) in enumerate(zip(motion.time[first:last].tolist(), velocity, strict=True)):
         verdict = judge.judge(time, Twist(*sample))
         if verdict is not Verdict.UNDER_WAY:
             end = first + place
             break
     return ManeuverSegment(
-        id=entry.id,
-        start=entry.start,
-        duration=float(truth.time[end]) - entry.start,
-        displacement=_pose(truth, first).inverse() @ _pose(truth, end),
+        id=library.maneuver(entry.from_trim, entry.to_trim).id,
+        start=entry.time,
+        duration=float(motion.time[end]) - entry.time,
+        displacement=_pose(motion, first).inverse() @ _pose(motion, end),
         settled=verdict is Verdict.ENDED,
     )
 
 
-def _coast_segment(truth: Series, trim: int, begin: float, until: float) -> CoastSegment | None:
-    first, last = _span(truth, begin, until)
+def _coast_segments(motion: Series, trim: int, begin: float, until: float) -> list[CoastSegment]:
+    """Returns the coast, or none where it is over before a second sample."""
+    first, last = _span(motion, begin, until)
     if last - first < 2:
-        return None
-    return CoastSegment(trim, begin, until - begin, _velocity(truth, first, last))
+        return []
+    return [CoastSegment(trim, begin, until - begin, _velocity(motion, first, last))]
 
 
-def _span(truth: Series, start: float, end: float) -> tuple[int, int]:
+def _span(motion: Series, start: float, end: float) -> tuple[int, int]:
     """Returns the rows from a time to another, both included, within half a microsecond."""
     return (
-        int(np.searchsorted(truth.time, start - 5e-7)),
-        int(np.searchsorted(truth.time, end + 5e-7)),
+        int(np.searchsorted(motion.time, start - 5e-7)),
+        int(np.searchsorted(motion.time, end + 5e-7)),
     )
 
 
-def _velocity(truth: Series, first: int, last: int) -> Float[np.ndarray, "n 3"]:
-    columns = [truth[name][first:last] for name in ("forward", "side", "yaw_rate")]
+def _velocity(motion: Series, first: int, last: int) -> Float[np.ndarray, "n 3"]:
+    columns = [motion[name][first:last] for name in ("forward", "side", "yaw_rate")]
     return np.stack(columns, axis=1)
 
 
-def _pose(truth: Series, row: int) -> SE2:
-    return SE2(float(truth["north"][row]), float(truth["east"][row]), float(truth["heading"][row]))
+def _pose(motion: Series, row: int) -> SE2:
+    return SE2(float(motion["north"][row]), float(motion["east"][row]), float(motion["heading"][row]))

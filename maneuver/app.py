@@ -22,14 +22,18 @@ VERBS = {
     "demo": ("maneuver.demo:demo", "The whole way, small: fly, identify, plan, fly the plans, review."),
     "fly": ("maneuver.fly:fly", "Flies a sequence, a mission or a campaign; writes flight logs."),
     "identify": ("maneuver.identify:identify", "Flight logs in, library with its data sheet out."),
+    "segment": (
+        "maneuver.segment:segment",
+        "Maneuvers found in the motion alone, beside the commanded ones.",
+    ),
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
     "plan": ("maneuver.plan:app", "A mission in, a plan out; `plan check` checks one."),
     "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
-    "review": ("maneuver.review:review", "A flight log in, summary and pictures out."),
+    "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
-    "library": ("maneuver.library:app", "Shows and checks motion-primitive libraries."),
+    "library": ("maneuver.library:app", "Shows, checks, tests, compares, grows and makes libraries."),
 }
 
 

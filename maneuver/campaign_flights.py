@@ -9,16 +9,36 @@ import numpy as np
 from flight.campaign import Campaign
 from flight.conditions import Conditions
 from flight.library import Library
+from identification.flight_evidence import NOMINAL
 from identification.schedule import schedule
 from sim.campaign import FlightFlown, fly_campaign
-from sim.specification import FlightSpecification, specify_sequence
+from sim.specification import PLAIN, Departure, FlightSpecification, specify_sequence
 
 from .files import find_library
 from .progress import shown
 
-# Keys of the random streams that a seed is split into here; those of a single flight are below ten.
-_SCHEDULE_STREAM = 100
-_FLIGHT_STREAM = 101
+
+@dataclass(frozen=True, slots=True)
+class Role:
+    """What flights are for; each role has air and schedules of its own, whatever the seed.
+
+    Attributes:
+        kind: in the flights' headers.
+        suffix: of the campaign's name, in the flights' names.
+        schedule_stream: key of the random stream that orders the flights; those of a flight are below ten.
+        flight_stream: key of the streams that the flights' seeds come from.
+    """
+
+    kind: str
+    suffix: str
+    schedule_stream: int
+    flight_stream: int
+
+
+BOUNDING = Role("campaign", "", 100, 101)
+CENTRING = Role(NOMINAL, "-nominal", 103, 104)
+TESTING = Role("test", "-test", 105, 106)
+MEASURING = Role("measured", "-measured", 107, 108)
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,21 +67,21 @@ def campaign_library(campaign: Campaign, wind: str) -> Library:
 
 
 def specify_campaign(
-    campaign: Campaign, library: Library, *, seed: int, flights: int, wind: str
+    campaign: Campaign, library: Library, *, seed: int, flights: int, wind: str, role: Role = BOUNDING
 ) -> tuple[FlightSpecification, ...]:
-    """Returns what is flown; a flight's specification depends on the seed and its number alone."""
+    """Returns what is flown; a flight depends on the seed, its role and its number alone."""
     tours = schedule(
         library,
         flights=flights,
-        rng=np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_SCHEDULE_STREAM,))),
+        rng=np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(role.schedule_stream,))),
         coasting_range=campaign.coasting_range,
         wind=wind,
     )
     return tuple(
         specify_sequence(
-            replace(tour, name=f"{campaign.name}-{number:04d}"),
-            seed=derived_seed(seed, _FLIGHT_STREAM, number),
-            kind="campaign",
+            replace(tour, name=f"{campaign.name}{role.suffix}-{number:04d}"),
+            seed=derived_seed(seed, role.flight_stream, number),
+            kind=role.kind,
             altitude=campaign.altitude,
         )
         for number, tour in enumerate(tours)
@@ -79,18 +99,37 @@ def fly_whole_campaign(
     *,
     seed: int,
     flights: int,
+    nominal_flights: int = 0,
     wind: str,
     folder: Path,
     executor: Executor,
     force: bool,
+    departure: Departure = PLAIN,
 ) -> CampaignFlown:
     """Flies a campaign, one log a flight in the folder.
+
+    Args:
+        campaign: what is fixed before.
+        seed: of all chance.
+        flights: how many give the bounds.
+        nominal_flights: how many others give the values of maneuvers.
+        wind: wind class.
+        folder: of the logs.
+        executor: runs the flights.
+        force: overwrite logs.
+        departure: how the flights differ from plain ones.
 
     Raises:
         FlightError: the campaign cannot be flown as asked.
     """
     library = campaign_library(campaign, wind)
-    specifications = specify_campaign(campaign, library, seed=seed, flights=flights, wind=wind)
+    specifications = [
+        specification.depart(departure)
+        for role, count in ((CENTRING, nominal_flights), (BOUNDING, flights))
+        for specification in specify_campaign(
+            campaign, library, seed=seed, flights=count, wind=wind, role=role
+        )
+    ]
     flown = fly_campaign(specifications, library, folder=folder, executor=executor, force=force)
     done = list(shown(flown, total=len(specifications), what=f"flying {campaign.name}"))
     return CampaignFlown(library, tuple(sorted(done, key=lambda flight: flight.path.name)))

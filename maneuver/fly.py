@@ -6,15 +6,19 @@ from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
+from cyclopts.validators import Number
 
 from flight.errors import FlightError
+from flight.fault import parse_fault
 from flight.log_file import publish_log
 from planner.latency import Latency
 from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
-from sim.specification import specify_sequence
+from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
+from .campaign_size import campaign_size
+from .domain import warn_of_flight, warn_of_walk
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .latencies import latency_of
 from .mission_flights import MissionTask, fly_mission
@@ -50,8 +54,12 @@ def fly(
     gamma: float | None = None,
     latency: str | None = None,
     wind: str | None = None,
+    ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
+    adaptation: bool = True,
+    fault: tuple[str, ...] = (),
     seed: Seed = 1,
     flights: Count | None = None,
+    nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     out: Path | None = None,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -71,6 +79,10 @@ def fly(
 
         maneuver fly --campaign gtmax --flights 30 --out flights
 
+        maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
+
+        maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
+
     Args:
         sequence: name or path of a sequence.
         mission: name or path of a mission.
@@ -81,18 +93,27 @@ def fly(
         latency: what a mission is charged for each planning: seconds, `measured` (by the clock; what took
             longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
+        ideal_sensors: the vehicle believes the truth, at once.
+        adaptation: whether the controller's adaptive element learns.
+        fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
+            exists stands in docs/helicopter.md, and in the answer to one that does not.
         seed: of all chance.
-        flights: of a campaign; the campaign's number by default.
+        flights: of a campaign, to give bounds; the campaign's number by default.
+        nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
+            none where only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
         workers: processes of a campaign; one for each processor by default.
         force: overwrite OUT.
         json: print what was flown as JSON.
     """
-    order = _Order(library, wind, seed, out, force)
+    departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
+    order = _Order(library, wind, departure, seed, out, force)
     if mission is None and any(given is not None for given in (policy, gamma, latency)):
         raise FlightError("--policy, --gamma and --latency belong to a mission: give --mission with them")
-    if campaign is None and (flights is not None or workers is not None):
-        raise FlightError("--flights and --workers belong to a campaign: give --campaign with them")
+    if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
+        raise FlightError(
+            "--flights, --nominal-flights and --workers belong to a campaign: give --campaign with them"
+        )
     match sequence, mission, campaign:
         case str(), None, None:
             code, result = _fly_sequence(sequence, order)
@@ -105,7 +126,9 @@ def fly(
                 Latency() if latency is None else latency_of(latency),
             )
         case None, None, str():
-            code, result = _fly_campaign(campaign, order, flights, workers or default_workers())
+            code, result = _fly_campaign(
+                campaign, order, (flights, nominal_flights), workers or default_workers()
+            )
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
@@ -139,6 +162,7 @@ class _Order:
 
     library: str
     wind: str | None
+    departure: Departure
     seed: int
     out: Path | None
     force: bool
@@ -151,7 +175,10 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
     library.maneuvers_along(walk.trims)
     path = order.out or Path(f"{walk.name}.mcap")
     refuse_existing(path, force=order.force)
-    log = fly_specification(specify_sequence(walk, seed=order.seed), library)
+    specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
+    warn_of_flight(library, wind=walk.wind, altitude=specification.altitude)
+    warn_of_walk(library, walk.trims, walk.coasting_times)
+    log = fly_specification(specification, library)
     publish_log(log, path, force=order.force)
     outcome = log.header.outcome
     result = {"sequence": walk.name, "outcome": outcome, "duration": round(log.duration, 2), "log": str(path)}
@@ -173,26 +200,33 @@ def _fly_mission(
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
         settings=Settings(latency=latency),
+        departure=order.departure,
         log=path,
         force=order.force,
     )
+    warn_of_flight(library, wind=task.wind)
     flown = asdict(fly_mission(task))
     result = {key: value for key, value in flown.items() if key not in NOT_SAID}
     return (0 if flown["reached"] else LOST), {**result, "log": str(path)}
 
 
 def _fly_campaign(
-    name: str, order: _Order, flights: int | None, workers: int
+    name: str, order: _Order, counts: tuple[int | None, int | None], workers: int
 ) -> tuple[int, dict[str, object]]:
     campaign = find_campaign(name)
+    size = campaign_size(
+        campaign, coverage=None, confidence=0.95, flights=counts[0], nominal_flights=counts[1]
+    )
     folder = order.out or Path(campaign.name)
     refuse_existing(folder, force=order.force)
     with worker_pool(workers) as executor:
         flown = fly_whole_campaign(
             campaign,
             seed=order.seed,
-            flights=flights or campaign.flights,
+            flights=size.bounding,
+            nominal_flights=size.nominal,
             wind=order.wind or campaign.wind,
+            departure=order.departure,
             folder=folder,
             executor=executor,
             force=order.force,

@@ -1,8 +1,9 @@
 """`maneuver identify`: logs in, library out."""
 
 import sys
+from math import inf
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
@@ -11,10 +12,13 @@ from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.log_file import publish_bytes
 from identification.data_sheet import data_sheet
+from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
+from identification.steady_levels import Resolution
 
-from .evidence import gather_evidence
-from .files import refuse_existing
+from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
+from .evidence import gather_evidence, gather_motion_evidence, has_commands
+from .files import find_library, refuse_existing
 from .numbers import Count
 from .workers import default_workers, worker_pool
 
@@ -25,16 +29,29 @@ def identify(
     *,
     out: Path,
     name: str | None = None,
+    by: Literal["commands", "motion"] | None = None,
+    trims: str | None = None,
+    resolution: tuple[float, float, float] | None = None,
+    nominal: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    coverage: float | None = None,
     confidence: float = 0.95,
+    of: StateJudged = "truth",
+    trim_errors: TrimErrors = "instantaneous",
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Identifies a motion-primitive library from flight logs, and from nothing else.
 
-    A maneuver is entered when the command changes and ends by the rule that the logs carry. Values are means,
-    errors the largest deviations of the true motion, signed by the convention. Beside the library stands its
-    data sheet, OUT with the ending .md.
+    A maneuver is entered when the command changes, or, in logs without commands, where the motion shows it;
+    it ends by the rule that the logs carry. The value of a maneuver is its mean over the nominal flights
+    (those flown as such, and --nominal), errors are the largest deviations over the others, signed by the
+    convention; without nominal flights the same flights give both and the claim is weaker. Beside the library
+    stands its data sheet, OUT with the ending .md. The exit code is 1 where a primitive claims less than
+    --coverage.
+
+    Logs of another vehicle need `/truth` or `/estimate` at 20 Hz or more and nothing else. Which trims they
+    hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
 
     For example:
 
@@ -42,11 +59,24 @@ def identify(
 
         maneuver identify flights/gtmax-0000.mcap flights/gtmax-0001.mcap --out mine.json
 
+        maneuver identify flights/ --by motion --out from-motion.json
+
+        maneuver identify later/ --nominal earlier/ --coverage 0.95 --out mine.json
+
     Args:
         logs: flight logs, or folders of them.
         out: where the library goes.
         name: of the library; OUT's by default.
+        by: what shows where maneuvers begin; the commands by default, in logs that have them.
+        trims: library that names the trims, the maneuvers and the rule for their ends, for logs that carry
+            none; its other numbers are not used.
+        resolution: least difference between two trims where they are to be found: m/s forward, m/s to the
+            side, rad/s; 6 % of each one's range by default, at least 0.2 m/s and 0.02 rad/s.
+        nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
+        coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
         confidence: with which the coverage is claimed.
+        of: whose deviations: those of the true motion, or of what the vehicle believed.
+        trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
         workers: processes that read logs; one for each processor by default.
         force: overwrite OUT.
         json: print the library as JSON.
@@ -54,12 +84,34 @@ def identify(
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     refuse_existing(out, force=force)
+    paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
+    if by == "commands" and (trims or resolution):
+        raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
+    by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
+    if by_motion and of == "estimate":
+        raise FlightError("--of estimate is for logs with commands; --by motion judges the truth where it is")
+    named = find_library(trims) if trims else None
+    least = _resolution(resolution) if resolution else None
     with worker_pool(workers or default_workers()) as executor:
-        flights = gather_evidence(_log_paths(logs), executor=executor)
-    library = identify_library(flights, name=name or out.stem, confidence=confidence)
+        flights = (
+            gather_motion_evidence([*paths, *apart], executor=executor, trims=named, resolution=least)
+            if by_motion
+            else gather_evidence([*paths, *apart], executor=executor, of=of)
+        )
+    bounding, centring = split_by_kind(flights[: len(paths)])
+    library = identify_library(
+        bounding,
+        name=name or out.stem,
+        nominal=[*centring, *flights[len(paths) :]],
+        confidence=confidence,
+        trim_errors=trim_errors,
+    )
+    weak = weaker_claims(library, coverage)
     publish_library(library, out, force=force)
     sys.stdout.write(library_text(library) if json else report(library, out))
-    return 0
+    for line in weak:
+        print(line, file=sys.stderr)
+    return CLAIMS_LESS if weak else 0
 
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:
@@ -78,13 +130,20 @@ def report(library: Library, path: Path) -> str:
         f"{len(library.trims)} trims, {len(library.maneuvers)} maneuvers, "
         f"{'-'.join(map(str, dict.fromkeys((samples[0], samples[-1]))))} flights each, "
         f"{sum(entry.timeouts for entry in known)} time-outs\n"
+        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
+        f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"
         f"data sheet {path.with_suffix('.md')}\n"
         f"sha256     {library_hash(library)}\n"
     )
 
 
-def _log_paths(logs: list[Path]) -> list[Path]:
+def log_paths(logs: list[Path]) -> list[Path]:
+    """Returns the logs named, and those in the folders named.
+
+    Raises:
+        FlightError: there are none.
+    """
     paths = []
     for path in logs:
         found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
@@ -94,3 +153,9 @@ def _log_paths(logs: list[Path]) -> list[Path]:
     if not paths:
         raise FlightError("expected flight logs or folders of them, got none")
     return paths
+
+
+def _resolution(numbers: tuple[float, float, float]) -> Resolution:
+    if not all(0 < number < inf for number in numbers):
+        raise FlightError(f"--resolution must be three numbers > 0, got {numbers}")
+    return Resolution(*numbers)

@@ -21,7 +21,12 @@ METRES_PER_FOOT = 0.3048
 # Metres, radians and seconds: what differs by less than rounding in a table is the same.
 SAME = 1e-12
 
-app = App(name="library", help="Shows and checks motion-primitive libraries.")
+app = App(name="library", help="Shows, checks, tests, compares, grows and makes motion-primitive libraries.")
+app.command("maneuver.library_audit:audit", name="audit")
+app.command("maneuver.library_diff:diff", name="diff")
+app.command("maneuver.library_kinematic:kinematic", name="kinematic")
+app.command("maneuver.library_graph:graph", name="graph")
+app.command("maneuver.library_test:keep_promise", name="test")
 
 
 @app.command

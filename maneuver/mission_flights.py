@@ -25,7 +25,7 @@ from planner.receding_horizon import Settings, fly
 from planner.remainder import Step
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
-from sim.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
+from sim.specification import DEFAULT_ALTITUDE, PLAIN, Departure, FlightSpecification, pose
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
@@ -58,6 +58,7 @@ class MissionTask:
         seed: of all chance.
         settings: how the loop is closed.
         max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
+        departure: of the helicopter's flight from the plain one.
         log: where the flight log goes; None keeps none.
         force: overwrite the log.
     """
@@ -71,6 +72,7 @@ class MissionTask:
     plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
     max_nodes: int | None = None
+    departure: Departure = PLAIN
     log: Path | None = None
     force: bool = False
 
@@ -197,7 +199,7 @@ def fly_helicopter(task: MissionTask, planner: Planner | None = None) -> tuple[F
         altitude=task.library.conditions.altitude or DEFAULT_ALTITUDE,
         start=pose(mission.start),
         start_trim=mission.start_trim,
-    )
+    ).depart(task.departure)
     helicopter = SimulatedHelicopter(specification, task.library)
     flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: _mission_json(task), PLANS_ATTACHMENT: _plans_json(flown)})

@@ -1,6 +1,7 @@
-"""Whole numbers on the command line: taken as they are, never rounded."""
+"""Numbers on the command line: whole ones are taken as they are, never rounded; times are above 0."""
 
 from collections.abc import Sequence
+from math import inf
 from typing import Annotated
 
 from cyclopts import Parameter, Token
@@ -20,3 +21,18 @@ Count = Annotated[int, Parameter(converter=_whole, validator=Number(gte=1, lte=1
 
 Seed = Annotated[int, Parameter(converter=_whole, validator=Number(gte=0, lt=2**63))]
 """Of all chance."""
+
+
+def _positive(_: type, tokens: Sequence[Token]) -> float:
+    (token,) = tokens
+    try:
+        value = float(token.value)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < inf:
+        raise ValueError(f"expected seconds above 0, got {token.value!r}")
+    return value
+
+
+Seconds = Annotated[float, Parameter(converter=_positive)]
+"""A time: above 0."""

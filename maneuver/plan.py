@@ -3,6 +3,7 @@
 import json as json_module
 import sys
 from dataclasses import replace
+from math import inf
 from pathlib import Path
 from typing import Annotated
 
@@ -15,16 +16,19 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
-from flight.plan import Plan, plan_text, read_plan
+from flight.plan import Plan, PlanContradictionError, plan_text, read_plan
+from planner.certified import certified
 from planner.check import problems
+from planner.committed import Committed
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.price_of_robustness import PriceOfRobustness
 from planner.worst_case import WorstCase
 from review.plan_picture import plan_picture
 
+from .domain import warn_of_walk
 from .files import find_library, find_mission, refuse_existing
-from .numbers import Count
+from .numbers import Count, Seconds
 from .policies import PlannedPolicy
 from .prices import png, show_prices
 from .signs import signs
@@ -49,7 +53,9 @@ def plan(
     alpha: float = 1.2,
     pareto: Annotated[bool, Parameter(negative="")] = False,
     max_nodes: Count | None = None,
+    deadline: Seconds | None = None,
     max_trims: Count | None = None,
+    certify: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
     picture: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -61,6 +67,8 @@ def plan(
     and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
     the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case time stays, at
     it and at every smaller one, within alpha times the nominal optimum; --pareto shows the whole curve.
+    The committed policy fixes the coasting times before gamma is known: they end within the tolerance at
+    every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do is shown.
     Every plan is flown again by code that shares nothing with the search. The exit code is 1 where there is
     no plan.
 
@@ -72,6 +80,10 @@ def plan(
 
         maneuver plan my-mission.toml --library my-library.json --out plan.json
 
+        maneuver plan gtmax-1 --library thesis-gtmax --certify --out proved.json
+
+        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1
+
         maneuver plan gtmax-1 --policy price-of-robustness --alpha 1.1
 
         maneuver plan gtmax-1 --pareto --picture price.png
@@ -80,11 +92,15 @@ def plan(
         mission: name or path.
         library: name or path.
         policy: which planner.
-        gamma: uncertainty level of the worst-case planner, 0 to 1.
+        gamma: uncertainty level of the worst-case and the committed planner, 0 to 1.
         alpha: worst-case time that the price-of-robustness planner accepts, in nominal optima, at least 1.
         pareto: show the price of robustness, from gamma 0 to 1, instead of a plan.
-        max_nodes: sequences at one gamma that may be solved before the best plan so far is given.
+        max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
+            planner may examine, before the best plan so far is given.
+        deadline: seconds after which the best plan so far is given, with a bound.
         max_trims: longest sequence; the mission's by default.
+        certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
+            the proof in the plan for `maneuver plan check`.
         out: file for the plan, as JSON.
         picture: file for a picture of the plan, as PNG.
         force: overwrite these files.
@@ -96,7 +112,19 @@ def plan(
     primitives, task = find_library(library), _asked(mission, max_trims)
     if pareto:
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
-    answer = _planner(primitives, policy, gamma, alpha, max_nodes).plan(task)
+    if certify and policy == "committed":
+        raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
+    if deadline is not None and policy == "committed":
+        raise FlightError(
+            "--deadline is for the other policies; a committed planner is stopped by --max-nodes"
+        )
+    answer = _planner(
+        primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
+    ).plan(task)
+    if certify:
+        answer = certified(answer, primitives, task)
+    if answer.found:
+        warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
         publish_bytes(plan_text(answer).encode(), out, force=force)
     if picture is not None and answer.found:
@@ -115,13 +143,16 @@ def check(
     *,
     library: str | None = None,
     mission: str | None = None,
+    max_trims: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Checks a plan against its library and mission, without the search and without the solver.
 
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
-    the library be the one planned with. The exit code is 1 where the plan fails, or where there is none: that
-    nothing exists is not checked.
+    the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
+    only at those shown. A certificate is verified box by box in interval arithmetic: then no
+    plan is faster by more than a millisecond, or there is none. The exit code is 1 where the plan fails, or
+    where there is none and no certificate that proves it.
 
     For example:
 
@@ -133,16 +164,27 @@ def check(
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
         mission: name or path; by default the name that the plan gives.
+        max_trims: longest sequence that was asked for; the mission's by default.
         json: print the verdict as JSON.
     """
-    answer = read_plan(file)
+    try:
+        answer = read_plan(file)
+    except PlanContradictionError as error:
+        return _verdict(file, (str(error).removeprefix(f"{file}: "),), json=json)
     task = find_mission(mission or answer.mission)
     # A search may have been asked for longer sequences than the mission's file says.
-    task = replace(task, max_trims=max(task.max_trims, len(answer.sequence)))
+    wider = answer.at_smallest_tolerance or answer
+    task = replace(
+        task, max_trims=max_trims or max(task.max_trims, len(answer.sequence), len(wider.sequence))
+    )
     primitives = find_library(library or answer.library)
     wrong = problems(answer, primitives, task)
-    if not answer.found:
+    if not answer.found and answer.certificate is None:
         wrong = (*wrong, f"it holds no plan, only the word that there is none ({answer.status})")
+    return _verdict(file, wrong, json=json)
+
+
+def _verdict(file: Path, wrong: tuple[str, ...], *, json: bool) -> int:
     if json:
         sys.stdout.write(json_module.dumps({"passed": not wrong, "problems": wrong}, indent=2) + "\n")
     else:
@@ -157,6 +199,10 @@ def show(answer: Plan, library: Library) -> None:
     console = Console(highlight=False)
     if not answer.found:
         console.print(f"{answer.mission}: {answer.status}: {answer.reason}", soft_wrap=True)
+        if answer.at_smallest_tolerance is not None:
+            wider = answer.at_smallest_tolerance
+            console.print(f"the smallest tolerance for which there is a plan: {wider.tolerance:.4f} m")
+            show(wider, library)
         return
     level = "" if answer.policy == "nominal" else f", gamma {answer.gamma:g}"
     console.print(f"{answer.mission} on {answer.library}: {answer.policy}{level}, {answer.cost:.6f} s")
@@ -164,18 +210,34 @@ def show(answer: Plan, library: Library) -> None:
     if len(answer.scenarios) > 1:
         console.print(_scenarios(answer))
     bound = "" if answer.lower_bound is None else f"; no plan takes less than {answer.lower_bound:.3f} s"
+    if answer.miss is not None:
+        words = f"the same times end within {answer.miss:.4f} m of the goal at every gamma"
+        console.print(f"{words} from {-answer.gamma:g} to {answer.gamma:g}", soft_wrap=True)
     verdict = "verified" if answer.verified else "not verified"
+    if answer.certificate is not None:
+        boxes = sum(len(one.tree.split()) for one in answer.certificate.refutations)
+        verdict += f", certified ({len(answer.certificate.refutations)} sequences, {boxes} boxes)"
     console.print(f"{answer.status}, {verdict}{bound}; {1e3 * answer.solve_time:.0f} ms", soft_wrap=True)
+    if answer.reason:
+        console.print(answer.reason, soft_wrap=True)
 
 
 def _planner(
-    library: Library, policy: PlannedPolicy, gamma: float, alpha: float, max_nodes: int | None
+    library: Library,
+    policy: PlannedPolicy,
+    gamma: float,
+    alpha: float,
+    *,
+    max_nodes: int | None,
+    deadline: float,
 ) -> Planner:
     if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes)
+        return Nominal(library, max_nodes=max_nodes, deadline=deadline)
     if policy == "price-of-robustness":
         return PriceOfRobustness(library, alpha)
-    return WorstCase(library, gamma, max_nodes=max_nodes)
+    if policy == "committed":
+        return Committed(library, gamma, max_nodes=max_nodes)
+    return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 
 def _walk(answer: Plan, library: Library) -> Table:

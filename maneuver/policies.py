@@ -5,5 +5,5 @@ from typing import Literal
 FlownPolicy = Literal["nominal", "worst-case"]
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
 
-PlannedPolicy = Literal["nominal", "worst-case", "price-of-robustness"]
+PlannedPolicy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
 """What a single mission can be planned with."""

@@ -1,185 +1,197 @@
-"""`maneuver review`: a flight log as a summary and pictures."""
+"""`maneuver review`: a flight log for people: a summary, a page, pictures, a film."""
 
 import json as json_module
-from dataclasses import asdict
+from dataclasses import asdict, dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 from cyclopts import Parameter
-from rich.console import Console, Group
-from rich.padding import Padding
-from rich.table import Table
-from rich.text import Text
+from cyclopts.types import NonNegativeInt
+from rich.console import Console
 
-from flight.arrival import Arrival
-from flight.log import FlightLog, PrimitiveKind
-from flight.log_file import read_log
-from review.bounds import Bounds
-from review.pictures import Limits, write_pictures
-from review.summary import PrimitiveCount, Summary, summarise
-from sim.parameters import model_hash, read_parameters
+from flight.errors import AlreadyExistsError, FlightError
+from flight.log_file import publish_bytes, read_log
+from review.campaign import FlightRow, outliers_first, row_of
+from review.campaign_page import campaign_page
+from review.control_limits import control_limits
+from review.page import Reviewed, review_page
+from review.pictures import write_pictures
+from review.summary import summarise
 
-# Departures from bounds that are listed; the rest is counted.
-MOST_DEPARTURES = 8
+from .numbers import Count
+from .progress import shown
+from .review_report import campaign_report, report, side_by_side, summary_content
+from .workers import default_workers, worker_pool
+
+MOST_COMPARED = 4
+FAILED = 1
+
+
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """What is to be made of the logs, and where it goes."""
+
+    html: bool
+    png: bool
+    out: Path
+    force: bool
+    json: bool
+
+    def page(self, name: str) -> Path:
+        """Returns where a page goes, which must not exist.
+
+        Raises:
+            AlreadyExistsError: it exists, and that is not to be overwritten.
+        """
+        path = self.out / f"{name}.html"
+        if path.exists() and not self.force:
+            raise AlreadyExistsError(path)
+        return path
 
 
 def review(
-    log: Path,
+    logs: Annotated[tuple[Path, ...], Parameter(negative="")],
     /,
     *,
+    html: Annotated[bool, Parameter(negative="")] = False,
+    png: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
+    pages: NonNegativeInt = 10,
+    workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Shows what was flown, commanded, believed and true in a flight log: a summary, and pictures to look at.
+    """Shows what was flown, commanded, believed and true: one log, several side by side, or a folder of them.
+
+    Prints a summary. A page is one file for a browser, with everything in it; it needs no network. Several
+    logs are laid over one another, aligned at their starts. A folder's page lists its flights, those that
+    stand out first, each of the first with a page of its own; the exit code is then 1 when a flight was lost,
+    missed its goal or cannot be reviewed.
 
     For example:
 
         maneuver review flight.mcap
 
-        maneuver review flight.mcap --out pictures --json
+        maneuver review flight.mcap --html --png
+
+        maneuver review nominal.mcap worst-case.mcap --html
+
+        maneuver review flights --html --pages 5
 
     Args:
-        log: flight log.
-        out: folder for the pictures; LOG's name with -review by default.
-        force: overwrite pictures of the same name.
+        logs: a flight log, up to four to compare, or a folder of logs.
+        html: write a page.
+        png: write pictures; of a single log.
+        out: folder for what is written; the first LOG's name with -review by default.
+        pages: flights of a folder that get a page of their own.
+        workers: processes for a folder; one for each processor by default.
+        force: overwrite files of the same name.
         json: print the summary as JSON.
     """
-    flight = read_log(log)
-    summary = summarise(flight)
-    folder = out or Path(f"{log.stem}-review")
-    pictures = write_pictures(flight, folder, limits=control_limits(flight), force=force)
-    if json:
-        print(json_module.dumps({**summary_content(summary), "pictures": [str(path) for path in pictures]}))
+    order = _Order(html, png, out or Path(f"{logs[0].resolve().stem}-review"), force, json)
+    if out is not None and not (html or png):
+        raise FlightError("--out is where --html and --png write: give one of them with it")
+    folders = [path for path in logs if path.is_dir()]
+    if png and (folders or len(logs) > 1):
+        raise FlightError("--png draws a single log; --html shows several")
+    if folders and len(logs) > 1:
+        raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
+    if len(logs) > MOST_COMPARED:
+        raise FlightError(f"expected at most {MOST_COMPARED} logs to compare, got {len(logs)}; give a folder")
+    if folders:
+        return _review_folder(folders[0], order, pages, workers or default_workers())
+    return _review_flights(logs, order)
+
+
+def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
+    names = _labels(logs)
+    flights = [_reviewed(path, name) for path, name in zip(logs, names, strict=True)]
+    files: list[Path] = []
+    page = order.page("-and-".join(names)) if order.html else None
+    if order.png:
+        log = flights[0].log
+        files += write_pictures(log, order.out, limits=control_limits(log), force=order.force)
+    if page is not None:
+        _publish_page(flights, page, force=order.force)
+        files.insert(0, page)
+    summaries = [part.summary for part in flights]
+    if order.json:
+        contents = [summary_content(summary) for summary in summaries]
+        what = contents[0] if len(logs) == 1 else {"flights": contents}
+        print(json_module.dumps({**what, "files": [str(path) for path in files]}))
         return 0
-    Console(highlight=False).print(report(summary))
-    others = ", ".join(path.name for path in pictures[1:])
-    print(f"\nLook at {pictures[0]} first; beside it: {others}")
+    console = Console(highlight=False)
+    console.print(report(summaries[0]) if len(logs) == 1 else side_by_side(names, summaries))
+    _say_files(files)
     return 0
 
 
-def control_limits(log: FlightLog) -> Limits:
-    """Returns the limits of the controls in radians, where the log was flown by the model that is shipped."""
-    if log.header.model_hash != model_hash():
-        return {}
-    servos = read_parameters().servos
-    cyclic = (-servos.cyclic_limit, servos.cyclic_limit)
-    return {
-        "collective": (servos.collective_low, servos.collective_high),
-        "longitudinal": cyclic,
-        "lateral": cyclic,
-        "pedal": (servos.pedal_low, servos.pedal_high),
-    }
+def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int:
+    paths = sorted(folder.rglob("*.mcap"))
+    if not paths:
+        raise FlightError(f"{folder}: expected flight logs, *.mcap, found none")
+    page = order.page("index") if order.html else None
+    files: list[Path] = []
+    with worker_pool(min(workers, len(paths))) as executor:
+        rows = outliers_first(list(shown(executor.map(row_of, paths), total=len(paths), what="reviewing")))
+        if page is not None:
+            chosen = [row.path for row in rows if not row.problem][:pages]
+            addresses = {path: order.page(_name_in(folder, path)) for path in chosen}
+            write = partial(_write_page, force=order.force)
+            made = executor.map(write, addresses.keys(), addresses.values())
+            files = list(shown(made, total=len(chosen), what="pages"))
+            links = {path: made.name for path, made in addresses.items()}
+            content = campaign_page(rows, title=folder.resolve().name, pages=links)
+            publish_bytes(content.encode(), page, force=order.force)
+            files.insert(0, page)
+    if order.json:
+        content_json = {
+            "flights": [_row_content(row) for row in rows],
+            "files": [str(path) for path in files],
+        }
+        print(json_module.dumps(content_json))
+    else:
+        Console(highlight=False).print(campaign_report(rows))
+        _say_files(files[:1])
+    return 0 if all(row.good for row in rows) else FAILED
 
 
-def summary_content(summary: Summary) -> dict[str, Any]:
-    """Returns the summary as plain JSON values; what the log does not hold is null."""
-    content = asdict(summary)
-    if summary.bounds is not None:
-        for departure in content["bounds"]["departures"]:
-            departure["kind"] = PrimitiveKind(departure["kind"]).name.lower()
-    return content
+def _reviewed(path: Path, label: str) -> Reviewed:
+    log = read_log(path)
+    return Reviewed(log, summarise(log), label)
 
 
-def report(summary: Summary) -> Group:
-    """Returns the summary for people."""
-    parts: list[Table | Padding | Text] = [_facts(summary)]
-    parts.append(_heading("Flown"))
-    parts.append(_primitives(summary))
-    if summary.tracking is not None:
-        parts += [_heading("Truth minus command"), _tracking(summary)]
-    if summary.bounds is not None and summary.bounds.departures:
-        parts += [
-            _heading(f"Furthest out of the bounds of library {summary.bounds.library}"),
-            _departures(summary.bounds),
-        ]
-    return Group(*parts)
+def _labels(logs: tuple[Path, ...]) -> list[str]:
+    """Returns what the logs are called: their stems, or with their folders where those are equal."""
+    stems = [path.stem for path in logs]
+    if len(set(stems)) == len(stems):
+        return stems
+    return [f"{place}-{path.resolve().parent.name}-{path.stem}" for place, path in enumerate(logs, start=1)]
 
 
-def _heading(text: str) -> Padding:
-    return Padding(Text(text, style="bold"), (1, 0, 0, 0))
+def _name_in(folder: Path, path: Path) -> str:
+    return "-".join(path.relative_to(folder).with_suffix("").parts)
 
 
-def _facts(summary: Summary) -> Table:
-    table = Table.grid(padding=(0, 2))
-    table.add_column(style="bold")
-    table.add_column()
-    table.add_row(summary.kind, summary.name)
-    table.add_row("vehicle", f"{summary.vehicle}, wind class {summary.wind}, seed {summary.seed}")
-    table.add_row("flight", f"{summary.duration:.2f} s, {summary.distance:.1f} m over the ground")
-    table.add_row("outcome", summary.outcome)
-    if summary.arrival is not None:
-        table.add_row("goal", _arrival(summary.arrival))
-    if summary.plans is not None:
-        table.add_row("plans found", str(summary.plans))
-    table.add_row("time-outs", str(summary.timeouts))
-    if summary.bounds is not None:
-        table.add_row("out of bounds", _bounds(summary.bounds))
-    if summary.navigation is not None:
-        error = summary.navigation
-        table.add_row(
-            "navigation",
-            f"position {error.position_rms:.2f} m rms, {error.position_max:.2f} m at most; "
-            f"velocity {error.velocity_rms:.3f} m/s rms; heading {error.heading_rms:.4f} rad rms",
-        )
-    return table
+def _write_page(log: Path, page: Path, *, force: bool) -> Path:
+    _publish_page([_reviewed(log, log.stem)], page, force=force)
+    return page
 
 
-def _arrival(arrival: Arrival) -> str:
-    if arrival.time is None:
-        return f"not reached; {arrival.closest:.2f} m at the closest"
-    return f"reached after {arrival.time:.2f} s"
+def _publish_page(flights: list[Reviewed], page: Path, *, force: bool) -> None:
+    content = review_page(flights, limits=control_limits(flights[0].log))
+    publish_bytes(content.encode(), page, force=force)
 
 
-def _bounds(bounds: Bounds) -> str:
-    coasts, maneuvers = bounds.left_by(PrimitiveKind.COAST), bounds.left_by(PrimitiveKind.MANEUVER)
-    return (
-        f"{coasts} of {bounds.coasts} coasts, {maneuvers} of {bounds.maneuvers} maneuvers "
-        f"(library {bounds.library}, trim errors {bounds.trim_error_kind})"
-    )
+def _row_content(row: FlightRow) -> dict[str, object]:
+    """Returns a row as plain JSON values; a score without bound is null."""
+    content = asdict(row)
+    score = row.score if row.score < float("inf") else None
+    return {**content, "path": str(row.path), "figures": dict(row.figures), "score": score}
 
 
-def _primitives(summary: Summary) -> Table:
-    table = _columns("", "id", "", "times", "seconds", right=("id", "times", "seconds"))
-    for kind, counts in (("trim", summary.trims), ("maneuver", summary.maneuvers)):
-        for count in counts:
-            table.add_row(kind, *_cells(count))
-    return table
-
-
-def _cells(count: PrimitiveCount) -> tuple[str, ...]:
-    return str(count.id), count.name, str(count.count), f"{count.seconds:.2f}"
-
-
-def _tracking(summary: Summary) -> Table:
-    table = _columns("", "worst", "at", "rms", "", right=("worst", "at", "rms"))
-    for error in summary.tracking or ():
-        name = error.field.replace("_", " ")
-        table.add_row(name, f"{error.worst:+.3f}", f"{error.time:.2f} s", f"{error.rms:.3f}", error.unit)
-    return table
-
-
-def _departures(bounds: Bounds) -> Table:
-    table = _columns(
-        "", "id", "from", "number", "deviation", "bound", right=("id", "from", "deviation", "bound")
-    )
-    furthest = sorted(bounds.departures, key=lambda d: -abs(d.deviation) / max(d.bound, 1e-9))
-    for departure in furthest[:MOST_DEPARTURES]:
-        table.add_row(
-            departure.kind.name.lower(),
-            str(departure.id),
-            f"{departure.start:.2f} s",
-            departure.number.replace("_", " "),
-            f"{departure.deviation:+.3f}",
-            f"{departure.bound:.3f}",
-        )
-    if len(furthest) > MOST_DEPARTURES:
-        table.add_row(f"and {len(furthest) - MOST_DEPARTURES} more")
-    return table
-
-
-def _columns(*names: str, right: tuple[str, ...]) -> Table:
-    table = Table(box=None, padding=(0, 2, 0, 0), header_style="dim")
-    for name in names:
-        table.add_column(name, justify="right" if name in right else "left")
-    return table
+def _say_files(files: list[Path]) -> None:
+    if files:
+        others = ", ".join(path.name for path in files[1:])
+        print(f"\nLook at {files[0]}{f'; beside it: {others}' if others else ''}")

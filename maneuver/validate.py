@@ -15,6 +15,7 @@ from flight.mission import Mission
 from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
+from .domain import warn_of_flight
 from .files import find_library, find_mission
 from .flight_store import fly_all
 from .latencies import latency_of
@@ -152,6 +153,9 @@ def validate(
         max_nodes=max_nodes,
         logs=logs,
     )
+    if plant == "helicopter":
+        for name in grid.winds:
+            warn_of_flight(flown_with, wind=name)
     with worker_pool(workers or default_workers()) as executor:
         results = fly_all(grid.tasks(), folder=out, logs=logs, executor=executor, force=force)
     card = Scorecard(

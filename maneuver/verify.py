@@ -14,9 +14,11 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from flight.library import Library
 from sim.figure import Figure
 
-from .files import find_library
+from .campaign_flights import campaign_library
+from .files import find_campaign, find_library
 
 CHECK_FAILED = 1
 # Of the table where it goes to a file.
@@ -69,11 +71,11 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
         check_delay,
         check_limits,
         check_margins,
-        check_response,
     )
     from sim.navigation_check import check_navigation
     from sim.numerics_check import check_numerics
     from sim.parameters import read_parameters
+    from sim.response_check import check_response, check_table_10
     from sim.vehicle_check import check_vehicle
     from sim.wind_check import check_wind
 
@@ -81,6 +83,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     checks: tuple[tuple[set[str], Callable[[], Iterable[Figure]]], ...] = (
         ({"trim", "power", "ground", "modes", "shape"}, lambda: check_vehicle(vehicle)),
         ({"response"}, lambda: check_response(vehicle)),
+        ({"response"}, lambda: check_table_10(_still_air_library())),
         ({"limits"}, lambda: check_limits(vehicle)),
         ({"margins"}, lambda: check_margins(vehicle)),
         ({"delay"}, lambda: check_delay(vehicle)),
@@ -95,6 +98,11 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     for covered, check in checks:
         if not topics or covered.intersection(topics):
             yield from (figure for figure in check() if not topics or figure.topic in topics)
+
+
+def _still_air_library() -> Library:
+    """Returns the thesis's Tables 9 and 10 with the rule by which a maneuver ends in still air."""
+    return campaign_library(find_campaign("gtmax"), "calm")
 
 
 def _median_displacement_error() -> float:

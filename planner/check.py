@@ -1,7 +1,8 @@
 """Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
 
 from cmath import exp
-from math import hypot, isfinite, pi, remainder, sin
+from dataclasses import replace
+from math import hypot, inf, isfinite, pi, remainder, sin
 
 from flight.errors import FlightError
 from flight.library import Library
@@ -11,8 +12,9 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import Twist
 
-GOAL_EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
+from .certified_bound import GOAL_EQUALITY
+from .check_certificate import certificate_problems, unproved_ends
+from .check_committed import committed_problems
 
 END_AGREEMENT = 1e-6
 """Metres and radians by which a stated end may differ from the one flown."""
@@ -23,6 +25,9 @@ TIME_AGREEMENT = 1e-9
 
 OPTIMALITY = 1e-6
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
+
+PROVED_OPTIMALITY = 1e-3
+"""Seconds likewise, where a certificate proves the bound, or branch and bound gave it."""
 
 
 def problems(
@@ -37,8 +42,10 @@ def problems(
         known_hash: of the library, where it is at hand.
     """
     found = _identity(plan, known_hash or library_hash(library), library.name, mission)
+    if plan.at_smallest_tolerance is not None:
+        found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
     if not plan.found:
-        return tuple(found)
+        return (*found, *_certificate(plan, library, mission))
     try:
         maneuvers = library.maneuvers_along(plan.sequence)
         velocities = [library.trim(trim) for trim in plan.sequence]
@@ -54,9 +61,41 @@ def problems(
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
-    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - OPTIMALITY:
+    branched = plan.policy == "committed" or plan.certificate is not None
+    gap = PROVED_OPTIMALITY if branched else OPTIMALITY
+    if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - gap:
         found.append(f"lower_bound: called optimal at {plan.cost} s, the bound is {plan.lower_bound} s")
-    return tuple(found)
+    if plan.policy == "committed" and not found:
+        found += committed_problems(plan, library, mission)
+    # The certificate takes longest: it is looked at where nothing else is wrong.
+    return tuple(found) or _certificate(plan, library, mission)
+
+
+def _certificate(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns what a plan's certificate, if it has one, does not prove."""
+    if plan.certificate is None:
+        return ()
+    if plan.found == (plan.lower_bound is None):
+        return ("certificate: proves a lower bound of a plan, or that there is none; got neither",)
+    levels = tuple(sorted(_levels(plan)))
+    bound = inf if plan.lower_bound is None else plan.lower_bound
+    unproved = certificate_problems(plan.certificate, library, mission, gammas=levels, lower_bound=bound)
+    return unproved + unproved_ends(plan, library, mission)
+
+
+def _levels(plan: Plan) -> set[float]:
+    return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
+
+
+def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str) -> list[str]:
+    """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
+    if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
+        return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
+    wider = replace(mission, tolerance=plan.tolerance)
+    return [
+        f"at_smallest_tolerance: {problem}"
+        for problem in problems(plan, library, wider, known_hash=known_hash)
+    ]
 
 
 def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
@@ -69,9 +108,12 @@ def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[st
         found.append(f"tolerance: planned with {plan.tolerance} m, the mission has {mission.tolerance} m")
     if not 0 <= plan.gamma <= 1:
         found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
-    levels = {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
+    levels = _levels(plan)
     stated = [scenario.gamma for scenario in plan.scenarios]
-    if plan.found and (set(stated) != levels or len(stated) != len(levels)):
+    # A committed plan may show one level more: where it misses most.
+    inside = [gamma for gamma in stated if plan.policy == "committed" and abs(gamma) < plan.gamma and gamma]
+    shown = [gamma for gamma in stated if gamma not in inside[:1]]
+    if plan.found and (set(shown) != levels or len(shown) != len(levels)):
         found.append(f"scenarios: expected one for each gamma of {sorted(levels)}, got {stated}")
     return found
 

@@ -1,5 +1,7 @@
 """The nominal policy: minimum time, believing the library (thesis, Problem 6.1)."""
 
+from math import inf
+
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
@@ -13,11 +15,12 @@ class Nominal:
     Args:
         library: the primitives.
         max_nodes: as for `LibraryPlanner`.
+        deadline: as for `LibraryPlanner`.
     """
 
-    def __init__(self, library: Library, *, max_nodes: int | None = None) -> None:
+    def __init__(self, library: Library, *, max_nodes: int | None = None, deadline: float = inf) -> None:
         self._planner = LibraryPlanner(
-            library, policy="nominal", gamma=0.0, gammas=(0.0,), max_nodes=max_nodes
+            library, policy="nominal", gamma=0.0, gammas=(0.0,), max_nodes=max_nodes, deadline=deadline
         )
 
     def plan(self, mission: Mission) -> Plan:

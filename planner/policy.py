@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cache, partial
-from math import isfinite
+from math import inf, isfinite
 from time import perf_counter
 from typing import Protocol
 
@@ -51,6 +51,7 @@ class LibraryPlanner:
         gamma: uncertainty level that plans carry.
         gammas: the levels that every walk must reach the goal at.
         max_nodes: walks at one level that the exact search may solve; None for all it needs.
+        deadline: seconds after which the best plan so far is given.
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
@@ -64,6 +65,7 @@ class LibraryPlanner:
         gamma: float,
         gammas: tuple[float, ...],
         max_nodes: int | None = None,
+        deadline: float = inf,
     ) -> None:
         for level in gammas:
             refuse_negative_durations(library, level)
@@ -73,6 +75,7 @@ class LibraryPlanner:
         self._gamma = gamma
         self._gammas = gammas
         self._max_nodes = max_nodes
+        self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
         self._tables = cache(self._tabulate)
         self._tails = cache(partial(way_to_rest, library))
@@ -90,7 +93,7 @@ class LibraryPlanner:
 
     def _answer(self, mission: Mission) -> Answer:
         if self._exact.can(mission):
-            return self._exact.answer(mission, max_nodes=self._max_nodes)
+            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
         return search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
 
     def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
@@ -130,7 +133,7 @@ class LibraryPlanner:
     def _doubt(self, mission: Mission) -> str:
         if not self._exact.can(mission):
             return NOT_PROVED
-        return FREEDOM if self._max_nodes is None else STOPPED
+        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
 
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:

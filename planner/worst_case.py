@@ -1,5 +1,7 @@
 """The worst-case policy: the walk whose worst uncertainty level is fastest (thesis, Problem 6.2)."""
 
+from math import inf
+
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
@@ -18,17 +20,20 @@ class WorstCase:
         library: the primitives.
         gamma: uncertainty level, from 0 (nominal) to 1 (the errors of the library).
         max_nodes: as for `LibraryPlanner`.
+        deadline: as for `LibraryPlanner`.
 
     Raises:
         GammaError: the level is outside [0, 1].
         NegativeDurationError: the level turns a maneuver's duration negative.
     """
 
-    def __init__(self, library: Library, gamma: float, *, max_nodes: int | None = None) -> None:
+    def __init__(
+        self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> None:
         refuse_gamma(gamma)
         gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
         self._planner = LibraryPlanner(
-            library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes
+            library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes, deadline=deadline
         )
 
     def plan(self, mission: Mission) -> Plan:

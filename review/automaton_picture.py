@@ -22,6 +22,9 @@ NEAR = 0.2
 # Radius of a trim's circle in points.
 RADIUS = 13.0
 
+# More trims than this stand as dots at their true places, and the arrows carry no numbers.
+CROWD = 20
+
 Place = tuple[float, float]
 
 
@@ -33,6 +36,9 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
         library: the automaton.
         tall: height of the graph over half its width.
     """
+    if len(library.trims) > CROWD:
+        _draw_crowd(axes, library)
+        return
     places = _places(library.trims, tall)
     colors = trim_colors(places)
     axes.set_aspect("equal", adjustable="box", anchor="N")
@@ -58,6 +64,35 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
             zorder=6,
         )
     _label_axes(axes, library.trims, places)
+
+
+def _draw_crowd(axes: Axes, library: Library) -> None:
+    """Draws many trims as dots over yaw rate and forward speed, and what joins them as thin curves."""
+    places = {trim.id: (degrees(trim.velocity.yaw_rate), trim.velocity.forward) for trim in library.trims}
+    for maneuver in library.maneuvers:
+        axes.add_artist(
+            FancyArrowPatch(
+                places[maneuver.from_trim],
+                places[maneuver.to_trim],
+                connectionstyle=f"arc3,rad={BOW / 2}",
+                arrowstyle="-|>",
+                mutation_scale=6,
+                shrinkA=6,
+                shrinkB=6,
+                color=palette.TRUE,
+                linewidth=0.6,
+                alpha=0.55,
+                zorder=2,
+            )
+        )
+    across, up = zip(*places.values(), strict=True)
+    axes.plot(across, up, "o", markersize=11, color=palette.INK, markeredgecolor="white", zorder=4)
+    for trim, place in places.items():
+        axes.text(*place, str(trim), ha="center", va="center", color="white", fontsize=5.5, zorder=5)
+    axes.set_xlabel("yaw rate, deg/s (right turn positive)", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("forward speed, m/s", fontsize=palette.TEXT_SIZE)
+    palette.dress(axes)
+    axes.margins(0.06)
 
 
 def _places(trims: Sequence[Trim], tall: float) -> dict[int, Place]:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from jaxtyping import Float
 
 from flight.library import Library
 from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
@@ -17,7 +18,7 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Departure:
-    """The worst excess of one primitive over its bound.
+    """What came nearest to its bound in one primitive, or left it by the most.
 
     Attributes:
         kind: coast or maneuver.
@@ -34,6 +35,16 @@ class Departure:
     number: str
     deviation: float
     bound: float
+
+    @property
+    def left(self) -> bool:
+        """Whether it left its bound."""
+        return abs(self.deviation) > self.bound + ROUNDING
+
+    @property
+    def share(self) -> float:
+        """The deviation as a share of the bound, >= 0; above 1 it left it."""
+        return abs(self.deviation) / max(self.bound, ROUNDING)
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,46 +79,65 @@ def bounds_kept(log: FlightLog) -> Bounds | None:
     if LIBRARY_ATTACHMENT not in log.attachments:
         return None
     library = log.library()
-    flown = stretches_flown(log)
-    coasts = [part for part in flown if part.kind is PrimitiveKind.COAST]
-    # The last primitive was ended by the end of the log; that is no end of a maneuver.
-    maneuvers = [part for part in flown[:-1] if part.kind is PrimitiveKind.MANEUVER]
-    found = [_coast_departure(log, library, part) for part in coasts]
-    found += [_maneuver_departure(log, library, part) for part in maneuvers]
+    judged = deviations(log, library)
     return Bounds(
         library=library.name,
         trim_error_kind=library.conditions.trim_error_kind,
-        coasts=len(coasts),
-        maneuvers=len(maneuvers),
-        departures=tuple(sorted((d for d in found if d is not None), key=lambda d: d.start)),
+        coasts=sum(one.kind is PrimitiveKind.COAST for one in judged),
+        maneuvers=sum(one.kind is PrimitiveKind.MANEUVER for one in judged),
+        departures=tuple(one for one in judged if one.left),
     )
 
 
-def _coast_departure(log: FlightLog, library: Library, part: PrimitiveFlown) -> Departure | None:
-    trim, truth = library.trim(part.id), log[TRUTH]
+def deviations(log: FlightLog, library: Library) -> tuple[Departure, ...]:
+    """Returns one for each primitive that can be judged, in the order flown.
+
+    Raises:
+        FlightError: the log lacks truth or primitives, or flew what the library does not have.
+    """
+    flown = stretches_flown(log)
+    judged = []
+    for place, part in enumerate(flown):
+        if part.kind is PrimitiveKind.COAST:
+            velocity = _velocities(log, part)
+            # A log that was recovered may have lost what was true in a coast.
+            if len(velocity):
+                judged.append(_coast_deviation(velocity, library, part))
+        # The last primitive was ended by the end of the log; that is no end of a maneuver.
+        elif place < len(flown) - 1:
+            judged.append(_maneuver_deviation(log, library, part))
+    return tuple(judged)
+
+
+def _velocities(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "n 3"]:
+    truth = log[TRUTH]
     rows = slice(*np.searchsorted(truth.time, [part.start - ROUNDING, part.end + ROUNDING]))
-    velocity = np.column_stack([truth[field][rows] for field in VELOCITIES])
+    return np.column_stack([truth[field][rows] for field in VELOCITIES])
+
+
+def _coast_deviation(velocity: Float[np.ndarray, "n 3"], library: Library, part: PrimitiveFlown) -> Departure:
+    trim = library.trim(part.id)
     if library.conditions.trim_error_kind == "averaged":
         velocity = velocity.mean(axis=0, keepdims=True)
     nominal = np.array([getattr(trim.velocity, field) for field in VELOCITIES])
-    deviations = velocity - nominal
-    largest = deviations[np.argmax(np.abs(deviations), axis=0), np.arange(len(VELOCITIES))]
+    apart = velocity - nominal
+    largest = apart[np.argmax(np.abs(apart), axis=0), np.arange(len(VELOCITIES))]
     bounds = [abs(getattr(trim.error, field)) for field in VELOCITIES]
     return _worst(part, VELOCITIES, largest.tolist(), bounds)
 
 
-def _maneuver_departure(log: FlightLog, library: Library, part: PrimitiveFlown) -> Departure | None:
+def _maneuver_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) -> Departure:
     maneuver = library.maneuver(part.from_trim, part.to_trim)
     displacement = pose_at(log, part.start).inverse() @ pose_at(log, part.end)
     nominal, error = maneuver.displacement, maneuver.error
-    deviations = [
+    apart = [
         part.end - part.start - maneuver.duration,
         displacement.x - nominal.x,
         displacement.y - nominal.y,
         displacement.heading - nominal.heading,
     ]
     bounds = [abs(error.duration), abs(error.forward), abs(error.side), abs(error.heading_change)]
-    return _worst(part, ("duration", "forward", "side", "heading change"), deviations, bounds)
+    return _worst(part, ("duration", "forward", "side", "heading change"), apart, bounds)
 
 
 def pose_at(log: FlightLog, time: float) -> SE2:
@@ -118,13 +148,10 @@ def pose_at(log: FlightLog, time: float) -> SE2:
 
 
 def _worst(
-    part: PrimitiveFlown, names: tuple[str, ...], deviations: list[float], bounds: list[float]
-) -> Departure | None:
-    """Returns the number that left its bound by the largest part of the bound, or None."""
-    excess = [
-        abs(deviation) / max(bound, ROUNDING) for deviation, bound in zip(deviations, bounds, strict=True)
+    part: PrimitiveFlown, names: tuple[str, ...], apart: list[float], bounds: list[float]
+) -> Departure:
+    """Returns the number that deviates by the largest share of its bound."""
+    all_of_it = [
+        Departure(part.kind, part.id, part.start, *one) for one in zip(names, apart, bounds, strict=True)
     ]
-    worst = int(np.argmax(excess))
-    if abs(deviations[worst]) <= bounds[worst] + ROUNDING:
-        return None
-    return Departure(part.kind, part.id, part.start, names[worst], deviations[worst], bounds[worst])
+    return max(all_of_it, key=lambda one: one.share)

@@ -21,11 +21,11 @@ from . import palette
 from .automaton_picture import draw_automaton
 from .library_picture import draw_trim_errors
 from .marks import dart, draw_goal, note
-from .stroke import Stroke
+from .stroke import ASKED_FOR, Stroke
 from .summary import arrival
 
-PLANNED = Stroke(palette.INK, 1.2, dashes=(0.0, (4.0, 2.0)), layer=3.0)
-OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=(0.0, (2.0, 2.0)), layer=2.5)
+PLANNED = Stroke(palette.INK, 1.2, dashes=ASKED_FOR, layer=3.0)
+OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=ASKED_FOR, layer=2.5)
 FLOWN = Stroke(palette.TRUE, 2.0, opacity=0.75)
 AFTERWARDS = Stroke(palette.TRUE, 0.9, opacity=0.35)
 MISSED = Stroke(palette.ALARM, 2.0, opacity=0.85)

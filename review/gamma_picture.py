@@ -8,7 +8,6 @@ from matplotlib.figure import Figure
 from . import palette
 from .flight_drawn import POLICY_MARKS, policy_color
 
-
 ASIDE = 0.012
 """By how much one policy's marks stand beside the other's, so that both are seen."""
 

@@ -14,7 +14,7 @@ from flight.trim import Trim
 from flight.trim_labels import trim_colors
 
 from . import palette
-from .automaton_picture import draw_automaton
+from .automaton_picture import CROWD, draw_automaton
 from .stroke import Stroke
 
 DEGREES_PER_RADIAN = degrees(1.0)
@@ -68,6 +68,21 @@ def library_picture(library: Library) -> Figure:
     rows = halves[1].subgridspec(2, 1, height_ratios=heights)
     draw_trim_errors(figure.add_subfigure(rows[0]), library)
     draw_maneuver_errors(figure.add_subfigure(rows[1]), library)
+    return figure
+
+
+def graph_picture(library: Library) -> Figure:
+    """Returns the automaton alone: the directed graph of the thesis's Figures 3 and 4, of any library."""
+    crowd = len(library.trims) > CROWD
+    figure = palette.page(14.0 if crowd else 8.0, 11.0 if crowd else 8.4)
+    figure.suptitle(
+        f"Library {library.name}: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers",
+        x=0.01,
+        ha="left",
+        fontsize=palette.TEXT_SIZE + 3,
+        fontweight="bold",
+    )
+    draw_automaton(figure.subplots(), library, tall=1.6)
     return figure
 
 

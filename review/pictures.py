@@ -99,10 +99,12 @@ def navigation_picture(log: FlightLog) -> Figure:
         MissingTopicError: the log has no estimate.
     """
     parts = (
-        (("north", "east", "down"), "Estimated minus actual position, m"),
-        (("forward", "side", "descent"), "Estimated minus actual velocity, m/s"),
-        (("roll", "pitch", "heading"), "Estimated minus actual attitude, deg"),
-        (("yaw_rate",), "Estimated minus actual yaw rate, deg/s"),
+        ("north", "Estimated minus actual position north, m"),
+        ("east", "Estimated minus actual position east, m"),
+        ("down", "Estimated minus actual position down, m"),
+        ("forward", "Estimated minus actual forward speed, m/s"),
+        ("side", "Estimated minus actual sideward speed, m/s"),
+        ("heading", "Estimated minus actual heading, deg"),
     )
     return _histories(log, [_navigation_panel(log, *part) for part in parts], strokes=False)
 
@@ -177,8 +179,8 @@ def _control_panel(log: FlightLog, field: str, limits: Limits) -> Panel:
     return lambda axes: draw_control(axes, log, field, limits)
 
 
-def _navigation_panel(log: FlightLog, fields: Sequence[str], title: str) -> Panel:
-    return lambda axes: draw_navigation_error(axes, log, fields, title)
+def _navigation_panel(log: FlightLog, field: str, title: str) -> Panel:
+    return lambda axes: draw_navigation_error(axes, log, field, title)
 
 
 def _histories(log: FlightLog, panels: Sequence[Panel], *, strokes: bool = True) -> Figure:

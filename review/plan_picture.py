@@ -14,9 +14,7 @@ from flight.trim_labels import trim_colors
 
 from . import palette
 from .marks import dart, draw_goal, note
-from .stroke import Dashes, Stroke
-
-MANEUVERED: Dashes = (0.0, (2.5, 1.5))
+from .stroke import Stroke
 
 
 class NothingToDrawError(FlightError):
@@ -88,7 +86,7 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
         if time > 0:
             _draw(axes, style, line)
         handles.append(style.entry(f"trim {trim}, {library.trim(trim).name}: {time:.2f} s"))
-    style = Stroke(palette.INK, 1.6, dashes=MANEUVERED, layer=4.5)
+    style = Stroke(palette.INK, 1.3, layer=4.5)
     for line in maneuvers:
         _draw(axes, style, line)
     if maneuvers:
@@ -103,11 +101,8 @@ def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mi
     )
     color = palette.BELIEVED if scenario.gamma < 0 else palette.TRUE if scenario.gamma > 0 else palette.FAINT
     style = Stroke(color, 1.2, opacity=0.8, layer=3.5)
-    dashed = Stroke(color, 1.2, dashes=MANEUVERED, opacity=0.8, layer=3.5)
-    for line in coasts:
+    for line in (*coasts, *maneuvers):
         _draw(axes, style, line)
-    for line in maneuvers:
-        _draw(axes, dashed, line)
     return style.entry(f"at gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.arrival import Arrival, Destination, first_arrival
-from flight.attachments import goal_of_flight, plans_of_flight
+from flight.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from flight.log import (
     COMMAND,
     ESTIMATE,
@@ -96,6 +96,8 @@ class Summary:
         navigation: None without an estimate.
         bounds: None without a library.
         plans: how many plannings found something to fly; None where the log carries no plans.
+        failures: how many plannings found nothing, so that the vehicle flew on with what it had.
+        promise: seconds that the first plan promised; None without one.
         arrival: None without a mission.
     """
 
@@ -114,6 +116,8 @@ class Summary:
     navigation: NavigationError | None
     bounds: Bounds | None
     plans: int | None
+    failures: int
+    promise: float | None
     arrival: Arrival | None
 
 
@@ -127,6 +131,8 @@ def summarise(log: FlightLog) -> Summary:
     flown = stretches_flown(log)
     names = trim_names(log)
     goal = goal_of_flight(log)
+    plannings = plannings_of_flight(log)
+    plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
     truth = log[TRUTH]
     return Summary(
         kind=header.kind,
@@ -147,7 +153,9 @@ def summarise(log: FlightLog) -> Summary:
         tracking=_tracking(log) if COMMAND.name in log.series else None,
         navigation=_navigation(log) if ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log),
-        plans=len(plans_of_flight(log)) if PLANS_ATTACHMENT in log.attachments else None,
+        plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
+        failures=len(plannings) - len(plans),
+        promise=plans[0].cost if plans else None,
         arrival=None if goal is None else arrival(log, goal),
     )
 

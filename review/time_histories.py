@@ -13,6 +13,7 @@ from flight.log import (
     CONTROLS,
     ESTIMATE,
     LIBRARY_ATTACHMENT,
+    NAVIGATION,
     TRUTH,
     WIND,
     FlightLog,
@@ -103,13 +104,18 @@ def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> 
     _name_components(axes, fields)
 
 
-def draw_navigation_error(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
-    """Draws estimate minus truth of as many as three states."""
-    for field, style in zip(fields, stroke.COMPONENTS, strict=False):
-        style.draw(axes, log[TRUTH].time, _scale(field) * navigation_error(log, field))
+def draw_navigation_error(axes: Axes, log: FlightLog, field: str, title: str) -> None:
+    """Draws estimate minus truth of one number of the state, and three sigma where the log has them."""
+    scale = _scale(field)
+    stroke.ACTUAL.draw(axes, log[TRUTH].time, scale * navigation_error(log, field))
+    if NAVIGATION.name in log.series:
+        claimed = log[NAVIGATION]
+        edge = 3.0 * scale * claimed[field]
+        axes.fill_between(claimed.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
+        entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="three sigma, as the vehicle believes")
+        palette.legend_above(axes, [entry])
     axes.axhline(0.0, color=palette.FAINT, linewidth=0.8, zorder=2)
     _finish(axes, log, title)
-    _name_components(axes, fields)
 
 
 def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:

@@ -11,7 +11,7 @@ from flight.errors import FlightLostError
 from flight.se2 import Twist
 
 from .controller import Controller
-from .equilibrium import EquilibriumFinder
+from .equilibrium import find_equilibrium
 from .gains import Gains
 from .helicopter import DEFAULT_STEP, Helicopter
 from .maneuver_generator import ManeuverGenerator
@@ -81,7 +81,7 @@ def respond(
     """
     believed, start = believed or vehicle, targets[0][0]
     helicopter = Helicopter(vehicle, step=plant_step)
-    helicopter.place(EquilibriumFinder(believed).find(start), altitude=_HEIGHT, heading=1.0)
+    helicopter.place(find_equilibrium(believed, start), altitude=_HEIGHT, heading=1.0)
     controller = Controller(believed, height=_HEIGHT, step=_STEP, gains=gains, adaptive=adaptive)
     generator = ManeuverGenerator(start, step=_STEP)
     air = DrydenWind(

@@ -61,7 +61,8 @@ class ControlLaw:
         controls, after = self._period(
             Seen._make(ca.vertsplit(estimate)), Wanted._make(ca.vertsplit(wanted)), learning, split(memory)
         )
-        return ca.Function("control", [estimate, wanted, learning, memory], [controls, ca.vertcat(*after)])
+        results = ca.cse([controls, ca.vertcat(*after)])
+        return ca.Function("control", [estimate, wanted, learning, memory], results)
 
     def _period(self, seen: Seen, wanted: Wanted, learning: ca.SX, memory: Memory) -> tuple[ca.SX, Memory]:
         weights = Weights(

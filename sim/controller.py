@@ -1,6 +1,7 @@
 """The flight controller: it turns an estimate and a reference into servo commands, period by period."""
 
 from functools import cache
+from itertools import chain
 from math import cos, sin
 
 import casadi as ca
@@ -9,20 +10,22 @@ import numpy as np
 from flight.se2 import Twist
 
 from . import adaptive_element as element
-from .bound_function import BoundFunction
+from .backend import Backend
+from .bound_function import Recursion
 from .control_law import ControlLaw
-from .control_words import MEMORY_SIZES, InversionModel, Wanted
-from .equilibrium import EquilibriumFinder
+from .control_words import MEMORY_SIZES, InversionModel
+from .equilibrium import find_equilibrium
 from .gains import Gains
 from .linearisation import linearise
-from .maneuver_generator import Reference
-from .motion import Controls, Motion
+from .motion import Channel, Controls, Motion, Reference
 from .parameters import Parameters
+from .signals import Signals
 from .trim_table import TrimPoint, trim_table
 
 _SIZE = sum(MEMORY_SIZES)
 _INNER, _OUTER = _SIZE - element.INNER_WEIGHTS - element.OUTER_WEIGHTS, _SIZE - element.OUTER_WEIGHTS
 _ROWS = element.HIDDEN + 1
+_CHANNEL = len(Channel._fields)
 
 
 class Controller:
@@ -34,6 +37,11 @@ class Controller:
         step: control period in s.
         gains: all feedback and learning gains.
         adaptive: whether the adaptive element learns; its output stays 0 where not.
+        signals: where it finds estimate and reference, and leaves the controls; its own where None.
+        backend: what evaluates the control law.
+
+    Attributes:
+        function: (estimate, wanted, learning, memory) -> (controls, memory), for margins.
     """
 
     def __init__(
@@ -44,50 +52,51 @@ class Controller:
         step: float,
         gains: Gains | None = None,
         adaptive: bool = True,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
     ) -> None:
         self.gains = gains or Gains()
         self._trims = trim_table(parameters)
         self.function = _control_function(parameters, self.gains, height, step)
-        self._estimate, self._wanted = np.zeros(len(Motion._fields)), np.zeros(len(Wanted._fields))
-        self._learning, self._controls = np.array([1.0 if adaptive else 0.0]), np.zeros(4)
-        self._memories = (np.zeros(_SIZE), np.zeros(_SIZE))
-        self._current, self._begun = 0, False
-        inputs = (self._estimate, self._wanted, self._learning)
-        memories = self._memories
-        # Two memories in turn, because input and output must not be the same array.
-        self._laws = tuple(
-            BoundFunction(self.function, (*inputs, memories[source]), (self._controls, memories[1 - source]))
-            for source in (0, 1)
+        self.signals = signals = signals or Signals()
+        self._learning, self._memory = np.array([1.0 if adaptive else 0.0]), np.zeros(_SIZE)
+        self._law = Recursion(
+            _with_trims(self.function, self._trims.function),
+            (signals.estimate, signals.reference, self._learning, self._memory),
+            (signals.controls,),
+            backend=backend,
         )
+        self._begun = False
 
     @property
     def memory(self) -> np.ndarray:
         """What is remembered now, laid out as in `control_law.Memory`."""
-        return self._memories[self._current].copy()
+        return self._memory.copy()
 
     def restore(self, memory: np.ndarray) -> None:
         """Goes on from a memory."""
-        self._memories[self._current][:] = memory
+        self._memory[:] = memory
         self._begun = True
 
     def turn(self, angle: float) -> None:
         """Follows a turn of the whole world about the vertical, in rad."""
-        outer = self._memories[self._current][_OUTER:].reshape(element.OUTPUTS, _ROWS)
+        outer = self._memory[_OUTER:].reshape(element.OUTPUTS, _ROWS)
         north, east = outer[0].copy(), outer[1].copy()
         outer[0] = cos(angle) * north - sin(angle) * east
         outer[1] = sin(angle) * north + cos(angle) * east
 
+    def run(self) -> None:
+        """Gives the controls of the next control period."""
+        if not self._begun:
+            forward, _, yaw_rate = self.signals.reference[::_CHANNEL].tolist()
+            self.restore(first_memory(self._trims.at(forward, yaw_rate)))
+        self._law.step()
+
     def step(self, estimate: Motion, reference: Reference) -> Controls:
         """Returns the servo commands for the next control period."""
-        forward, side, yaw = reference
-        trim = self._trims.at(forward.value, yaw.value)
-        if not self._begun:
-            self.restore(first_memory(trim))
-        self._estimate[:] = estimate
-        self._wanted[:] = (*forward, *side, *yaw, *trim)
-        self._laws[self._current].evaluate()
-        self._current = 1 - self._current
-        return Controls._make(self._controls.tolist())
+        self.signals.estimate[:], self.signals.reference[:] = estimate, [*chain(*reference)]
+        self.run()
+        return Controls._make(self.signals.controls.tolist())
 
 
 def first_memory(trim: TrimPoint) -> np.ndarray:
@@ -105,7 +114,7 @@ def first_memory(trim: TrimPoint) -> np.ndarray:
 @cache
 def inversion_model(parameters: Parameters) -> InversionModel:
     """Returns the model that the controller inverts: the vehicle linearised in hover."""
-    hover = EquilibriumFinder(parameters).find(Twist(0.0, 0.0, 0.0))
+    hover = find_equilibrium(parameters, Twist(0.0, 0.0, 0.0))
     state = linearise(parameters, hover).state
     return InversionModel(
         roll=float(state[3, 13]),
@@ -114,6 +123,22 @@ def inversion_model(parameters: Parameters) -> InversionModel:
         yaw_from_collective=float(state[5, 10]),
         lift=-float(state[2, 10]),
     )
+
+
+@cache
+def _with_trims(law: ca.Function, trims: ca.Function) -> ca.Function:
+    """Builds (estimate, reference, learning, memory) -> (controls, memory) of a law and a trim table."""
+    estimate, reference, learning, memory = (
+        ca.MX.sym(name, size)
+        for name, size in zip(
+            ("estimate", "reference", "learning", "memory"),
+            (len(Motion._fields), len(Reference._fields) * _CHANNEL, 1, _SIZE),
+            strict=True,
+        )
+    )
+    trim = trims(reference[0], reference[2 * _CHANNEL])
+    controls, after = law(estimate, ca.vertcat(reference, trim), learning, memory)
+    return ca.Function("control", [estimate, reference, learning, memory], [controls, after])
 
 
 @cache

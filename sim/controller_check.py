@@ -1,6 +1,6 @@
-"""What is asked of the controller: response, margins at every trim, and what the adaptive element buys."""
+"""What is asked of the controller: margins at every trim, delay, and what the adaptive element buys."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 
 import numpy as np
 
@@ -22,13 +22,6 @@ TRIMS = tuple(
     Twist(speed * _FOOT, 0.0, rate)
     for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
 )
-# Changes of speed in ft/s and yaw rate in rad/s, with the settling time that the thesis's tables imply.
-_CHANGES = (
-    *((start, 0.0, end, 0.0, 4.2) for start, end in ((0, 3), (0, 10), (3, 10), (10, 3), (10, 0))),
-    *((10, start, 10, end, 3.2) for start, end in ((0.0, 0.6), (0.6, 0.0), (0.6, -0.6))),
-    (3, 0.0, 10, 0.6, 4.2),
-    (10, -0.6, 3, 0.0, 4.2),
-)
 _CHANGED = {
     "as believed": {},
     "mass +20 %": {"mass": 1.2},
@@ -41,25 +34,6 @@ _LEG = 10.0
 _FAST = TRIMS[2]
 # A flight whose body rates are beyond this has lost its stability, rad/s.
 _WILD = 1.0
-
-
-def check_response(parameters: Parameters) -> Iterator[Figure]:
-    """Yields settling times in still air with ideal sensors (thesis, 2.6.2), and what the tilt came to."""
-    for start, turn, end, next_turn, settling in _CHANGES:
-        before, after = Twist(start * _FOOT, 0.0, turn), Twist(end * _FOOT, 0.0, next_turn)
-        flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
-        name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"
-        straight = start != end
-        field = "forward" if straight else "yaw_rate"
-        values = flown.column(field)
-        time = settling_time(values, start=getattr(before, field), end=getattr(after, field))
-        yield Figure("response", f"{name}, 5 % settling", time, "s", 0.9 * settling, 1.1 * settling)
-
-
-def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: float) -> float:
-    """Returns when a response, sampled every 10 ms, comes within 5 % of its change for good, in s."""
-    outside = np.nonzero(np.abs(np.asarray(values) - end) > 0.05 * abs(end - start))[0]
-    return float(outside.max(initial=-1) + 1) * _STEP
 
 
 def check_margins(

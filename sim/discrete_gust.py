@@ -1,9 +1,9 @@
 """The discrete gust of MIL-F-8785C, 3.7.1.3: one minus cosine up, then, by the same way, down again."""
 
 from dataclasses import dataclass
-from math import cos, pi
+from math import cos, hypot, pi
 
-from .motion import Wind
+import numpy as np
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,14 +29,16 @@ class DiscreteGust:
         if not self.duration > 0.0:
             raise ValueError(f"duration must be > 0 s, got {self.duration} s")
 
-    def add_to(self, wind: Wind, time: float) -> Wind:
-        """Returns the wind with the gust at a time in s."""
+    def speed(self, time: float) -> float:
+        """Returns the speed of the gust's air at a time in s, m/s."""
+        return self._share(time) * hypot(self.north, self.east, self.down)
+
+    def blow(self, wind: np.ndarray, time: float) -> None:
+        """Adds the gust at a time in s to a wind laid out as `Wind`."""
+        share = self._share(time)
+        wind[:3] += (share * self.north, share * self.east, share * self.down)
+
+    def _share(self, time: float) -> float:
+        """Returns how much of the peak there is at a time in s."""
         along = (time - self.start) / self.duration
-        if not 0.0 < along < 1.0:
-            return wind
-        share = 0.5 * (1.0 - cos(2.0 * pi * along))
-        return wind._replace(
-            north=wind.north + share * self.north,
-            east=wind.east + share * self.east,
-            down=wind.down + share * self.down,
-        )
+        return 0.5 * (1.0 - cos(2.0 * pi * along)) if 0.0 < along < 1.0 else 0.0

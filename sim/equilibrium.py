@@ -1,6 +1,7 @@
 """Steady level flight, straight or turning: controls and attitude that hold a trim in still air."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from math import cos
 
 import casadi as ca
@@ -122,6 +123,16 @@ class EquilibriumFinder:
         wanted = ca.DM([velocity.forward, velocity.side, velocity.yaw_rate])
         residual, power = self._balance(unknowns, wanted)
         return float(ca.norm_inf(residual)), float(power)
+
+
+@cache
+def find_equilibrium(parameters: Parameters, velocity: Twist) -> Equilibrium:
+    """Returns the equilibrium of a vehicle far from the ground, found once in a process.
+
+    Raises:
+        NoEquilibriumError: there is none.
+    """
+    return EquilibriumFinder(parameters).find(velocity)
 
 
 def balance(

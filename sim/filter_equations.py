@@ -6,52 +6,37 @@ axes, the two biases, and 4 that are considered but never corrected (Schmidt): t
 and heading.
 """
 
-from math import exp
-from typing import Protocol
+from collections.abc import Callable
+from math import exp, pi
 
 import casadi as ca
+
+from .sensor_errors import Wander
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
 # Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
 SPREAD = 9
 ERRORS = ESTIMATED + CONSIDERED
+_UPPER = ca.Sparsity.upper(ERRORS)
+STATE = NOMINAL + _UPPER.nnz() + 1
+"""What the filter remembers: nominal state, upper half of the covariance column by column, heading in rad."""
 # An innovation of more than this many standard deviations is not believed.
 GATE = 5.0
 
 
-class _Wander(Protocol):
-    @property
-    def sigma(self) -> float: ...
-    @property
-    def time(self) -> float: ...
-
-
-def ideal_readings(step: float, gravity: float, antenna: tuple[float, float, float]) -> ca.Function:
-    """Returns (motion before, motion now) -> specific force, body rates, antenna position and velocity."""
-    before, now = ca.SX.sym("before", 13), ca.SX.sym("now", 13)
-    first, last = euler_quaternion(before[6:9]), euler_quaternion(now[6:9])
-    change = product(conjugate(first), last)
-    rates = 2.0 * ca.sign(change[0]) * change[1:] / step
-    middle = rotation(product(first, rotation_vector(rates * step / 2.0)))
-    acceleration = (world_velocity(now) - world_velocity(before)) / step
-    force = middle.T @ (acceleration - ca.DM([0, 0, gravity]))
-    turn, arm = rotation(last), ca.DM(antenna)
-    place = now[:3] + turn @ arm
-    velocity = world_velocity(now) + turn @ ca.cross(now[9:12], arm)
-    return ca.Function("ideal", [before, now], [ca.vertcat(force, rates, place, velocity)])
-
-
-def predict(step: float, gravity: float, noise: ca.DM, wanders: tuple[_Wander, ...]) -> ca.Function:
-    """Returns (nominal, covariance, inertial reading) -> (nominal, covariance) one period later.
+def predict(
+    step: float, gravity: float, noise: tuple[float, ...], wanders: tuple[Wander, ...]
+) -> ca.Function:
+    """Returns (inertial reading, state) -> (motion, state) one period later.
 
     Args:
         step: s.
         gravity: m/s2.
-        noise: variances of accelerometers and gyros over a period, shape (6, 1).
+        noise: standard deviations of accelerometers and gyros over a period.
         wanders: of the biases (6) and of the considered errors (4).
     """
-    nominal, covariance = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("covariance", ERRORS, ERRORS)
-    reading = ca.SX.sym("reading", 6)
+    state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
+    nominal, covariance, heading = split(state)
     force, rates = reading[:3] - nominal[10:13], reading[3:] - nominal[13:16]
     quaternion = nominal[6:10]
     middle = rotation(product(quaternion, rotation_vector(rates * step / 2.0)))
@@ -78,21 +63,28 @@ def predict(step: float, gravity: float, noise: ca.DM, wanders: tuple[_Wander, .
         added[place, place] = wander.sigma**2 * (1.0 - kept**2)
     for place in range(3):
         added[place, place] = 0.0
-        added[3 + place, 3 + place] = step**2 * noise[place]
-        added[6 + place, 6 + place] = step**2 * noise[3 + place]
-    spread = _symmetric(transition @ _symmetric(covariance) @ transition.T + added)
-    return ca.Function("predict", [nominal, covariance, reading], [after, spread])
+        added[3 + place, 3 + place] = step**2 * noise[place] ** 2
+        added[6 + place, 6 + place] = step**2 * noise[3 + place] ** 2
+    spread = transition @ covariance @ transition.T + added
+    results = _believe(after, spread, heading, reading)
+    return ca.Function("predict", [reading, state], ca.cse(results))
 
 
-def correct_fix(antenna: tuple[float, float, float], age: float, variances: tuple[float, ...]) -> ca.Function:
-    """Returns (nominal, covariance, past, past rates, fix, specific force) -> (nominal, covariance).
+def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]) -> ca.Function:
+    """Returns (past, fix, inertial reading, state) -> (motion, state).
 
-    The fix is `age` seconds old. It is compared with the antenna of the nominal state of then, `past`; what
-    the error of now says of the error of then enters the slopes.
+    The fix is `age` seconds old. It is compared with the antenna of the nominal state and the inertial
+    reading of then, `past`; what the error of now says of the error of then enters the slopes.
+
+    Args:
+        antenna: forward, right, down of the centre of mass, m.
+        age: s.
+        sigmas: standard deviations of the fix's noise.
     """
-    nominal, covariance = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("covariance", ERRORS, ERRORS)
-    past, rates, fix = ca.SX.sym("past", NOMINAL), ca.SX.sym("rates", 3), ca.SX.sym("fix", 6)
-    force = ca.SX.sym("force", 3)
+    state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
+    past, fix = ca.SX.sym("past", NOMINAL + 6), ca.SX.sym("fix", 6)
+    nominal, covariance, heading = split(state)
+    force, rates = reading[:3] - nominal[10:13], past[NOMINAL + 3 :] - past[13:16]
     arm, turn = ca.DM(antenna), rotation(past[6:10])
     swing = ca.cross(rates, arm)
     innovation = fix - ca.vertcat(past[:3] + turn @ arm, past[3:6] + turn @ swing)
@@ -105,84 +97,104 @@ def correct_fix(antenna: tuple[float, float, float], age: float, variances: tupl
     slopes[3:, 3:6] = ca.SX.eye(3)
     slopes[3:, 6:9] = -turn @ ca.skew(swing) + age * leaning
     slopes[3:, 9:12] = age * turn
-    error, after = ca.SX.zeros(ERRORS), _symmetric(covariance)
+    error = ca.SX.zeros(ESTIMATED)
     for row in range(6):
-        error, after = _correct(error, after, slopes[row, :], innovation[row], variances[row])
-    return ca.Function(
-        "correct_fix",
-        [nominal, covariance, past, rates, fix, force],
-        [inject(nominal, error), after],
-    )
+        error, covariance = _correct(error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2)
+    results = _believe(inject(nominal, error), covariance, heading, reading)
+    return ca.Function("correct_fix", [past, fix, reading, state], ca.cse(results))
 
 
-def correct_slow(heading_variance: float) -> ca.Function:
-    """Returns (nominal, covariance, heading innovation, height, its variance) -> (nominal, covariance)."""
-    nominal, covariance = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("covariance", ERRORS, ERRORS)
-    innovation, height, variance = ca.SX.sym("innovation"), ca.SX.sym("height"), ca.SX.sym("variance")
+def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -> ca.Function:
+    """Returns (heading and height, inertial reading, state) -> (motion, state).
+
+    Args:
+        heading_sigma: standard deviation of the heading's noise, rad.
+        height_sigma: standard deviation of the altimeter's noise at a height, m.
+    """
+    state, reading, seen = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6), ca.SX.sym("seen", 2)
+    nominal, covariance, heading = split(state)
     turn = rotation(nominal[6:10])
     # The heading's rate over a body rotation: (sin(roll) e_y + cos(roll) e_z) / cos(pitch).
     level = turn[2, 1] ** 2 + turn[2, 2] ** 2
     slopes = ca.SX(1, ERRORS)
     slopes[0, 7], slopes[0, 8] = turn[2, 1] / level, turn[2, 2] / level
     slopes[0, ERRORS - 1] = 1.0
-    error, covariance_after = _correct(
-        ca.SX.zeros(ERRORS), _symmetric(covariance), slopes, innovation, heading_variance
-    )
+    innovation = ca.remainder(seen[0] - ca.atan2(turn[1, 0], turn[0, 0]), 2.0 * pi)
+    error, covariance = _correct(ca.SX.zeros(ESTIMATED), covariance, slopes, innovation, heading_sigma**2)
     slopes = ca.SX(1, ERRORS)
     slopes[0, 2] = -1.0
-    error, covariance_after = _correct(error, covariance_after, slopes, height + nominal[2], variance)
-    return ca.Function(
-        "correct_slow",
-        [nominal, covariance, innovation, height, variance],
-        [inject(nominal, error), covariance_after],
-    )
+    error, covariance = _correct(error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2)
+    results = _believe(inject(nominal, error), covariance, heading, reading)
+    return ca.Function("correct_slow", [seen, reading, state], ca.cse(results))
 
 
 def _correct(
     error: ca.SX, covariance: ca.SX, slopes: ca.SX, innovation: ca.SX, variance: ca.SX | float
 ) -> tuple[ca.SX, ca.SX]:
-    """Takes one number in: Schmidt's gain in Joseph's form, nothing where the innovation is past the gate."""
+    """Takes one number in, with Schmidt's gain; nothing where the innovation is past the gate.
+
+    Between estimated errors, and between them and the considered, Joseph's form comes to a difference; the
+    covariance of the considered stays.
+    """
     reach = covariance @ slopes.T
     spread = slopes @ reach + variance
-    left = innovation - slopes @ error
-    gain = reach / spread
-    gain[ESTIMATED:] = 0.0
-    gain = ca.if_else(left**2 <= GATE**2 * spread, gain, ca.SX.zeros(ERRORS))
-    crossed = gain @ reach.T
-    smaller = covariance - crossed - crossed.T + spread * (gain @ gain.T)
-    return error + gain * left, _symmetric(smaller)
+    left = innovation - slopes[:ESTIMATED] @ error
+    # False too where the innovation is no number, because a sensor is silent.
+    believed = left**2 <= GATE**2 * spread
+    gain = ca.if_else(believed, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
+    smaller = covariance
+    smaller[:ESTIMATED, :] -= gain @ reach.T
+    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller)
+
+
+def split(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+    """Returns nominal state, covariance and heading of a filter's state."""
+    nominal, upper, heading = ca.vertsplit(state, (0, NOMINAL, NOMINAL + _UPPER.nnz(), STATE))
+    return nominal, ca.triu2symm(ca.SX(_UPPER, upper)), heading
 
 
 def _symmetric(matrix: ca.SX) -> ca.SX:
     """Returns a symmetric matrix from its upper half, so that the other half costs nothing."""
-    return ca.densify(ca.triu2symm(ca.triu(matrix)))
+    return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def believe() -> ca.Function:
-    """Returns (nominal, inertial reading) -> motion laid out as `Motion`, the heading wrapped."""
-    nominal, reading = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("reading", 6)
-    turn, velocity, rates = rotation(nominal[6:10]), nominal[3:6], reading[3:] - nominal[13:16]
+def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
+    """Returns the motion that a nominal state stands for, laid out as `Motion`.
+
+    Args:
+        nominal: state.
+        rates: of the body, rad/s.
+        before: a heading that this one goes on from without jumps, rad.
+    """
+    turn, velocity = rotation(nominal[6:10]), nominal[3:6]
     roll, heading = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(turn[1, 0], turn[0, 0])
     pitch = ca.asin(ca.fmax(-1.0, ca.fmin(1.0, -turn[2, 0])))
     c, s = ca.cos(heading), ca.sin(heading)
     level = ca.vertcat(c * velocity[0] + s * velocity[1], -s * velocity[0] + c * velocity[1], velocity[2])
     yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
-    motion = ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
-    return ca.Function("believe", [nominal, reading], [motion])
+    heading = before + ca.remainder(heading - before, 2.0 * pi)
+    return ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
+
+
+def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
+    """Returns the motion that is believed, and the filter's state."""
+    motion = believed_motion(nominal, reading[3:] - nominal[13:16], before)
+    upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
+    return [motion, ca.vertcat(nominal, upper, motion[SPREAD - 1])]
 
 
 def spread() -> ca.Function:
-    """Returns (nominal, covariance) -> one standard deviation of what `believe` says: its first nine entries.
+    """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
 
     First order: the slopes of what is believed over the error, around no error.
     """
-    nominal, covariance = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("covariance", ERRORS, ERRORS)
-    error = ca.SX.sym("error", ESTIMATED)
-    believed = believe()(inject(nominal, error), ca.SX.zeros(6))[:SPREAD]
-    slopes = ca.substitute(ca.jacobian(believed, error), error, 0)
-    estimated = _symmetric(covariance)[:ESTIMATED, :ESTIMATED]
-    sigmas = ca.sqrt(ca.sum2((slopes @ estimated) * slopes))
-    return ca.Function("spread", [nominal, covariance], [ca.densify(sigmas)])
+    state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
+    nominal, covariance, heading = split(state)
+    motion = believed_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:SPREAD]
+    slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
+    estimated = covariance[:ESTIMATED, :ESTIMATED]
+    sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
+    return ca.Function("spread", [state], [ca.cse(sigmas)])
 
 
 def first_nominal() -> ca.Function:

@@ -1,13 +1,9 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
-from importlib.metadata import version
-from math import cos, sin
-
-import numpy as np
 
 from flight.errors import FlightError, FlightLostError
 from flight.library import Library
@@ -29,23 +25,20 @@ from flight.sequence import Sequence
 from flight.vehicle import Leg, Vehicle
 from flight.version import VERSION
 
+from .backend import Backend, best_backend, name_backend
 from .controller import Controller
-from .discrete_gust import DiscreteGust
-from .equilibrium import EquilibriumFinder
+from .equilibrium import find_equilibrium
+from .faults import Faults
 from .helicopter import Helicopter, move_in_plane
-from .maneuver_generator import Channel, ManeuverGenerator, Reference
+from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
-from .navigation import IdealNavigation, Navigation
+from .navigation import IdealNavigation, Navigation, Navigator
 from .parameters import Parameters, model_hash, model_text, read_parameters
-from .recorder import Recorder
+from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
+from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
-
-BACKEND = f"casadi-vm-{version('casadi')}"
-# Motion is logged, and the maneuver-end rule applied, at every second control period; what the vehicle
-# believes of its errors is logged at every tenth.
-_PERIODS_A_SAMPLE, _PERIODS_A_SPREAD = 2, 10
 
 
 class NoManeuverEndError(FlightError):
@@ -67,6 +60,7 @@ class SimulatedHelicopter:
         specification: what is flown, with the seed of all chance.
         library: names the trims and says when a maneuver has ended.
         parameters: the vehicle; that of `models/gtmax.toml` where None.
+        backend: what evaluates expressions; the best that there is where None. No number depends on it.
 
     Raises:
         NoManeuverEndError: the library does not say when a maneuver has ended.
@@ -74,16 +68,22 @@ class SimulatedHelicopter:
     """
 
     def __init__(
-        self, specification: FlightSpecification, library: Library, *, parameters: Parameters | None = None
+        self,
+        specification: FlightSpecification,
+        library: Library,
+        *,
+        parameters: Parameters | None = None,
+        backend: Backend | None = None,
     ) -> None:
         if library.conditions.maneuver_end is None:
             raise NoManeuverEndError(library)
         parameters = parameters or read_parameters()
+        self._backend = backend = backend or best_backend()
         self._rule = library.conditions.maneuver_end
         self._specification, self._library, self._parameters = specification, library, parameters
         self._trim = library.trim(specification.start_trim)
-        self._target = self._trim.velocity
-        self._helicopter = Helicopter(parameters, step=specification.step)
+        self._signals = signals = Signals()
+        self._helicopter = Helicopter(parameters, step=specification.step, signals=signals, backend=backend)
         self._steps = round(CONTROL_PERIOD / specification.step)
         self._wind = DrydenWind(
             wind_class(specification.wind),
@@ -92,16 +92,24 @@ class SimulatedHelicopter:
             direction=specification.wind_from,
             step=CONTROL_PERIOD,
             rng=random_stream(specification.seed, Stream.WIND),
+            signals=signals,
+            backend=backend,
         )
-        self._generator = ManeuverGenerator(self._target, step=CONTROL_PERIOD)
-        self._gusts = [DiscreteGust(**dict(gust)) for gust in specification.gusts]
+        self._generator = ManeuverGenerator(
+            self._trim.velocity, step=CONTROL_PERIOD, signals=signals, backend=backend
+        )
         self._controller = Controller(
             parameters,
             height=specification.altitude,
             step=CONTROL_PERIOD,
             adaptive=specification.adaptive,
+            signals=signals,
+            backend=backend,
         )
-        self._recorder = Recorder(height=specification.altitude)
+        # What runs before the helicopter moves.
+        self._parts: tuple[Callable[[], None], ...]
+        self._parts = (self._generator.run, self._controller.run, self._wind.run)
+        self._faults: Faults | None = None
         self._periods = 0
         self._timed_out = False
         self._outcome = "completed"
@@ -110,41 +118,48 @@ class SimulatedHelicopter:
             self._settle()
         except FlightLostError as error:
             self._lost = error
+        self._periods = 0
+        self._recorder = Recorder(signals, height=specification.altitude)
+        self._recorder.add_motion()
         self._initial_state = self._helicopter.state()
+        if specification.faults and self._lost is None:
+            self._faults = faults = Faults(
+                specification.faults,
+                signals=signals,
+                helicopter=self._helicopter,
+                parameters=parameters,
+                navigation=self._navigation,
+                parts=self._parts,
+            )
+            self._parts = faults.parts
 
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
-        specification, target = self._specification, self._target
-        equilibrium = EquilibriumFinder(self._parameters).find(target)
+        specification, target = self._specification, self._trim.velocity
+        equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
-        self._truth = self._helicopter.motion()
-        self._estimate = self._truth
-        self._navigation = (
-            IdealNavigation()
-            if specification.ideal_navigation
-            else Navigation(
-                self._truth,
-                step=CONTROL_PERIOD,
-                gravity=self._parameters.environment.gravity,
-                rng=random_stream(specification.seed, Stream.NAVIGATION),
-            )
-        )
-        self._reference = Reference(
-            *(Channel(v, 0.0, 0.0) for v in (target.forward, target.side, target.yaw_rate))
-        )
-        recorder, self._recorder = self._recorder, Recorder(height=specification.altitude)
+        self._navigation = self._navigator()
+        self._recorder = Recorder(self._signals, height=specification.altitude)
         for _ in range(round(specification.settling_time / CONTROL_PERIOD)):
             self._advance()
-        self._recorder, self._periods = recorder, 0
-        displacement = specification.start_pose @ self._truth.pose.inverse()
+        displacement = specification.start_pose @ self.truth.pose.inverse()
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
         self._controller.turn(displacement.heading)
-        believed = displacement @ self._estimate.pose
-        self._estimate = self._estimate._replace(north=believed.x, east=believed.y, heading=believed.heading)
-        self._truth = self._helicopter.motion()
-        self._navigation.move(displacement, self._truth)
+        self._navigation.move(displacement)
+
+    def _navigator(self) -> Navigator:
+        if self._specification.ideal_navigation:
+            return IdealNavigation(self._signals)
+        return Navigation(
+            self.truth,
+            step=CONTROL_PERIOD,
+            gravity=self._parameters.environment.gravity,
+            rng=random_stream(self._specification.seed, Stream.NAVIGATION),
+            signals=self._signals,
+            backend=self._backend,
+        )
 
     @property
     def time(self) -> float:
@@ -159,12 +174,12 @@ class SimulatedHelicopter:
     @property
     def pose(self) -> SE2:
         """Believed pose in the world."""
-        return self._estimate.pose
+        return Motion._make(self._signals.estimate.tolist()).pose
 
     @property
     def truth(self) -> Motion:
         """True motion; not for anything that decides."""
-        return self._truth
+        return Motion._make(self._signals.truth.tolist())
 
     def coast(self, duration: float) -> Leg:
         """Holds the trim for a time in seconds, to the nearest control period.
@@ -173,12 +188,11 @@ class SimulatedHelicopter:
             FlightLostError: the flight ended in the ground or diverged.
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
-        start, track = self.time, [self._track_point()]
-        with _keeping(track):
+        first = self._periods
+        with self._keeping(first):
             for _ in range(round(duration / CONTROL_PERIOD)):
                 self._advance()
-                track.append(self._track_point())
-        return Leg(self.time - start, settled=True, track=_thin(track))
+        return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Performs a maneuver to its end, judged on the estimate, or to its time-out.
@@ -192,19 +206,33 @@ class SimulatedHelicopter:
                 f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; trim {self._trim.id} is held"
             )
         self._trim = self._library.trim(maneuver.to_trim)
-        self._target = self._trim.velocity
+        target = self._trim.velocity
+        self._generator.aim(target)
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
-        start, track = self.time, [self._track_point()]
-        judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=self._target, entry_time=start)
+        first, believed = self._periods, self._signals.estimate
+        judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
         verdict = Verdict.UNDER_WAY
-        with _keeping(track):
+        with self._keeping(first):
             while verdict is Verdict.UNDER_WAY:
                 self._advance()
-                track.append(self._track_point())
-                if self._periods % _PERIODS_A_SAMPLE == 0:
-                    verdict = judge.judge(self.time, self._estimate.velocity)
+                if self._periods % PERIODS_A_SAMPLE == 0:
+                    verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
         self._timed_out = verdict is Verdict.TIMED_OUT
-        return Leg(self.time - start, settled=not self._timed_out, track=_thin(track))
+        return self._leg(first, settled=not self._timed_out)
+
+    @contextmanager
+    def _keeping(self, first: int) -> Iterator[None]:
+        """Hands on what was flown, from a control period on, of a primitive in which the vehicle is lost."""
+        try:
+            yield
+        except FlightLostError as error:
+            error.track = self._recorder.track(first, self._periods)
+            raise
+
+    def _leg(self, first: int, *, settled: bool) -> Leg:
+        """Returns the flight from a control period to now."""
+        track = self._recorder.track(first, self._periods)
+        return Leg((self._periods - first) / CONTROL_RATE, settled=settled, track=track)
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
         """Returns the log of the flight up to now.
@@ -213,7 +241,6 @@ class SimulatedHelicopter:
             attachments: files to go with it, such as mission and plans, by name.
         """
         specification = self._specification
-        self._note_motion()
         header = FlightHeader(
             kind=specification.kind,
             name=specification.name,
@@ -222,7 +249,7 @@ class SimulatedHelicopter:
             seed=specification.seed,
             wind=specification.wind,
             code_version=VERSION,
-            backend=BACKEND,
+            backend=name_backend(self._backend),
             outcome=self._outcome,
         )
         files = {
@@ -233,58 +260,36 @@ class SimulatedHelicopter:
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
-        return self._recorder.log(header, files)
+        log = self._recorder.log(header, files)
+        return log if self._faults is None else self._faults.add_to(log)
 
     def _advance(self) -> None:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
-        if self._periods % _PERIODS_A_SAMPLE == 0:
-            self._note_motion()
-        if self._periods % _PERIODS_A_SPREAD == 0:
-            self._recorder.add_spread(self.time, self._navigation.spread())
-        truth = self._truth
-        self._reference = self._generator.step(self._target)
-        controls = self._controller.step(self._estimate, self._reference)
-        c, s = cos(truth.heading), sin(truth.heading)
-        wind = self._wind.step(
-            velocity_north=c * truth.forward - s * truth.side,
-            velocity_east=s * truth.forward + c * truth.side,
-        )
-        for gust in self._gusts:
-            wind = gust.add_to(wind, self.time)
-        self._recorder.add_period(
-            self.time, controls=controls, servos=self._helicopter.servo_positions(), wind=wind
-        )
+        if self._periods % PERIODS_A_SPREAD == 0:
+            self._recorder.add_spread(self._navigation.spread())
+        if self._faults is not None:
+            self._faults.begin()
+        for run in self._parts:
+            run()
+        self._recorder.add_period()
         try:
-            self._helicopter.advance(controls, wind, steps=self._steps)
+            self._helicopter.run(self._steps)
         except FlightLostError as error:
             self._outcome = str(error)
             raise
         self._periods += 1
-        self._truth = self._helicopter.motion()
-        self._estimate = self._navigation.step(self._truth)
-
-    def _note_motion(self) -> None:
-        self._recorder.add_motion(
-            self.time, truth=self._truth, estimate=self._estimate, reference=self._reference
-        )
+        self._navigation.run()
+        self._recorder.add_motion()
+        if self._faults is not None:
+            self._faults.note()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
-        self._note_motion()
         self._recorder.add_primitive(
-            self.time,
-            kind=kind,
-            number=number,
-            from_trim=from_trim,
-            to_trim=self._trim,
-            timed_out=self._timed_out,
+            kind=kind, number=number, from_trim=from_trim, to_trim=self._trim, timed_out=self._timed_out
         )
         self._timed_out = False
-
-    def _track_point(self) -> tuple[float, float, float, float]:
-        truth = self._truth
-        return self.time, truth.north, truth.east, truth.heading
 
 
 def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> tuple[Leg, ...]:
@@ -308,19 +313,3 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
         legs.append(vehicle.perform(maneuver))
         legs.append(vehicle.coast(coasting_time))
     return tuple(legs)
-
-
-@contextmanager
-def _keeping(track: list[tuple[float, float, float, float]]) -> Iterator[None]:
-    """Hands on what was flown of a primitive in which the vehicle is lost."""
-    try:
-        yield
-    except FlightLostError as error:
-        error.track = _thin(track)
-        raise
-
-
-def _thin(track: list[tuple[float, float, float, float]]) -> np.ndarray:
-    """Keeps every second point and both ends."""
-    kept = track[:-1:_PERIODS_A_SAMPLE] + track[-1:]
-    return np.array(kept)

@@ -1,14 +1,11 @@
-"""The helicopter as a free body in MuJoCo, moved by the loads of `rotor`; the only file that talks to MuJoCo.
+"""The helicopter as a free body in MuJoCo, moved by the loads of `rotor`."""
 
-MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. Turning half a turn about the
-first axis leads from either to the project's axes and back, so vectors change the sign of their last two
-components.
-"""
-
-from collections import deque
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import dataclass
-from math import cos, isfinite, pi, remainder, sin
+from functools import cache
+from itertools import chain
+from math import cos, isfinite, sin
 
 import casadi as ca
 import mujoco
@@ -18,21 +15,21 @@ import models
 from flight.errors import FlightLostError
 from flight.se2 import SE2
 
-from . import rotor
-from .bound_function import BoundFunction
+from .backend import Backend
+from .bound_function import Recursion
 from .equilibrium import Equilibrium
 from .motion import Controls, Motion, Wind
 from .parameters import Parameters
-from .rotor import Air, RotorState
-from .rotor_step import advance
+from .plant import REMEMBERED, delay_steps, observation_function, plant_function
+from .rotor_step import Drives, sound_drives
+from .signals import Signals
 
 DEFAULT_STEP = 0.005
-# Warm started at every step, this many relaxed iterations follow any gust.
-_INFLOW_ITERATIONS = 4
 # The skids reach this far below the centre of mass, in m.
 _GROUND_HEIGHT = 0.65
 _BODY = 1
-_REMEMBERED = len(RotorState._fields)
+# MuJoCo's warnings of numbers that are not finite or too large.
+_DIVERGED = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,34 +61,66 @@ class Helicopter:
     Args:
         parameters: the vehicle; its mass and inertia overrule the shape file's.
         step: plant step in s.
+        signals: where it finds controls and wind, and leaves truth and servos; its own where None.
+        backend: what evaluates the loads.
     """
 
-    def __init__(self, parameters: Parameters, *, step: float = DEFAULT_STEP) -> None:
+    def __init__(
+        self,
+        parameters: Parameters,
+        *,
+        step: float = DEFAULT_STEP,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
         self.step_length = step
-        self._model = load_model(parameters, step)
-        self._data = mujoco.MjData(self._model)
-        self._warnings = memoryview(self._data.warning.number)
-        self._position, self._velocity = memoryview(self._data.qpos), memoryview(self._data.qvel)
+        self.signals = signals = signals or Signals()
+        self._model = _shared_model(parameters, step)
+        self._data = data = mujoco.MjData(self._model)
+        self._height, self._velocity = memoryview(data.qpos)[2:3], memoryview(data.qvel)
+        self._warnings = memoryview(data.warning.number)[_DIVERGED]
         self._steps = 0
-        self._heading = 0.0
-        self._inputs = np.zeros(10)
-        self._rotor_states = (np.zeros(_REMEMBERED), np.zeros(_REMEMBERED))
-        self._delay = round(parameters.servos.delay / step)
-        self._pending: deque[Controls] = deque()
-        self._current = 0
-        self._observation = np.zeros(13)
-        plant = _plant_function(parameters, step)
-        data, states = self._data, self._rotor_states
-        # Two states in turn, because input and output must not be the same array.
-        self._plants = tuple(
-            BoundFunction(
-                plant,
-                (data.qpos, data.qvel, states[source], self._inputs),
-                (data.xfrc_applied[_BODY], states[1 - source]),
-            )
-            for source in (0, 1)
+        self._delay = delay_steps(parameters, step)
+        # The rotor state, then the commands on their way to the servos.
+        self._memory = np.zeros(REMEMBERED + 4 * self._delay)
+        self._heading = np.zeros(1)
+        self.lacking = np.zeros(4)
+        """How much faster sound servos would have moved in the last plant step, rad/s; 0 where all are."""
+        self._sound, self._backend = parameters, backend
+        self._plant = self._bind(plant_function(parameters, step), backend)
+        self._observe = Recursion(
+            observation_function(),
+            (data.qpos, data.qvel, self._heading),
+            (signals.truth,),
+            backend=backend,
         )
-        self._observe = BoundFunction(_observation_function(), (data.qpos, data.qvel), (self._observation,))
+
+    def _bind(self, plant: ca.Function, backend: Backend, *results: np.ndarray) -> Recursion:
+        data, signals = self._data, self.signals
+        return Recursion(
+            plant,
+            (data.qpos, data.qvel, signals.controls, signals.wind, self._memory),
+            (data.xfrc_applied[_BODY], signals.servos, *results),
+            backend=backend,
+        )
+
+    def refit(self, parameters: Parameters, drives: Drives) -> None:
+        """Goes on from the same state as another vehicle with other servos; the transport delay stays."""
+        sound = parameters == self._sound and drives == sound_drives(parameters.servos)
+        self.lacking[:] = 0.0
+        self._plant = (
+            self._bind(plant_function(parameters, self.step_length), self._backend)
+            if sound
+            # The bits are those of machine code, without the seconds that a compiler takes.
+            else self._bind(
+                plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
+            )
+        )
+        # Other flights share the model.
+        self._model = copy(self._model)
+        self._model.body_mass[_BODY] = parameters.body.mass
+        # Derived constants, computed in a place of its own, because it moves the state.
+        mujoco.mj_setConst(self._model, mujoco.MjData(self._model))
 
     @property
     def time(self) -> float:
@@ -135,23 +164,48 @@ class Helicopter:
         self._data.qpos[3:] = (state.quaternion[0], *_flip(state.quaternion[1:]))
         self._data.qvel[:3] = _flip(state.velocity)
         self._data.qvel[3:] = _flip(state.rates)
-        self._rotor_states[self._current][:] = state.rotor_state
-        self._heading = state.heading
-        self._pending = deque(Controls._make(command) for command in state.pending)
+        self._memory[:] = (*state.rotor_state, *chain(*state.pending))
+        self._heading[0] = state.heading
         self._steps = 0
+        self.signals.servos[:] = state.rotor_state[:4]
+        self._observe.step()
 
     def state(self) -> HelicopterState:
         """Returns the state, to be restored later."""
         position, velocity = self._data.qpos.tolist(), self._data.qvel.tolist()
+        pending = self._memory[REMEMBERED:].reshape(-1, 4).tolist()
         return HelicopterState(
             position=_flip(position[:3]),
             quaternion=(position[3], *_flip(position[4:])),
             velocity=_flip(velocity[:3]),
             rates=_flip(velocity[3:]),
-            rotor_state=tuple(self._rotor_states[self._current].tolist()),
-            heading=self.motion().heading,
-            pending=tuple(self._pending),
+            rotor_state=tuple(self._memory[:REMEMBERED].tolist()),
+            heading=float(self._heading[0]),
+            pending=tuple(tuple(command) for command in pending),
         )
+
+    def run(self, steps: int) -> None:
+        """Flies a number of plant steps with the controls and the wind of the signals held.
+
+        Raises:
+            FlightLostError: the motion diverged or met the ground.
+        """
+        model, data, height, velocity = self._model, self._data, self._height, self._velocity
+        plant, mj_step, why = self._plant.step, mujoco.mj_step, ""
+        for _ in range(steps):
+            plant()
+            mj_step(model, data)
+            self._steps += 1
+            # MuJoCo warns, and would start again, where these are not finite.
+            if not isfinite(height[0] + velocity[0] + velocity[3]):
+                why = "the motion diverged"
+                break
+            if height[0] < _GROUND_HEIGHT:
+                why = "the helicopter met the ground"
+                break
+        self._observe.step()
+        if why or any(self._warnings):
+            raise FlightLostError(self.time, why or "the motion diverged")
 
     def advance(self, controls: Controls, wind: Wind, *, steps: int) -> None:
         """Flies a number of plant steps with servo commands and wind held.
@@ -159,39 +213,16 @@ class Helicopter:
         Raises:
             FlightLostError: the motion diverged or met the ground.
         """
-        self._inputs[4:] = wind
-        inputs, pending = self._inputs, self._pending
-        model, data, step = self._model, self._data, mujoco.mj_step
-        position, velocity, held = self._position, self._velocity, None
-        for _ in range(steps):
-            pending.append(controls)
-            command = pending.popleft()
-            if command is not held:
-                inputs[:4] = held = command
-            self._plants[self._current].evaluate()
-            self._current = 1 - self._current
-            step(model, data)
-            self._steps += 1
-            height = position[2]
-            # MuJoCo warns, and would start again, where these are not finite.
-            if not isfinite(height + velocity[0] + velocity[3]):
-                raise FlightLostError(self.time, "the motion diverged")
-            if height < _GROUND_HEIGHT:
-                raise FlightLostError(self.time, "the helicopter met the ground")
-        if any(self._warnings):
-            raise FlightLostError(self.time, "the motion diverged")
+        self.signals.controls[:], self.signals.wind[:] = controls, wind
+        self.run(steps)
 
     def servo_positions(self) -> Controls:
         """Returns where the servos are."""
-        return Controls._make(self._rotor_states[self._current][:4].tolist())
+        return Controls._make(self.signals.servos.tolist())
 
     def motion(self) -> Motion:
         """Returns the true motion."""
-        self._observe.evaluate()
-        values = self._observation.tolist()
-        self._heading += remainder(values[8] - self._heading, 2.0 * pi)
-        values[8] = self._heading
-        return Motion._make(values)
+        return Motion._make(self.signals.truth.tolist())
 
 
 def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
@@ -229,6 +260,12 @@ def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
     return spec.compile()
 
 
+@cache
+def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns a model that all helicopters of a kind fly by; flying does not change it."""
+    return load_model(parameters, step)
+
+
 def _flip(vector: Sequence[float]) -> tuple[float, float, float]:
     """Leads from MuJoCo's axes to the project's, or back."""
     return (float(vector[0]), -float(vector[1]), -float(vector[2]))
@@ -242,50 +279,3 @@ def _multiply(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, flo
         a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
         a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
     )
-
-
-def _rotation_world_body(quaternion: ca.SX) -> ca.SX:
-    """Returns the matrix, body to world in the project's axes, of a quaternion in MuJoCo's."""
-    w, x, y, z = quaternion[0], quaternion[1], -quaternion[2], -quaternion[3]
-    return ca.vertcat(
-        ca.horzcat(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
-        ca.horzcat(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
-        ca.horzcat(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
-    )
-
-
-_FLIP = ca.diag(ca.DM([1.0, -1.0, -1.0]))
-
-
-def _plant_function(parameters: Parameters, step: float) -> ca.Function:
-    """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step."""
-    position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
-    remembered, inputs = ca.SX.sym("rotor_state", _REMEMBERED), ca.SX.sym("inputs", 10)
-    rotation = _rotation_world_body(position[3:7])
-    air_velocity = rotation.T @ (_FLIP @ velocity[:3] - inputs[4:7])
-    rates = _FLIP @ velocity[3:]
-    air_rates = rates + rotation.T @ inputs[7:]
-    u, v, w = ca.vertsplit(air_velocity)
-    p, q, r = ca.vertsplit(air_rates)
-    nearness = rotor.ground_nearness(parameters, position[2])
-    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
-    state = RotorState(*ca.vertsplit(remembered))
-    state = advance(parameters, state, air, command=inputs[:4], step=step, iterations=_INFLOW_ITERATIONS)
-    load = rotor.loads(parameters, state, air)
-    wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
-    return ca.Function("plant", [position, velocity, remembered, inputs], [wrench, ca.vertcat(*state)])
-
-
-def _observation_function() -> ca.Function:
-    """Builds the translation of MuJoCo's state into `Motion`."""
-    position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
-    rotation = _rotation_world_body(position[3:7])
-    roll = ca.atan2(rotation[2, 1], rotation[2, 2])
-    pitch = ca.asin(ca.fmax(-1.0, ca.fmin(1.0, -rotation[2, 0])))
-    heading = ca.atan2(rotation[1, 0], rotation[0, 0])
-    world, rates = _FLIP @ velocity[:3], _FLIP @ velocity[3:]
-    forward = ca.cos(heading) * world[0] + ca.sin(heading) * world[1]
-    side = -ca.sin(heading) * world[0] + ca.cos(heading) * world[1]
-    yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
-    motion = ca.vertcat(_FLIP @ position[:3], forward, side, world[2], roll, pitch, heading, rates, yaw_rate)
-    return ca.Function("observe", [position, velocity], [motion])

@@ -1,15 +1,25 @@
 """The maneuver generator: it turns a change of trim into a smooth command of velocity and yaw rate.
 
 A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves
-like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2); the figures agree
-with the durations and displacements of its Table 10. There is no memory of position or heading.
+like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2), and its Table 10
+says which constant: changes of speed last 4 s, turns 3 s, both together 4 s. So the yaw rate takes the
+velocity's time where speed and yaw rate change together; only so do the heading changes of those rows come
+out. There is no memory of position or heading.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from math import cos, exp, sin, sqrt
-from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
 
 from flight.se2 import Twist
+
+from .backend import Backend
+from .bound_function import Recursion
+from .motion import Channel, Reference
+from .signals import Signals
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,48 +35,11 @@ class SecondOrder:
             raise ValueError(f"frequency must be > 0 rad/s and damping in (0, 1), got {self}")
 
 
-# 5 % settling after 4.2 s and 3.2 s, as Table 10 of the thesis implies (4 s for speeds, 3 s for turns).
-VELOCITY_RESPONSE = SecondOrder(frequency=0.8, damping=0.8)
-YAW_RATE_RESPONSE = SecondOrder(frequency=1.07, damping=0.8)
-
-
-class Channel(NamedTuple):
-    """A command with its first and second derivative."""
-
-    value: float
-    rate: float
-    acceleration: float
-
-
-class Reference(NamedTuple):
-    """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
-
-    forward: Channel
-    side: Channel
-    yaw_rate: Channel
-
-
-class _Model:
-    """One channel's reference model; exact for a target held through the step."""
-
-    def __init__(self, response: SecondOrder, *, value: float, step: float) -> None:
-        frequency, damping = response.frequency, response.damping
-        decay = damping * frequency
-        swing = frequency * sqrt(1.0 - damping**2)
-        c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
-        self._offset_from = (e * (c + decay / swing * s), e * s / swing)
-        self._rate_from = (-e * frequency**2 / swing * s, e * (c - decay / swing * s))
-        self._stiffness, self._friction = frequency**2, 2.0 * decay
-        self._value, self._rate = value, 0.0
-
-    def step(self, target: float) -> Channel:
-        offset = self._value - target
-        a, b = self._offset_from
-        c, d = self._rate_from
-        self._value = target + a * offset + b * self._rate
-        self._rate = c * offset + d * self._rate
-        acceleration = self._stiffness * (target - self._value) - self._friction * self._rate
-        return Channel(self._value, self._rate, acceleration)
+# With these, displacement and heading change of every maneuver of Table 10 come out where it ends at the
+# printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
+VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
+YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
+_CHANNEL = len(Channel._fields)
 
 
 class ManeuverGenerator:
@@ -75,17 +48,73 @@ class ManeuverGenerator:
     Args:
         velocity: trim velocity held at the start.
         step: control period in s.
+        signals: where it leaves the reference; its own where None.
+        backend: what evaluates the reference models.
     """
 
-    def __init__(self, velocity: Twist, *, step: float) -> None:
-        self._forward = _Model(VELOCITY_RESPONSE, value=velocity.forward, step=step)
-        self._side = _Model(VELOCITY_RESPONSE, value=velocity.side, step=step)
-        self._yaw_rate = _Model(YAW_RATE_RESPONSE, value=velocity.yaw_rate, step=step)
+    def __init__(
+        self,
+        velocity: Twist,
+        *,
+        step: float,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.signals = signals = signals or Signals()
+        self._target = velocity
+        # Forward, side, yaw rate, and whether the yaw rate takes the velocity's time.
+        self._asked = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
+        signals.reference[:] = 0.0
+        signals.reference[::_CHANNEL] = self._asked[:3]
+        models = _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
+        self._models = Recursion(models, (self._asked, signals.reference), (), backend=backend)
+        self.run = self._models.step
+        """Moves the reference on by one control period."""
+
+    def aim(self, target: Twist) -> None:
+        """Asks for a velocity from now on."""
+        if target == self._target:
+            return
+        speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
+        self._asked[:] = (target.forward, target.side, target.yaw_rate, speed_changes)
+        self._target = target
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
-        return Reference(
-            self._forward.step(target.forward),
-            self._side.step(target.side),
-            self._yaw_rate.step(target.yaw_rate),
-        )
+        self.aim(target)
+        self.run()
+        rows = self.signals.reference.reshape(-1, _CHANNEL).tolist()
+        return Reference(*(Channel._make(row) for row in rows))
+
+
+@cache
+def _models(speeding: SecondOrder, turning: SecondOrder, step: float) -> ca.Function:
+    """Builds the reference models of all channels, (asked, reference) -> reference."""
+    asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw_rate, together = ca.vertsplit(asked)
+    before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
+    with_speed, alone = (
+        _follow(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
+    )
+    after = ca.vertcat(
+        _follow(speeding, before[0], forward, step=step),
+        _follow(speeding, before[1], side, step=step),
+        ca.if_else(together, with_speed, alone),
+    )
+    return ca.Function("generate", [asked, reference], [after])
+
+
+def _follow(response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float) -> ca.SX:
+    """Steps value and rate of one channel, exactly for a target held through the step.
+
+    Returns:
+        Value, rate and acceleration.
+    """
+    frequency, damping = response.frequency, response.damping
+    decay = damping * frequency
+    swing = frequency * sqrt(1.0 - damping**2)
+    c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
+    offset, rate_before = before[0] - target, before[1]
+    value = target + e * (c + decay / swing * s) * offset + e * s / swing * rate_before
+    rate = -e * frequency**2 / swing * s * offset + e * (c - decay / swing * s) * rate_before
+    return ca.vertcat(value, rate, frequency**2 * (target - value) - 2.0 * decay * rate)

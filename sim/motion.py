@@ -52,6 +52,22 @@ class Motion(NamedTuple):
         return Twist(self.forward, self.side, self.yaw_rate)
 
 
+class Channel(NamedTuple):
+    """A command with its first and second derivative."""
+
+    value: float
+    rate: float
+    acceleration: float
+
+
+class Reference(NamedTuple):
+    """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
+
+    forward: Channel
+    side: Channel
+    yaw_rate: Channel
+
+
 class Controls(NamedTuple):
     """Servo commands in rad of blade pitch: positive rolls right, pitches up, climbs, turns right."""
 

@@ -3,8 +3,9 @@
 The equations are those of `filter_equations`; here they are bound to arrays and fed, period by period.
 """
 
-from collections import deque
-from math import cos, pi, radians, remainder, sin
+from functools import cache
+from math import cos, radians, sin
+from typing import Protocol
 
 import casadi as ca
 import numpy as np
@@ -13,10 +14,14 @@ from jaxtyping import Float
 from flight.se2 import SE2
 
 from . import filter_equations as equations
-from .bound_function import BoundFunction
-from .filter_equations import ERRORS, ESTIMATED, NOMINAL, SPREAD
+from .backend import Backend
+from .bound_function import BoundFunction, Recursion, view
+from .delay_line import DelayLine
+from .filter_equations import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
 from .motion import Motion
-from .sensors import Readings, SensorErrors, Sensors
+from .sensor_errors import SensorErrors
+from .sensors import Readings, Sensors
+from .signals import Signals
 
 # What the filter knows at its start, one sigma: position (m), velocity (m/s), roll, pitch, heading (rad).
 _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
@@ -24,19 +29,45 @@ _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
 _WORLD_VECTORS = (0, 3, ESTIMATED)
 
 
-class IdealNavigation:
-    """Believes what is so, at once."""
+# Rows and columns of the covariance's upper half, column by column.
+_COLUMNS, _ROWS = np.tril_indices(ERRORS)
 
-    def step(self, truth: Motion) -> Motion:
-        """Returns the truth."""
-        return truth
+
+class Navigator(Protocol):
+    """What turns the truth of the signals into their estimate, period by period."""
+
+    def run(self) -> None:
+        """Believes what is so at the end of a control period."""
+
+    def spread(self) -> tuple[float, ...] | None:
+        """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world, after which the truth is that of the signals."""
+
+
+class IdealNavigation:
+    """Believes what is so, at once.
+
+    Args:
+        signals: where it finds the truth and leaves the estimate.
+    """
+
+    def __init__(self, signals: Signals) -> None:
+        self._truth, self._estimate = view(signals.truth), view(signals.estimate)
+        self.run()
+
+    def run(self) -> None:
+        """Believes the truth."""
+        self._estimate[:] = self._truth
 
     def spread(self) -> None:
         """Knows of no error."""
         return
 
-    def move(self, displacement: SE2, truth: Motion) -> None:
+    def move(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
+        self.run()
 
 
 class Navigation:
@@ -47,7 +78,10 @@ class Navigation:
         step: control period in s.
         gravity: m/s2.
         rng: source of all its chance.
-        errors: sizes of the sensors' errors, which the filter knows.
+        errors: sizes of the sensors' errors, as the filter takes them to be.
+        true_errors: as they are; as the filter takes them to be where None.
+        signals: where it finds the truth and leaves the estimate; its own where None.
+        backend: what evaluates sensors and filter.
     """
 
     def __init__(
@@ -58,138 +92,112 @@ class Navigation:
         gravity: float,
         rng: np.random.Generator,
         errors: SensorErrors | None = None,
+        true_errors: SensorErrors | None = None,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
     ) -> None:
         errors = errors or SensorErrors()
-        self._errors, self._step = errors, step
-        self.gps_lost = False
-        """Set to silence the GPS."""
-        self._sensors = Sensors(errors, truth, step=step, gravity=gravity, rng=rng)
-        self._nominals = (np.zeros(NOMINAL), np.zeros(NOMINAL))
-        self._covariances = (np.zeros((ERRORS, ERRORS)), np.zeros((ERRORS, ERRORS)))
-        self._current = 0
-        self._inertial, self._believed = np.zeros(6), np.zeros(13)
-        self._past, self._rates, self._fix, self._force = (
-            np.zeros(NOMINAL),
-            np.zeros(3),
-            np.zeros(6),
-            np.zeros(3),
+        self.signals = signals = signals or Signals()
+        signals.truth[:] = signals.estimate[:] = truth
+        sensors = Sensors(
+            true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
         )
-        self._innovation, self._height, self._variance = np.zeros(1), np.zeros(1), np.zeros(1)
-        self._bind(gravity)
-        self._history: deque[tuple[np.ndarray, np.ndarray]] = deque(maxlen=errors.fix_latency + 1)
-        self._heading = truth.heading
-        self._begin(truth, rng)
-
-    def _bind(self, gravity: float) -> None:
-        errors = self._errors
-        wanders = (
-            *(errors.accelerometer_bias,) * 3,
-            *(errors.gyro_bias,) * 3,
-            *(errors.position_wander,) * 3,
-            errors.heading_wander,
-        )
-        noise = ca.DM([errors.accelerometer_noise**2] * 3 + [errors.gyro_noise**2] * 3)
-        fixes = tuple(sigma**2 for sigma in (*errors.position_noise, *(errors.velocity_noise,) * 3))
-        age = errors.fix_latency * self._step
-        self._predict = self._both(equations.predict(self._step, gravity, noise, wanders), self._inertial)
-        self._correct_fix = self._both(
-            equations.correct_fix(errors.antenna, age, fixes),
-            *(self._past, self._rates, self._fix, self._force),
-        )
-        self._correct_slow = self._both(
-            equations.correct_slow(errors.heading_noise**2), self._innovation, self._height, self._variance
-        )
-        self._believe = tuple(
-            BoundFunction(equations.believe(), (nominal, self._inertial), (self._believed,))
-            for nominal in self._nominals
+        self.sensors: Readings = sensors
+        """What the filter reads; others that fill the same arrays may stand between."""
+        self._state = np.zeros(STATE)
+        self._begin(truth, errors, rng)
+        self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
+        self._past = np.zeros(NOMINAL + 6)
+        *functions, measure = _functions(errors, step, gravity)
+        self._predict, self._correct_fix, self._correct_slow = (
+            Recursion(function, (*seen, sensors.inertial, self._state), (signals.estimate,), backend=backend)
+            for function, seen in zip(
+                functions, ((), (self._past, sensors.fix), (sensors.heading_and_height,)), strict=True
+            )
         )
         self._sigmas = np.zeros(SPREAD)
-        self._measure_spread = tuple(
-            BoundFunction(equations.spread(), (nominal, covariance), (self._sigmas,))
-            for nominal, covariance in zip(self._nominals, self._covariances, strict=True)
-        )
+        self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
 
-    def _both(self, function: ca.Function, *inputs: np.ndarray) -> tuple[BoundFunction, ...]:
-        """Binds a function from either state to the other, because input and output must not be one array."""
-        nominals, covariances = self._nominals, self._covariances
-        return tuple(
-            BoundFunction(
-                function,
-                (nominals[source], covariances[source], *inputs),
-                (nominals[1 - source], covariances[1 - source]),
-            )
-            for source in (0, 1)
-        )
-
-    def _begin(self, truth: Motion, rng: np.random.Generator) -> None:
-        errors = self._errors
-        biases = (errors.accelerometer_bias.sigma,) * 3 + (errors.gyro_bias.sigma,) * 3
-        considered = (errors.position_wander.sigma,) * 3 + (errors.heading_wander.sigma,)
-        self._covariances[0][:] = np.diag(np.square([*_FIRST, *biases, *considered]))
+    def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
+        """Draws a first estimate."""
+        sigmas = np.array([*_FIRST, *(wander.sigma for wander in errors.wanders)])
         exact = np.array(equations.first_nominal()(ca.DM(list(truth)))).ravel()
         error = np.concatenate([np.array(_FIRST) * rng.standard_normal(9), np.zeros(6)])
-        self._nominals[0][:] = np.array(equations.injection()(exact, error)).ravel()
+        self._state[:NOMINAL] = np.array(equations.injection()(exact, error)).ravel()
+        self._covariance = np.diag(sigmas**2)
+        self._state[-1] = truth.heading
 
-    def step(self, truth: Motion) -> Motion:
-        """Returns what is believed now."""
-        readings = self._sensors.read(truth)
-        self._inertial[:] = readings.inertial
-        self._advance(self._predict)
-        nominal = self._nominals[self._current]
-        self._history.append((nominal.copy(), self._inertial[3:] - nominal[13:]))
-        self._correct(readings)
-        self._believe[self._current].evaluate()
-        values = self._believed.tolist()
-        self._heading += remainder(values[8] - self._heading, 2.0 * pi)
-        values[8] = self._heading
-        return Motion._make(values)
+    @property
+    def _covariance(self) -> Float[np.ndarray, "19 19"]:
+        upper = np.zeros((ERRORS, ERRORS))
+        upper[_ROWS, _COLUMNS] = self._state[NOMINAL:-1]
+        return np.asarray(upper + np.triu(upper, 1).T)
+
+    @_covariance.setter
+    def _covariance(self, covariance: Float[np.ndarray, "19 19"]) -> None:
+        self._state[NOMINAL:-1] = covariance[_ROWS, _COLUMNS]
+
+    def run(self) -> None:
+        """Believes, from what the sensors read at the end of a control period."""
+        sensors = self.sensors
+        sensors.run()
+        self._predict.step()
+        self._history.push()
+        if sensors.has_fix:
+            self._past[:] = self._history.oldest
+            self._correct_fix.step()
+        if sensors.has_heading_and_height:
+            self._correct_slow.step()
 
     def spread(self) -> tuple[float, ...]:
         """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
-        self._measure_spread[self._current].evaluate()
+        self._measure_spread.evaluate()
         return tuple(self._sigmas.tolist())
 
-    def _correct(self, readings: Readings) -> None:
-        if readings.fix is not None and not self.gps_lost:
-            self._past[:], self._rates[:] = self._history[0]
-            self._fix[:] = readings.fix
-            self._force[:] = self._inertial[:3] - self._nominals[self._current][10:13]
-            self._advance(self._correct_fix)
-        if readings.heading is not None and readings.height is not None:
-            self._believe[self._current].evaluate()
-            self._innovation[0] = remainder(readings.heading - float(self._believed[8]), 2.0 * pi)
-            self._height[0] = readings.height
-            self._variance[0] = self._errors.height_variance(readings.height)
-            self._advance(self._correct_slow)
+    def step(self, truth: Motion) -> Motion:
+        """Returns what is believed now."""
+        self.signals.truth[:] = truth
+        self.run()
+        return Motion._make(self.signals.estimate.tolist())
 
-    def _advance(self, functions: tuple[BoundFunction, ...]) -> None:
-        functions[self._current].evaluate()
-        self._current = 1 - self._current
-
-    def move(self, displacement: SE2, truth: Motion) -> None:
-        """Follows a motion of the whole world, after which the truth is `truth`."""
-        self._sensors.move(displacement, truth)
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world, after which the truth is that of the signals."""
+        self.sensors.move(displacement)
         turn = np.eye(ERRORS)
         c, s = cos(displacement.heading), sin(displacement.heading)
         for place in _WORLD_VECTORS:
             turn[place : place + 2, place : place + 2] = ((c, -s), (s, c))
-        covariance = self._covariances[self._current]
-        covariance[:] = turn @ covariance @ turn.T
-        for nominal in (self._nominals[self._current], *(past for past, _ in self._history)):
+        self._covariance = turn @ self._covariance @ turn.T
+        for nominal in (self._state, *self._history.rows):
             _move(nominal, displacement)
-        self._heading += displacement.heading
+        self._state[-1] += displacement.heading
+        estimate = self.signals.estimate
+        believed = displacement @ Motion._make(estimate.tolist()).pose
+        estimate[:2], estimate[8] = believed.position, believed.heading
 
     def error(self, truth: Motion) -> Float[np.ndarray, "15"]:
         """Returns the error of the estimate: position, velocity, rotation in body axes, biases."""
-        nominal = self._nominals[self._current]
+        nominal = self._state[:NOMINAL]
         difference = equations.difference()(nominal, ca.DM(list(truth)))
-        return np.concatenate([np.array(difference).ravel(), self._sensors.biases - nominal[10:]])
+        return np.concatenate([np.array(difference).ravel(), self.sensors.biases - nominal[10:]])
 
     def normalised_error(self, truth: Motion) -> float:
         """Returns the squared error in units of the covariance that the filter claims."""
         error = self.error(truth)
-        covariance = self._covariances[self._current][:ESTIMATED, :ESTIMATED]
+        covariance = self._covariance[:ESTIMATED, :ESTIMATED]
         return float(error @ np.linalg.solve(covariance, error))
+
+
+@cache
+def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Function, ...]:
+    """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
+    age = errors.fix_latency * step
+    return (
+        equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
+        equations.correct_fix(errors.antenna, age, errors.fix_noise),
+        equations.correct_slow(errors.heading_noise, errors.height_sigma),
+        equations.spread(),
+    )
 
 
 def _move(nominal: np.ndarray, displacement: SE2) -> None:

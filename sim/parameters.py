@@ -179,11 +179,16 @@ def read_parameters(path: Path | None = None) -> Parameters:
     path = path or models.FOLDER / "gtmax.toml"
     try:
         # A strict model takes a table for a dataclass only from JSON.
-        return TypeAdapter(Parameters).validate_json(json.dumps(tomllib.loads(read_text(path))))
+        return _reader().validate_json(json.dumps(tomllib.loads(read_text(path))))
     except tomllib.TOMLDecodeError as error:
         raise BadFileError(path, f"is not TOML: {error}") from None
     except ValidationError as error:
         raise BadFileError(path, first_problem(error)) from None
+
+
+@cache
+def _reader() -> TypeAdapter[Parameters]:
+    return TypeAdapter(Parameters)
 
 
 @cache

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
+from jaxtyping import Float
 
 from flight.log import (
     COMMAND,
@@ -10,7 +11,6 @@ from flight.log import (
     ESTIMATE,
     NAVIGATION,
     PRIMITIVE,
-    TOPICS,
     TRUTH,
     WIND,
     FlightHeader,
@@ -21,71 +21,110 @@ from flight.log import (
 )
 from flight.trim import Trim
 
-from .maneuver_generator import Reference
-from .motion import Controls, Motion, Wind
+from .bound_function import Array, view
+from .motion import Controls, Motion
+from .signals import Signals
+from .specification import CONTROL_RATE
+
+# Motion is logged at every second control period, what the vehicle believes of its errors at every tenth.
+PERIODS_A_SAMPLE, PERIODS_A_SPREAD = 2, 10
+# Rows of memory that are taken at first.
+_ROWS = 4096
+_HEADING = Motion._fields.index("heading")
+# Columns of `Signals.motion` and `Signals.period` in the order of the topics.
+_MOTION = len(Motion._fields)
+_COMMAND_COLUMNS = [2 * _MOTION, 2 * _MOTION + 3, 2 * _MOTION + 6]
+_LOGGED = [Controls._fields.index(name) for name in ("collective", "longitudinal", "lateral", "pedal")]
+_CONTROLS = len(Controls._fields)
+_CONTROLS_COLUMNS = [*_LOGGED, *(_CONTROLS + place for place in _LOGGED)]
 
 
 class Recorder:
-    """Collects rows, topic by topic.
+    """Collects a row every control period.
 
     Args:
+        signals: what is kept.
         height: that the controller holds, m.
     """
 
-    def __init__(self, *, height: float) -> None:
+    def __init__(self, signals: Signals, *, height: float) -> None:
         self._height = height
-        # By name, because a topic's hash goes through all its fields.
-        self._rows: dict[str, tuple[list[float], list[tuple[float, ...]]]] = {
-            topic.name: ([], []) for topic in TOPICS
-        }
-
-    def _add(self, topic: Topic, time: float, row: tuple[float, ...]) -> None:
-        times, rows = self._rows[topic.name]
-        times.append(time)
-        rows.append(row)
-
-    def add_motion(self, time: float, *, truth: Motion, estimate: Motion, reference: Reference) -> None:
-        """Notes the motion at a time, once."""
-        times = self._rows[TRUTH.name][0]
-        if times and times[-1] >= time:
-            return
-        self._add(TRUTH, time, truth)
-        self._add(ESTIMATE, time, estimate)
-        forward, side, yaw_rate = reference
-        self._add(COMMAND, time, (forward.value, side.value, yaw_rate.value, self._height))
-
-    def add_spread(self, time: float, sigmas: tuple[float, ...] | None) -> None:
-        """Notes what the vehicle believes of its errors at a time; nothing where it knows of none."""
-        if sigmas is not None:
-            self._add(NAVIGATION, time, sigmas)
-
-    def add_period(self, time: float, *, controls: Controls, servos: Controls, wind: Wind) -> None:
-        """Notes what is held over the control period that begins."""
-        row = (
-            *(controls.collective, controls.longitudinal, controls.lateral, controls.pedal),
-            *(servos.collective, servos.longitudinal, servos.lateral, servos.pedal),
-        )
-        self._add(CONTROLS, time, row)
-        self._add(WIND, time, wind)
+        self._motion, self._period = _Rows(signals.motion), _Rows(signals.period)
+        self._primitives: list[tuple[float, ...]] = []
+        self._spreads: list[tuple[float, ...]] = []
+        # Control periods at which a primitive begins.
+        self._beginnings: list[int] = []
+        self.add_motion, self.add_period = self._motion.add, self._period.add
 
     def add_primitive(
-        self, time: float, *, kind: PrimitiveKind, number: int, from_trim: int, to_trim: Trim, timed_out: bool
+        self, *, kind: PrimitiveKind, number: int, from_trim: int, to_trim: Trim, timed_out: bool
     ) -> None:
-        """Notes the start of a coast or a maneuver."""
+        """Notes that a coast or a maneuver starts now."""
         target = to_trim.velocity
-        self._add(
-            PRIMITIVE,
-            time,
-            (kind, number, from_trim, to_trim.id, target.forward, target.side, target.yaw_rate, timed_out),
+        self._beginnings.append(len(self._motion) - 1)
+        self._primitives.append(
+            (kind, number, from_trim, to_trim.id, target.forward, target.side, target.yaw_rate, timed_out)
         )
+
+    def add_spread(self, sigmas: tuple[float, ...] | None) -> None:
+        """Notes what the vehicle believes of its errors now; nothing where it knows of none."""
+        if sigmas is not None:
+            self._spreads.append(sigmas)
+
+    def track(self, first: int, last: int) -> Float[np.ndarray, "n 4"]:
+        """Returns time, true north, east and heading: every second control period, and the last."""
+        periods = np.append(np.arange(first, last, PERIODS_A_SAMPLE), last)
+        motion = self._motion.values()[periods]
+        return np.column_stack([periods / CONTROL_RATE, motion[:, :2], motion[:, _HEADING]])
 
     def log(self, header: FlightHeader, attachments: Mapping[str, bytes]) -> FlightLog:
         """Returns all that was noted as a flight log."""
-        noted = (topic for topic in TOPICS if self._rows[topic.name][0])
-        series = {topic.name: _series(topic, *self._rows[topic.name]) for topic in noted}
-        return FlightLog(header, series, dict(attachments))
+        motion, period = self._motion.values(), self._period.values()
+        last = len(motion) - 1
+        sampled = np.array(sorted({*range(0, last, PERIODS_A_SAMPLE), *self._beginnings, last}))
+        moments, motion = sampled / CONTROL_RATE, motion[sampled]
+        command = np.column_stack([motion[:, _COMMAND_COLUMNS], np.full(len(motion), self._height)])
+        beginnings = np.array(self._beginnings, dtype=np.int64) / CONTROL_RATE
+        times = np.arange(len(period)) / CONTROL_RATE
+        spreads = PERIODS_A_SPREAD * np.arange(len(self._spreads)) / CONTROL_RATE
+        series = (
+            Series(COMMAND, moments, command),
+            Series(ESTIMATE, moments, motion[:, _MOTION : 2 * _MOTION]),
+            Series(TRUTH, moments, motion[:, :_MOTION]),
+            Series(WIND, times, period[:, 2 * _CONTROLS :]),
+            Series(CONTROLS, times, period[:, _CONTROLS_COLUMNS]),
+            Series(PRIMITIVE, beginnings, _rows(PRIMITIVE, self._primitives)),
+            Series(NAVIGATION, spreads, _rows(NAVIGATION, self._spreads)),
+        )
+        noted = {each.topic.name: each for each in series if len(each)}
+        return FlightLog(header, noted, dict(attachments))
 
 
-def _series(topic: Topic, times: list[float], rows: list[tuple[float, ...]]) -> Series:
-    values = np.array(rows, dtype=np.float64).reshape(len(times), len(topic.fields))
-    return Series(topic, np.array(times, dtype=np.float64), values)
+class _Rows:
+    """Copies of an array that changes, one below the other."""
+
+    def __init__(self, source: Array) -> None:
+        self._source, self._width = view(source), len(source)
+        self._memory = np.empty(_ROWS * self._width)
+        self._view, self._end = view(self._memory), 0
+
+    def __len__(self) -> int:
+        return self._end // self._width
+
+    def add(self) -> None:
+        """Copies the array as it is now."""
+        if self._end == len(self._memory):
+            # Twice as much, so that a row is copied once on the average, however long the flight.
+            self._memory = np.concatenate([self._memory, np.empty_like(self._memory)])
+            self._view = view(self._memory)
+        end = self._end + self._width
+        self._view[self._end : end] = self._source
+        self._end = end
+
+    def values(self) -> Float[np.ndarray, "n width"]:
+        """Returns all copies, not to be written to."""
+        return self._memory[: self._end].reshape(-1, self._width)
+
+
+def _rows(topic: Topic, rows: list[tuple[float, ...]]) -> Float[np.ndarray, "n fields"]:
+    return np.array(rows, dtype=np.float64).reshape(len(rows), len(topic.fields))

@@ -8,11 +8,12 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flight.log import CONTROLS, INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT, WIND, FlightLog
 
-from .fly import BACKEND
+from .backend import Backend, best_backend, name_backend
 from .helicopter import Helicopter, HelicopterState
 from .motion import Controls, Wind
 from .parameters import model_hash, read_parameters
 from .specification import CONTROL_PERIOD, parse_specification
+from .vehicle_faults import vehicle_schedule
 
 
 class AnotherVehicleError(FlightError):
@@ -25,6 +26,9 @@ class AnotherVehicleError(FlightError):
 def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
     """Flies the logged servo commands in the logged wind, without controller or navigation.
 
+    Faults of servos and vehicle act again; those of sensors and controller are in the commands, gusts in the
+    wind.
+
     Returns:
         True motion at the start of every control period, columns as in `/truth`.
 
@@ -32,16 +36,14 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
         FlightLostError: the flight ended in the ground or diverged.
     """
-    header = log.header
-    for what, logged, here in (
-        ("vehicle", header.model_hash, model_hash()),
-        ("numeric back-end", header.backend, BACKEND),
-    ):
-        if logged != here:
-            raise AnotherVehicleError(what, logged, here)
+    if log.header.model_hash != model_hash():
+        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
+    backend = _backend(log.header.backend)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
-    step = parse_specification(text, SPECIFICATION_ATTACHMENT).step
-    helicopter = Helicopter(read_parameters(), step=step)
+    specification, parameters = parse_specification(text, SPECIFICATION_ATTACHMENT), read_parameters()
+    step = specification.step
+    helicopter = Helicopter(parameters, step=step, backend=backend)
+    faults = vehicle_schedule(specification.faults, helicopter, parameters)
     state = json.loads(log.attachments[INITIAL_STATE_ATTACHMENT])
     heading = state.pop("heading")
     helicopter.restore(
@@ -49,7 +51,17 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
     )
     columns = [log[CONTROLS][f"{name}_command"] for name in Controls._fields]
     rows = []
-    for command, wind in zip(np.stack(columns, axis=1).tolist(), log[WIND].values.tolist(), strict=True):
+    held = zip(np.stack(columns, axis=1).tolist(), log[WIND].values.tolist(), strict=True)
+    for period, (command, wind) in enumerate(held):
         rows.append(helicopter.motion())
+        faults.begin(period)
         helicopter.advance(Controls._make(command), Wind._make(wind), steps=round(CONTROL_PERIOD / step))
     return np.array(rows)
+
+
+def _backend(name: str) -> Backend:
+    """Returns the back-end of a log, where it is here."""
+    here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
+    if name not in here:
+        raise AnotherVehicleError("numeric back-end", name, " or ".join(here))
+    return here[name]

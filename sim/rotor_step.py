@@ -1,13 +1,40 @@
 """One step of servos and rotors, each part exactly for what is held through the step."""
 
+from dataclasses import dataclass
+
 import casadi as ca
 
 from .parameters import Parameters, Servos
 from .rotor import Air, RotorState, flapping_targets, settle_inflow
 
 
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """What one servo can do: largest rate in rad/s, bandwidth in rad/s."""
+
+    rate: float
+    bandwidth: float
+
+
+Drives = tuple[Drive, Drive, Drive, Drive]
+"""Of lateral, longitudinal, collective and pedal servo."""
+
+
+def sound_drives(servos: Servos) -> Drives:
+    """Returns the servos as they should be."""
+    cyclic = Drive(servos.rate, servos.bandwidth)
+    return cyclic, cyclic, cyclic, Drive(servos.pedal_rate, servos.bandwidth)
+
+
 def advance(
-    parameters: Parameters, state: RotorState, air: Air, *, command: ca.SX, step: float, iterations: int
+    parameters: Parameters,
+    state: RotorState,
+    air: Air,
+    *,
+    command: ca.SX,
+    step: float,
+    iterations: int,
+    drives: Drives | None = None,
 ) -> RotorState:
     """Steps servos, then flapping, bar and gyro, then inflow.
 
@@ -18,8 +45,10 @@ def advance(
         command: lateral, longitudinal, collective, pedal in rad of blade pitch, shape (4, 1).
         step: length of the step in s.
         iterations: relaxed inflow iterations, warm started.
+        drives: what the servos can do; sound ones where None.
     """
-    state = follow_commands(parameters.servos, state, command, step=step)
+    drives = drives or sound_drives(parameters.servos)
+    state = follow_commands(parameters.servos, state, command, step=step, drives=drives)
     target = flapping_targets(parameters, state, air)
     turned = parameters.tail_rotor.gyro_gain * air.yaw_rate
     disc = ca.exp(-step / parameters.main_rotor.flapping_time)
@@ -34,20 +63,21 @@ def advance(
     return settle_inflow(parameters, state, air, iterations=iterations)
 
 
-def follow_commands(servos: Servos, state: RotorState, command: ca.SX, *, step: float) -> RotorState:
-    """Steps the first-order servos within their rates and travels; the gyro works against the pedal."""
-    share = 1.0 - ca.exp(-servos.bandwidth * step)
+def follow_commands(
+    servos: Servos, state: RotorState, command: ca.SX, *, step: float, drives: Drives
+) -> RotorState:
+    """Steps first-order servos within their rates and travels; the gyro works against the pedal."""
 
-    def follow(position: ca.SX, wanted: ca.SX, low: float, high: float, rate: float) -> ca.SX:
-        travel = ca.fmin(rate * step, ca.fmax(-rate * step, share * (wanted - position)))
+    def follow(drive: Drive, position: ca.SX, wanted: ca.SX, low: float, high: float) -> ca.SX:
+        share, reach = 1.0 - ca.exp(-drive.bandwidth * step), drive.rate * step
+        travel = ca.fmin(reach, ca.fmax(-reach, share * (wanted - position)))
         return ca.fmin(high, ca.fmax(low, position + travel))
 
-    cyclic, rate = servos.cyclic_limit, servos.rate
+    lateral, longitudinal, collective, pedal = drives
+    cyclic, up = servos.cyclic_limit, (servos.collective_low, servos.collective_high)
     return state._replace(
-        lateral=follow(state.lateral, command[0], -cyclic, cyclic, rate),
-        longitudinal=follow(state.longitudinal, command[1], -cyclic, cyclic, rate),
-        collective=follow(state.collective, command[2], servos.collective_low, servos.collective_high, rate),
-        pedal=follow(
-            state.pedal, command[3] - state.gyro, servos.pedal_low, servos.pedal_high, servos.pedal_rate
-        ),
+        lateral=follow(lateral, state.lateral, command[0], -cyclic, cyclic),
+        longitudinal=follow(longitudinal, state.longitudinal, command[1], -cyclic, cyclic),
+        collective=follow(collective, state.collective, command[2], *up),
+        pedal=follow(pedal, state.pedal, command[3] - state.gyro, servos.pedal_low, servos.pedal_high),
     )

@@ -4,89 +4,92 @@ Every reading is the truth with white noise and, where stated, an error that wan
 deviation and correlation time). The inertial unit gives the mean over a control period.
 """
 
-from collections import deque
-from dataclasses import dataclass
-from math import exp, radians, sqrt
-from typing import NamedTuple
+from functools import cache
+from math import exp
+from typing import Protocol
 
+import casadi as ca
 import numpy as np
+from jaxtyping import Float
 
 from flight.se2 import SE2
 
-from .bound_function import BoundFunction
-from .filter_equations import ideal_readings
+from .backend import Backend
+from .bound_function import Recursion
+from .delay_line import DelayLine
+from .filter_equations import (
+    conjugate,
+    euler_quaternion,
+    first_nominal,
+    product,
+    rotation,
+    rotation_vector,
+    world_velocity,
+)
 from .motion import Motion
+from .noise import Noise
+from .sensor_errors import SensorErrors
+from .signals import Signals
 
-_BLOCK = 512
-# Below this height in m the altimeter is the better one of two.
-_LOW = 3.0
-
-
-@dataclass(frozen=True, slots=True)
-class Wander:
-    """A Gauss-Markov error: standard deviation in the unit of what it spoils, correlation time in s."""
-
-    sigma: float
-    time: float
+_MOTION, _WANDERS, _WHITES = len(Motion._fields), 10, 14
+# What is remembered of the motion before: velocity and attitude.
+_BEFORE = 7
+_NOISE, _STATE = _WANDERS + _WHITES, _BEFORE + _WANDERS
 
 
-@dataclass(frozen=True, slots=True)
-class SensorErrors:
-    """One-sigma errors of the sensors; SI.
+Values = Float[np.ndarray, "n"]
 
-    Attributes:
-        accelerometer_noise: each axis, over one control period, m/s2.
-        accelerometer_bias: each axis, m/s2.
-        gyro_noise: each axis, over one control period, rad/s.
-        gyro_bias: each axis, rad/s.
-        position_noise: of a fix, north, east, down, m.
-        position_wander: of a fix, each axis, m.
-        velocity_noise: of a fix, each axis, m/s.
-        fix_periods: control periods between two fixes.
-        fix_latency: age of a fix when it arrives, control periods.
-        antenna: forward, right, down of the centre of mass, m.
-        heading_noise: of the magnetometer, rad.
-        heading_wander: of the same, rad.
-        height_noise: of the altimeter, m.
-        low_height_noise: of the same near the ground, m.
-        slow_periods: control periods between readings of magnetometer and altimeter.
+
+class Readings(Protocol):
+    """What a filter reads: arrays that change, as `Sensors` has them."""
+
+    inertial: Values
+    fix: Values
+    heading_and_height: Values
+    has_fix: bool
+    has_heading_and_height: bool
+
+    @property
+    def biases(self) -> Values:
+        """Errors of accelerometers and gyros that wander."""
+
+    def run(self) -> None:
+        """Reads at the end of a control period."""
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world."""
+
+
+@cache
+def sense(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
+    """Builds what the sensors make of a motion, without latency.
+
+    Returns:
+        (motion now, noise, state) -> (inertial reading, antenna position and velocity, heading and height,
+        state). The noise is what drives the wandering errors and what is white, in the units of what it
+        spoils but for the height; the state is velocity (world) and attitude quaternion of the period before,
+        and the wandering errors.
     """
-
-    accelerometer_noise: float = 0.05
-    accelerometer_bias: Wander = Wander(0.03, 300.0)
-    gyro_noise: float = radians(0.2)
-    gyro_bias: Wander = Wander(radians(0.05), 300.0)
-    position_noise: tuple[float, float, float] = (0.02, 0.02, 0.03)
-    position_wander: Wander = Wander(0.03, 60.0)
-    velocity_noise: float = 0.03
-    fix_periods: int = 10
-    fix_latency: int = 5
-    antenna: tuple[float, float, float] = (-1.0, 0.0, -0.2)
-    heading_noise: float = radians(1.5)
-    heading_wander: Wander = Wander(radians(1.5), 120.0)
-    height_noise: float = 0.3
-    low_height_noise: float = 0.05
-    slow_periods: int = 10
-
-    def height_variance(self, height: float) -> float:
-        """Returns the variance of a height that was read, m2."""
-        return (self.height_noise if height > _LOW else self.low_height_noise) ** 2
-
-
-class Readings(NamedTuple):
-    """What is read in a control period; None where a sensor is silent.
-
-    Attributes:
-        inertial: specific force (m/s2) and body rates (rad/s), mean over the period that ends.
-        fix: antenna position (m) and velocity (m/s) in the world, as they were a latency ago.
-        heading: rad, not wrapped.
-        height: m above ground.
-    """
-
-    inertial: np.ndarray
-    fix: np.ndarray | None
-    heading: float | None
-    height: float | None
+    now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
+    velocity_before, first, wandering = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _WANDERS))
+    keep = ca.DM([exp(-step / wander.time) for wander in errors.wanders])
+    wandering, white = keep * wandering + noise[:_WANDERS], noise[_WANDERS:]
+    velocity, last = world_velocity(now), euler_quaternion(now[6:9])
+    change = product(conjugate(first), last)
+    rates = 2.0 * ca.sign(change[0]) * change[1:] / step
+    middle = rotation(product(first, rotation_vector(rates * step / 2.0)))
+    acceleration = (velocity - velocity_before) / step
+    force = middle.T @ (acceleration - ca.DM([0, 0, gravity]))
+    turn, arm = rotation(last), ca.DM(errors.antenna)
+    antenna = ca.vertcat(now[:3] + turn @ arm, velocity + turn @ ca.cross(now[9:12], arm))
+    heading, height = now[8] + (wandering[9] + white[12]), -now[2]
+    results = [
+        ca.vertcat(force, rates) + wandering[:6] + white[:6],
+        antenna + white[6:12],
+        ca.vertcat(heading, height + errors.height_sigma(height) * white[13]),
+        ca.vertcat(velocity, last, wandering),
+    ]
+    return ca.Function("sense", [now, noise, state], ca.cse(results))
 
 
 class Sensors:
@@ -94,83 +97,92 @@ class Sensors:
 
     Args:
         errors: their sizes.
-        truth: motion at the start.
         step: control period in s.
         gravity: m/s2.
         rng: source of all their chance.
+        signals: where they find the true motion, that of the start already now.
+        backend: what evaluates the readings.
+
+    Attributes:
+        inertial: specific force (m/s2) and body rates (rad/s), mean over the period that ends.
+        fix: antenna position (m) and velocity (m/s) in the world, as they were a latency ago.
+        heading_and_height: rad, not wrapped, and m above ground.
+        has_fix: whether there is a fix in this period.
+        has_heading_and_height: likewise.
     """
 
     def __init__(
-        self, errors: SensorErrors, truth: Motion, *, step: float, gravity: float, rng: np.random.Generator
+        self,
+        errors: SensorErrors,
+        *,
+        step: float,
+        gravity: float,
+        rng: np.random.Generator,
+        signals: Signals,
+        backend: Backend = Backend.INTERPRETED,
     ) -> None:
-        self._errors, self._rng = errors, rng
-        wanders = (
-            *(errors.accelerometer_bias,) * 3,
-            *(errors.gyro_bias,) * 3,
-            *(errors.position_wander,) * 3,
-            errors.heading_wander,
+        self._errors, self._rng, self._truth = errors, rng, signals.truth
+        sigma = np.array([wander.sigma for wander in errors.wanders])
+        keep = np.array([exp(-step / wander.time) for wander in errors.wanders])
+        self._drive = sigma * np.sqrt(1.0 - keep**2)
+        self._white = np.array([*errors.inertial_noise, *errors.fix_noise, errors.heading_noise, 1.0])
+        self._state = np.concatenate([np.zeros(_BEFORE), sigma * rng.standard_normal(_WANDERS)])
+        self._wandering = self._state[_BEFORE:]
+        self._remember()
+        self.inertial, self.fix, self.heading_and_height = np.zeros(6), np.zeros(6), np.zeros(2)
+        self.has_fix = self.has_heading_and_height = False
+        antenna, noise = np.zeros(6), np.zeros(_NOISE)
+        self._sense = Recursion(
+            sense(errors, step, gravity),
+            (signals.truth, noise, self._state),
+            (self.inertial, antenna, self.heading_and_height),
+            backend=backend,
         )
-        sigma = np.array([wander.sigma for wander in wanders])
-        self._keep = np.array([exp(-step / wander.time) for wander in wanders])
-        self._drive = sigma * np.sqrt(1.0 - self._keep**2)
-        self._wandering = sigma * rng.standard_normal(10)
-        self._white = np.array(
-            [errors.accelerometer_noise] * 3
-            + [errors.gyro_noise] * 3
-            + [*errors.position_noise]
-            + [errors.velocity_noise] * 3
-            + [errors.heading_noise, 1.0]
-        )
-        self._before, self._now, self._ideal = np.zeros(13), np.array(truth), np.zeros(12)
-        self._observe = BoundFunction(
-            ideal_readings(step, gravity, errors.antenna), (self._before, self._now), (self._ideal,)
-        )
-        self._fixes: deque[np.ndarray] = deque(maxlen=errors.fix_latency + 1)
+        self._noise = Noise(noise, self._draw)
+        self._fixes = DelayLine((antenna,), periods=errors.fix_latency)
         self._turned = 0.0
-        self._period, self._row = 0, _BLOCK
+        self._period = 0
 
     @property
     def biases(self) -> np.ndarray:
         """Errors of accelerometers and gyros that wander, as they are: what a filter looks for."""
-        return np.asarray(self._slow[:6])
+        return np.asarray(self._wandering[:6])
 
-    def move(self, displacement: SE2, truth: Motion) -> None:
-        """Follows a motion of the whole world, after which the truth is `truth`."""
-        self._now[:] = truth
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world, after which the truth is that of the signals."""
+        self._remember()
         self._turned += displacement.heading
-        for fix in self._fixes:
+        for fix in self._fixes.rows:
             pose = displacement @ SE2(fix[0], fix[1], 0.0)
             velocity = SE2(0.0, 0.0, displacement.heading) @ SE2(fix[3], fix[4], 0.0)
             fix[:2], fix[3:5] = (pose.x, pose.y), (velocity.x, velocity.y)
 
-    def read(self, truth: Motion) -> Readings:
-        """Returns what is read at the end of a control period."""
-        self._before[:] = self._now
-        self._now[:] = truth
-        self._observe.evaluate()
-        if self._row == _BLOCK:
-            self._draw_block()
-        self._slow, white = self._slows[self._row], self._whites[self._row]
-        self._row += 1
-        self._period += 1
-        errors, slow = self._errors, self._slow
-        self._fixes.append(self._ideal[6:] + white[6:12])
-        fix = None
-        if self._period % errors.fix_periods == 0 and len(self._fixes) > errors.fix_latency:
-            fix = self._fixes[0].copy()
-            wander = SE2(0.0, 0.0, self._turned) @ SE2(slow[6], slow[7], 0.0)
-            fix[:3] += (wander.x, wander.y, slow[8])
-        heading = height = None
-        if self._period % errors.slow_periods == 0:
-            heading = truth.heading + float(slow[9] + white[12])
-            height = -truth.down + sqrt(errors.height_variance(-truth.down)) * float(white[13])
-        return Readings(self._ideal[:6] + slow[:6] + white[:6], fix, heading, height)
+    def _remember(self) -> None:
+        """Takes the truth as what was so a period ago."""
+        nominal = first_nominal()(self._truth)
+        self._state[:_BEFORE] = nominal.elements()[3:10]
 
-    def _draw_block(self) -> None:
-        """Draws the errors of many periods at once; the same bytes as period by period."""
-        driven = self._drive * self._rng.standard_normal((_BLOCK, 10))
-        self._whites = self._white * self._rng.standard_normal((_BLOCK, 14))
-        for row in driven:
-            self._wandering = self._keep * self._wandering + row
-            row[:] = self._wandering
-        self._slows, self._row = driven, 0
+    def run(self) -> None:
+        """Reads at the end of a control period."""
+        self._noise.next()
+        self._sense.step()
+        self._fixes.push()
+        self._period = period = self._period + 1
+        errors = self._errors
+        self.has_fix = period % errors.fix_periods == 0 and period > errors.fix_latency
+        self.has_heading_and_height = period % errors.slow_periods == 0
+        if self.has_fix:
+            self._receive()
+
+    def _receive(self) -> None:
+        """Takes the oldest fix, with the error that wanders."""
+        north, east, down = self._wandering[6:9].tolist()
+        wander = SE2(0.0, 0.0, self._turned) @ SE2(north, east, 0.0)
+        self.fix[:] = self._fixes.oldest
+        self.fix[:3] += (wander.x, wander.y, down)
+
+    def _draw(self, periods: int) -> Float[np.ndarray, "n 24"]:
+        """Draws what spoils the readings of many periods."""
+        driven = self._drive * self._rng.standard_normal((periods, _WANDERS))
+        white = self._white * self._rng.standard_normal((periods, _WHITES))
+        return np.hstack([driven, white])

@@ -1,7 +1,11 @@
 """What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
 
+from dataclasses import dataclass, fields
+
 from pydantic import Field, FiniteFloat, model_validator
 
+from flight.errors import FlightError
+from flight.fault import SENSORS, Fault
 from flight.file_model import FileModel, parse_json
 from flight.se2 import SE2
 from flight.sequence import Sequence
@@ -20,12 +24,29 @@ class _Pose(FileModel):
     heading: FiniteFloat = 0.0
 
 
-class _Gust(FileModel):
-    start: FiniteFloat
-    duration: FiniteFloat = Field(gt=0.0)
-    north: FiniteFloat = 0.0
-    east: FiniteFloat = 0.0
-    down: FiniteFloat = 0.0
+class NoSensorsError(FlightError):
+    """A sensor was to fail in a flight that has none."""
+
+    def __init__(self, fault: str) -> None:
+        super().__init__(f"fault {fault!r} needs sensors; with ideal ones the vehicle believes the truth")
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """How a flight departs from the plain one; fields as in `FlightSpecification`."""
+
+    ideal_navigation: bool = False
+    adaptive: bool = True
+    faults: tuple[Fault, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuses sensors that fail where there are none."""
+        failing = [fault.words for fault in self.faults if fault.where in SENSORS]
+        if self.ideal_navigation and failing:
+            raise NoSensorsError(failing[0])
+
+
+PLAIN = Departure()
 
 
 class FlightSpecification(FileModel):
@@ -38,10 +59,10 @@ class FlightSpecification(FileModel):
         wind: wind class; `calm` switches wind and turbulence off.
         wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
             to within the heading error of settling; drawn from the seed where None.
-        gusts: discrete gusts, one minus cosine: start and duration in s, peak in m/s.
         adaptive: whether the controller's adaptive element learns.
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
+        faults: what goes wrong, with times from time 0.
         start: true pose at time 0.
         start_trim: id of the trim held at time 0, and for the settling time before it.
         settling_time: s.
@@ -55,10 +76,10 @@ class FlightSpecification(FileModel):
     seed: int = Field(ge=0)
     wind: str = "calm"
     wind_from: FiniteFloat | None = None
-    gusts: tuple[_Gust, ...] = ()
     adaptive: bool = True
     altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
     ideal_navigation: bool = False
+    faults: tuple[Fault, ...] = ()
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
@@ -71,6 +92,14 @@ class FlightSpecification(FileModel):
         steps = CONTROL_PERIOD / self.step
         if round(steps) < 1 or abs(steps - round(steps)) > 1e-9:
             raise ValueError(f"step must divide {CONTROL_PERIOD} s, got {self.step} s")
+        return self
+
+    @model_validator(mode="after")
+    def _something_that_can_fail(self) -> "FlightSpecification":
+        try:
+            Departure(self.ideal_navigation, self.adaptive, self.faults)
+        except NoSensorsError as error:
+            raise ValueError(str(error)) from None
         return self
 
     @property
@@ -86,6 +115,11 @@ class FlightSpecification(FileModel):
             ValueError: the flight follows no sequence.
         """
         return Sequence(self.name, self.start_pose, self.trims, self.coasting_times, self.wind)
+
+    def depart(self, departure: Departure) -> "FlightSpecification":
+        """Returns the same flight, departing from the plain one."""
+        changed = {field.name: getattr(departure, field.name) for field in fields(departure)}
+        return self.model_copy(update=changed)
 
     def to_json(self) -> bytes:
         """Returns the specification as JSON; every number comes back exactly."""

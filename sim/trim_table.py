@@ -4,6 +4,8 @@ from functools import cache
 from math import inf
 from typing import NamedTuple
 
+import casadi as ca
+
 from flight.se2 import Twist
 
 from .equilibrium import EquilibriumFinder
@@ -29,24 +31,25 @@ class TrimPoint(NamedTuple):
 
 
 class TrimTable:
-    """Equilibria on a grid, read between the points by bilinear interpolation."""
+    """Equilibria on a grid, read between the points by bilinear interpolation.
+
+    Attributes:
+        function: (forward speed in m/s, yaw rate in rad/s), held to the table's range, -> trim point.
+    """
 
     def __init__(self, parameters: Parameters) -> None:
         finder = EquilibriumFinder(parameters)
-        self._rows = tuple(tuple(_point(finder, speed, rate) for rate in _YAW_RATES) for speed in _SPEEDS)
+        values = [
+            number for rate in _YAW_RATES for speed in _SPEEDS for number in _point(finder, speed, rate)
+        ]
+        table = ca.interpolant("trim_table", "linear", [list(_SPEEDS), list(_YAW_RATES)], values)
+        speed, rate = ca.MX.sym("speed"), ca.MX.sym("yaw_rate")
+        place = ca.vertcat(_hold(speed, _SPEEDS), _hold(rate, _YAW_RATES))
+        self.function = ca.Function("trim", [speed, rate], [table(place)])
 
     def at(self, forward: float, yaw_rate: float) -> TrimPoint:
         """Returns the trim at a forward speed in m/s and a yaw rate in rad/s, held to the table's range."""
-        i, x = _locate(_SPEEDS, forward)
-        j, y = _locate(_YAW_RATES, yaw_rate)
-        low, high = self._rows[i], self._rows[i + 1]
-        a, b, c, d = (1.0 - x) * (1.0 - y), (1.0 - x) * y, x * (1.0 - y), x * y
-        return TrimPoint._make(
-            [
-                a * p + b * q + c * r + d * s
-                for p, q, r, s in zip(low[j], low[j + 1], high[j], high[j + 1], strict=True)
-            ]
-        )
+        return TrimPoint._make(self.function(forward, yaw_rate).elements())
 
 
 @cache
@@ -63,9 +66,6 @@ def _point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoin
     )
 
 
-def _locate(grid: tuple[float, ...], value: float) -> tuple[int, float]:
-    """Returns the cell of an even grid that a value lies in and its place in it, from 0 to 1."""
-    along = (value - grid[0]) / (grid[1] - grid[0])
-    along = max(0.0, min(len(grid) - 1.0, along))
-    cell = min(int(along), len(grid) - 2)
-    return cell, along - cell
+def _hold(value: ca.MX, grid: tuple[float, ...]) -> ca.MX:
+    """Returns a value held to the range of a grid."""
+    return ca.fmin(ca.fmax(value, grid[0]), grid[-1])

@@ -1,28 +1,25 @@
-"""Mean wind and Dryden turbulence of MIL-F-8785C at low altitude, discretised exactly.
+"""Mean wind and turbulence: how hard it blows in a wind class, and the air of a flight, period by period.
 
 Turbulence axes are fixed to the world: x into the wind (the way the vehicle flies through the air when it
-hovers), y to the right of it, z down. The spectra are those of the standard with the airspeed of the moment;
-a floor stands in for hover, where a frozen field would never pass. The exact step holds for any airspeed and
-any step, so the airspeed may change at every one.
+hovers), y to the right of it, z down.
 """
 
 from dataclasses import dataclass
-from math import cos, exp, hypot, pi, sin, sqrt
+from math import cos, pi, sin
 
 import numpy as np
 
 from flight.errors import FlightError
 
-from .motion import Wind
+from .backend import Backend
+from .bound_function import Recursion
+from .dryden import draw_turbulence, dryden, wind_function
+from .motion import Motion, Wind
+from .noise import Noise
+from .signals import Signals
 
 _FOOT = 0.3048
 _KNOT = 1852.0 / 3600.0
-# Below this the frozen field is no model of what a hovering rotor meets; in m/s.
-AIRSPEED_FLOOR = 4.0
-# Range of heights that the low-altitude model states, in m.
-_LOWEST, _HIGHEST = 10.0 * _FOOT, 1000.0 * _FOOT
-# Random numbers are drawn in blocks of this many periods.
-_BLOCK = 512
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,108 +72,6 @@ def wind_class(name: str) -> WindClass:
         raise UnknownWindError(name) from None
 
 
-@dataclass(frozen=True, slots=True)
-class Dryden:
-    """The standard's turbulence at one height: intensities in m/s, length scales in m (MIL-F-8785C, 3.7.3.4).
-
-    Attributes:
-        sigma_horizontal: standard deviation of the gusts along x and y.
-        sigma_vertical: standard deviation of the gusts along z.
-        length_horizontal: of the gusts along x and y.
-        length_vertical: of the gusts along z.
-        span: the vehicle's breadth, of which gust rates are made, m.
-    """
-
-    sigma_horizontal: float
-    sigma_vertical: float
-    length_horizontal: float
-    length_vertical: float
-    span: float
-
-    @property
-    def sigma_roll_rate(self) -> float:
-        """Standard deviation of the gust roll rate in rad/s; the integral of the standard's spectrum."""
-        shape = 0.8 * pi**2 / (8.0 * self.span) * (pi / (4.0 * self.span)) ** (1.0 / 3.0)
-        return float(self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0))
-
-
-def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
-    """Returns the low-altitude model of MIL-F-8785C.
-
-    Args:
-        wind_at_20_ft: m/s.
-        height: above ground, m; held to 10 to 1000 ft.
-        span: breadth of the vehicle, m.
-    """
-    height_ft = max(_LOWEST, min(_HIGHEST, height)) / _FOOT
-    factor = 0.177 + 0.000823 * height_ft
-    sigma_vertical = 0.1 * wind_at_20_ft
-    return Dryden(
-        sigma_horizontal=sigma_vertical / factor**0.4,
-        sigma_vertical=sigma_vertical,
-        length_horizontal=height_ft / factor**1.2 * _FOOT,
-        length_vertical=height_ft * _FOOT,
-        span=span,
-    )
-
-
-class LongitudinalGust:
-    """Unit gust with the spectrum of the standard's u."""
-
-    def __init__(self, noise: float) -> None:
-        self.value = noise
-
-    def step(self, ratio: float, noise: float) -> float:
-        """Moves on by `ratio` time constants."""
-        keep = exp(-ratio)
-        self.value = keep * self.value + sqrt(1.0 - keep * keep) * noise
-        return self.value
-
-
-class LateralGust:
-    """Unit gust with the spectrum of the standard's v and w."""
-
-    def __init__(self, noise: tuple[float, float]) -> None:
-        # The stationary law: variances 1/2 and 1/4, covariance 1/4.
-        self.x0 = sqrt(0.5) * noise[0]
-        self.x1 = 0.5 * self.x0 + sqrt(0.125) * noise[1]
-
-    def step(self, ratio: float, noise: tuple[float, float]) -> float:
-        """Moves on by `ratio` time constants."""
-        e = exp(-ratio)
-        e2 = e * e
-        q00 = 0.5 * (1.0 - e2)
-        q01 = 0.25 * (1.0 - e2 * (1.0 + 2.0 * ratio))
-        q11 = 0.25 * (1.0 - e2 * (1.0 + 2.0 * ratio + 2.0 * ratio * ratio))
-        l00 = sqrt(q00)
-        l10 = q01 / l00
-        l11 = sqrt(max(0.0, q11 - l10 * l10))
-        x0 = self.x0
-        self.x0 = e * x0 + l00 * noise[0]
-        self.x1 = e * self.x1 + ratio * e * x0 + l10 * noise[0] + l11 * noise[1]
-        return self.value
-
-    @property
-    def value(self) -> float:
-        """The gust now, in units of its standard deviation."""
-        return sqrt(3.0) * self.x0 + (1.0 - sqrt(3.0)) * self.x1
-
-
-class _Slope:
-    """The standard's pitch and yaw gust: the slope along x of a gust, smoothed over the span.
-
-    It begins without slope; it remembers for a second, which the settling time before a flight covers.
-    """
-
-    def __init__(self, value: float) -> None:
-        self._smooth = value
-
-    def step(self, ratio: float, value: float) -> float:
-        """Returns gust less smoothed gust; to be divided by the smoothing length."""
-        self._smooth = value + (self._smooth - value) * exp(-ratio)
-        return value - self._smooth
-
-
 class DrydenWind:
     """The air's motion at the vehicle, period by period.
 
@@ -187,6 +82,8 @@ class DrydenWind:
         direction: where the mean wind comes from, rad clockwise from north; drawn where None.
         step: period in s.
         rng: source of all its chance.
+        signals: where it finds the vehicle's true motion and leaves the wind; its own where None.
+        backend: what evaluates the gusts.
     """
 
     def __init__(
@@ -198,21 +95,24 @@ class DrydenWind:
         direction: float | None,
         step: float,
         rng: np.random.Generator,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
     ) -> None:
-        self._model = dryden(wind.wind_at_20_ft, height=height, span=span)
+        self.signals = signals = signals or Signals()
+        model = dryden(wind.wind_at_20_ft, height=height, span=span)
         drawn = float(rng.uniform(-pi, pi))
         self._direction = drawn if direction is None else direction
-        self._sigma_roll_rate = self._model.sigma_roll_rate
-        self._mean_wind, self._step, self._rng = wind.mean_wind, step, rng
+        self._speed = wind.mean_wind
         self._still = wind.wind_at_20_ft == 0.0
-        first = rng.standard_normal(6).tolist()
-        self._u = LongitudinalGust(first[0])
-        self._v, self._w = LateralGust((first[1], first[2])), LateralGust((first[3], first[4]))
-        self._p = LongitudinalGust(first[5])
-        self._v_slope, self._w_slope = _Slope(self._v.value), _Slope(self._w.value)
-        self._noise = rng.standard_normal((_BLOCK, 6)).tolist()
-        self._row = 0
-        self._axes = (0.0, 0.0)
+        self._mean, noise = np.zeros(4), np.zeros(6)
+        memory = draw_turbulence(model, rng.standard_normal(6).tolist())
+        self._gusts = Recursion(
+            wind_function(model, step),
+            (signals.truth, noise, self._mean, memory),
+            (signals.wind,),
+            backend=backend,
+        )
+        self._noise = Noise(noise, lambda periods: rng.standard_normal((periods, len(noise))))
         self.turn(0.0)
 
     @property
@@ -220,16 +120,19 @@ class DrydenWind:
         """Where the mean wind comes from, rad clockwise from north."""
         return self._direction
 
-    @property
-    def mean(self) -> Wind:
-        """The mean wind alone."""
-        c, s = self._axes
-        return Wind(-c * self._mean_wind, -s * self._mean_wind, 0.0, 0.0, 0.0, 0.0)
-
     def turn(self, angle: float) -> None:
         """Follows a turn of the whole world about the vertical, in rad."""
         self._direction += angle
-        self._axes = (cos(self._direction), sin(self._direction))
+        c, s = cos(self._direction), sin(self._direction)
+        self._mean[:] = (-c * self._speed, -s * self._speed, c, s)
+
+    def run(self) -> None:
+        """Moves the air on by one period."""
+        if self._still:
+            self.signals.wind[:] = (*self._mean[:2], 0.0, 0.0, 0.0, 0.0)
+            return
+        self._noise.next()
+        self._gusts.step()
 
     def step(self, *, velocity_north: float, velocity_east: float) -> Wind:
         """Moves on by one period.
@@ -238,28 +141,7 @@ class DrydenWind:
             velocity_north: velocity of the vehicle over the ground, m/s.
             velocity_east: likewise.
         """
-        mean = self.mean
-        if self._still:
-            return mean
-        model = self._model
-        airspeed = max(AIRSPEED_FLOOR, hypot(velocity_north - mean.north, velocity_east - mean.east))
-        travelled = airspeed * self._step
-        n = self._next_noise()
-        u = model.sigma_horizontal * self._u.step(travelled / model.length_horizontal, n[0])
-        v = model.sigma_horizontal * self._v.step(travelled / model.length_horizontal, (n[1], n[2]))
-        w = model.sigma_vertical * self._w.step(travelled / model.length_vertical, (n[3], n[4]))
-        # Smoothing lengths of the standard: 4 b / pi for roll and pitch, 3 b / pi for yaw.
-        long, short = 4.0 * model.span / pi, 3.0 * model.span / pi
-        p = self._sigma_roll_rate * self._p.step(travelled / long, n[5])
-        q = self._w_slope.step(travelled / long, w) / long
-        r = -self._v_slope.step(travelled / short, v) / short
-        c, s = self._axes
-        return Wind(mean.north + c * u - s * v, mean.east + s * u + c * v, w, c * p - s * q, s * p + c * q, r)
-
-    def _next_noise(self) -> list[float]:
-        if self._row == _BLOCK:
-            self._noise = self._rng.standard_normal((_BLOCK, 6)).tolist()
-            self._row = 0
-        row: list[float] = self._noise[self._row]
-        self._row += 1
-        return row
+        truth = Motion._make([0.0] * len(Motion._fields))
+        self.signals.truth[:] = truth._replace(forward=velocity_north, side=velocity_east)
+        self.run()
+        return Wind._make(self.signals.wind.tolist())

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Iterator
 
+import casadi as ca
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import solve_discrete_lyapunov
 from scipy.signal import welch
 
+from .dryden import AIRSPEED_FLOOR, Dryden, LateralGust, dryden, step_longitudinal
 from .figure import Figure
-from .wind import AIRSPEED_FLOOR, Dryden, DrydenWind, LateralGust, LongitudinalGust, WindClass, dryden
+from .wind import DrydenWind, WindClass
 
 FIXED_POINT_BAR = 1e-9
 # Steps over the filter's time constant, from 0.1 ms of a slow gust to many time constants.
@@ -34,31 +36,20 @@ def check_wind() -> Iterator[Figure]:
 
 def lateral_variance(ratio: float) -> float:
     """Returns the stationary variance of the discrete v and w filter at a step of `ratio` time constants."""
-
-    def moved(state: tuple[float, float], noise: tuple[float, float]) -> tuple[float, float, float]:
-        gust = LateralGust((0.0, 0.0))
-        gust.x0, gust.x1 = state
-        value = gust.step(ratio, noise)
-        return gust.x0, gust.x1, value
-
-    zero = (0.0, 0.0)
-    transition, drive = (
-        np.array([moved(*pair)[:2] for pair in pairs]).T
-        for pairs in (
-            (((1.0, 0.0), zero), ((0.0, 1.0), zero)),
-            ((zero, (1.0, 0.0)), (zero, (0.0, 1.0))),
-        )
-    )
+    state, noise = ca.SX.sym("state", 2), ca.SX.sym("noise", 2)
+    gust = LateralGust(*ca.vertsplit(state))
+    after = ca.vertcat(*gust.step(ratio=ca.SX(ratio), noise=(noise[0], noise[1])))
+    pairs = ((after, state), (after, noise), (gust.value, state))
+    transition, drive, readout = (np.array(ca.evalf(ca.jacobian(of, to))) for of, to in pairs)
     covariance = solve_discrete_lyapunov(transition, drive @ drive.T)
-    gust = LateralGust(zero)
-    readout = []
-    for gust.x0, gust.x1 in ((1.0, 0.0), (0.0, 1.0)):
-        readout.append(gust.value)
-    return float(np.array(readout) @ covariance @ np.array(readout))
+    return float((readout @ covariance @ readout.T)[0, 0])
 
 
 def _longitudinal_variance(ratio: float) -> float:
-    kept, driven = LongitudinalGust(1.0).step(ratio, 0.0), LongitudinalGust(0.0).step(ratio, 1.0)
+    kept, driven = (
+        float(ca.evalf(step_longitudinal(ca.SX(value), ratio=ca.SX(ratio), noise=ca.SX(noise))))
+        for value, noise in ((1.0, 0.0), (0.0, 1.0))
+    )
     return driven**2 / (1.0 - kept**2)
 
 

@@ -14,9 +14,18 @@ from flight.mission import Mission, read_mission
 from flight.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
 from maneuver.app import run
+from planner.certified import certified
 from planner.check import problems
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
+
+
+@cache
+def proved_case() -> tuple[Plan, Library, Mission]:
+    """As `case`, of walks of at most two trims, with a certificate."""
+    library = thesis_gtmax()
+    mission = Mission("short", SE2.identity(), 3, (12.0, -9.0), 0.5, max_trims=2)
+    return certified(WorstCase(library, 0.5).plan(mission), library, mission), library, mission
 
 
 @cache
@@ -123,6 +132,33 @@ def test_every_small_lie_about_times_is_found() -> None:
         assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
 
 
+def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
+    """The plan with a certificate that proves nothing any more."""
+    certificate = plan.certificate
+    assert certificate is not None
+    every = list(certificate.refutations)
+    place = int(rng.integers(len(every)))
+    one = every[place]
+    tokens = one.tree.split()
+    at = int(rng.integers(len(tokens)))
+    leaf = int(rng.choice([k for k, token in enumerate(tokens) if ":" in token]))
+    nothing = f"{tokens[leaf][0]}:0,0;{','.join('0' * len(one.sequence))}"
+    wrong = (
+        replace(one, tree=" ".join(tokens[:at] + tokens[at + 1 :])),
+        replace(one, tree=" ".join([*tokens[:leaf], nothing, *tokens[leaf + 1 :]])),
+        replace(one, tree=" ".join([*tokens[:leaf], "-", *tokens[leaf + 1 :]])),
+        replace(one, tree=one.tree + " -"),
+        replace(one, tree=one.tree.replace(":", ";")),
+        replace(one, gamma=one.gamma + 0.25),
+        replace(one, sequence=(*one.sequence, 9)),
+        every[place - 1],
+        None,
+    )
+    lie = wrong[int(rng.integers(len(wrong)))]
+    told = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
+    return replace(plan, certificate=replace(certificate, refutations=tuple(told)))
+
+
 def broken(plan: Plan, rng: np.random.Generator) -> Plan:
     """The plan with one lie of at least 1e-5 in it."""
     place, lie = int(rng.integers(3)), float(10 ** rng.uniform(-5, 1)) * float(rng.choice([-1, 1]))
@@ -144,14 +180,16 @@ def broken(plan: Plan, rng: np.random.Generator) -> Plan:
         replace(plan, sequence=tuple(trims)),
         replace(plan, sequence=plan.sequence[::-1]),
         replace(plan, library_hash="".join(text)),
-        replace(plan, lower_bound=plan.cost + lie),
+        replace(plan, lower_bound=plan.cost + abs(lie)),
         replace(plan, tolerance=plan.tolerance + lie),
+        broken_proof(plan, rng),
     )
     return lies[int(rng.integers(len(lies)))]
 
 
 def test_a_thousand_broken_plans_are_all_rejected() -> None:
-    plan, library, mission = case()
+    plan, library, mission = proved_case()
+    assert problems(plan, library, mission) == ()
     rng = np.random.default_rng(2)
     known = plan.library_hash
     passed = [
@@ -166,13 +204,16 @@ def test_the_verb_tells_good_from_broken_by_its_exit_code(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     plan, _, _ = case()
-    good, broken, torn = tmp_path / "good.json", tmp_path / "broken.json", tmp_path / "torn.json"
+    good, broken, dearer, torn = (tmp_path / f"{name}.json" for name in ("good", "broken", "dearer", "torn"))
     good.write_text(plan_text(plan))
     broken.write_text(plan_text(later(plan, 1, 0.01)))
+    dearer.write_text(plan_text(plan).replace('"cost": ', '"cost": 1', 1))
     torn.write_text(plan_text(plan)[:200])
     assert run(["plan", "check", str(good)]) == 0
     assert run(["plan", "check", str(broken)]) == 1
     assert "fails its check" in capsys.readouterr().out
+    assert run(["plan", "check", str(dearer)]) == 1
+    assert "cost: the deciding scenario" in capsys.readouterr().out
     assert run(["plan", "check", str(torn)]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""

@@ -39,7 +39,7 @@ def test_a_truncated_log_is_one_line_and_code_2(
 ) -> None:
     log_path.write_bytes(log_path.read_bytes()[:5000])
     assert "is cut short after 5000 bytes" in refusal(
-        capsys, "review", str(log_path), "--out", str(tmp_path / "r")
+        capsys, "review", str(log_path), "--html", "--out", str(tmp_path / "r")
     )
     assert "is cut short after 5000 bytes" in refusal(
         capsys, "identify", str(log_path), "--out", str(tmp_path / "library.json")

@@ -9,12 +9,13 @@ from flight.se2 import Twist
 from sim import controller_check
 from sim.closed_loop import Response, respond
 from sim.controller import Controller
-from sim.controller_check import check_adaptation, check_limits, check_margins, settling_time
+from sim.controller_check import check_adaptation, check_limits, check_margins
 from sim.gains import Gains
 from sim.maneuver_generator import ManeuverGenerator
 from sim.margins import read_margins
 from sim.motion import Motion
 from sim.parameters import change_vehicle, read_parameters
+from sim.response_check import settling_time
 
 PARAMETERS = read_parameters()
 FOOT = 0.3048

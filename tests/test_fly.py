@@ -1,6 +1,5 @@
 """Whole flights: repeatable, honest in their logs, and stable through every trim and maneuver."""
 
-import json
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
@@ -234,17 +233,6 @@ def test_a_log_of_another_vehicle_is_not_replayed() -> None:
     other = FlightLog(replace(log.header, model_hash="0" * 64), log.series, log.attachments)
     with pytest.raises(AnotherVehicleError, match="expected the vehicle of the log, 0000"):
         replay(other)
-
-
-def test_a_gust_is_in_the_log_and_moves_the_vehicle() -> None:
-    calm = specify(1, wind="calm", ideal=True)
-    gust = {"start": 1.0, "duration": 2.0, "north": 4.0}
-    gusty = parse_specification(json.dumps({**json.loads(calm.to_json()), "gusts": [gust]}).encode(), "test")
-    still, blown = (SimulatedHelicopter(each, LIBRARY) for each in (calm, gusty))
-    for helicopter in (still, blown):
-        helicopter.coast(4.0)
-    assert blown.log()[WIND]["north"].max() == pytest.approx(4.0)
-    assert np.abs(blown.log()[TRUTH]["forward"]).max() > 10 * np.abs(still.log()[TRUTH]["forward"]).max()
 
 
 def test_the_adaptive_element_can_be_switched_off() -> None:

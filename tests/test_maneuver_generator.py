@@ -22,14 +22,28 @@ def test_the_settling_time_is_the_same_for_every_change(start: float, change: fl
     end = start + sign * change
     generator = ManeuverGenerator(Twist(start, 0.0, 0.0), step=STEP)
     values = [generator.step(Twist(end, 0.0, 0.0)).forward.value for _ in range(1000)]
-    assert settling_time(values, start=start, end=end) == pytest.approx(4.23, abs=0.02)
+    assert settling_time(values, start=start, end=end) == pytest.approx(4.08, abs=0.02)
 
 
 @given(change=st.floats(0.1, 1.2))
 def test_turns_settle_faster(change: float) -> None:
     generator = ManeuverGenerator(Twist(3.0, 0.0, 0.0), step=STEP)
     values = [generator.step(Twist(3.0, 0.0, change)).yaw_rate.value for _ in range(1000)]
-    assert settling_time(values, start=0.0, end=change) == pytest.approx(3.16, abs=0.02)
+    assert settling_time(values, start=0.0, end=change) == pytest.approx(3.00, abs=0.02)
+
+
+@given(speeds=st.tuples(st.floats(0.0, 5.0), st.floats(6.0, 10.0)), turn=st.floats(0.1, 1.2))
+def test_a_turn_takes_the_time_of_the_speed_that_changes_with_it(
+    speeds: tuple[float, float], turn: float
+) -> None:
+    before, after = speeds
+    generator = ManeuverGenerator(Twist(before, 0.0, 0.0), step=STEP)
+    references = [generator.step(Twist(after, 0.0, turn)) for _ in range(1000)]
+    for reference in references[::50]:
+        speed_done = (reference.forward.value - before) / (after - before)
+        assert reference.yaw_rate.value / turn == pytest.approx(speed_done, abs=1e-12)
+    values = [generator.step(Twist(after, 0.0, 0.0)).yaw_rate.value for _ in range(1000)]
+    assert settling_time(values, start=turn, end=0.0) == pytest.approx(3.00, abs=0.02)
 
 
 @given(step=st.floats(0.001, 0.2))

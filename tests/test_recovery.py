@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
@@ -109,6 +109,7 @@ def test_another_writers_log_is_recovered_too(compression: CompressionType) -> N
     assert salvage(content).lossless
 
 
+@settings(deadline=None)
 @given(
     compression=st.sampled_from(CompressionType),
     share=st.floats(0, 1),

@@ -246,11 +246,13 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
 ) -> None:
     log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
     publish_log(without(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), WIND, ESTIMATE), log)
-    order = ["review", str(log), "--out", str(pictures), "--json"]
+    order = ["review", str(log), "--png", "--html", "--out", str(pictures), "--json"]
     assert run(order) == 0
     content = json.loads(capsys.readouterr().out)
     assert content["bounds"]["coasts"] == 2
-    assert all(Path(path).is_file() for path in content["pictures"])
+    assert Path(content["files"][0]).name == "flight.html"
+    assert {Path(path).suffix for path in content["files"][1:]} == {".png"}
+    assert all(Path(path).is_file() for path in content["files"])
     assert run(order) == 2
     refusal = capsys.readouterr()
     assert refusal.out == ""
@@ -269,7 +271,7 @@ def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFi
         },
     )
     publish_log(added(flight, TRUTH, "forward", 1.0), log)
-    assert run(["review", str(log), "--out", str(tmp_path / "pictures")]) == 0
+    assert run(["review", str(log), "--png", "--out", str(tmp_path / "pictures")]) == 0
     said = capsys.readouterr().out
     assert "not reached" in said
     assert "2 of 2 coasts" in said
@@ -291,6 +293,19 @@ def test_a_broken_library_is_refused_before_anything_is_drawn(
 ) -> None:
     log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
     publish_log(replace(still_flight(), attachments={LIBRARY_ATTACHMENT: b"{}"}), log)
-    assert run(["review", str(log), "--out", str(pictures)]) == 2
+    assert run(["review", str(log), "--png", "--out", str(pictures)]) == 2
     assert "library.json" in capsys.readouterr().err
     assert not pictures.exists()
+
+
+def test_a_log_that_lost_its_truth_in_the_middle_is_still_reviewed() -> None:
+    log = still_flight()
+    truth = log[TRUTH]
+    kept = (truth.time < 4.5) | (truth.time > 13.0)
+    holed = replace(
+        log, series={**log.series, TRUTH.name: Series(TRUTH, truth.time[kept], truth.values[kept])}
+    )
+    whole, found = bounds_kept(log), bounds_kept(holed)
+    assert whole is not None
+    assert found is not None
+    assert 0 < found.coasts < whole.coasts

@@ -49,6 +49,7 @@ ATTACHMENTS = (
     (log.VEHICLE_ATTACHMENT, "every number of the vehicle that flew"),
     (log.MODEL_ATTACHMENT, "its shape, as MuJoCo's MJCF: x forward, y left, z up"),
     (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
+    (log.FAULTS_ATTACHMENT, "what goes wrong: where, what, start and duration in s, sizes; absent in most"),
     (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
     (
         log.PLANS_ATTACHMENT,

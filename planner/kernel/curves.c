@@ -22,7 +22,7 @@ typedef struct {
     double straight[MOST];
 } Point;
 
-static double root_of(double share, double sign) { return sign * sqrt(fmax(0.0, 1 - share * share)); }
+static double root_of(double share, double sign) { return sign * sqrt(MAX(0.0, 1 - share * share)); }
 
 /* exp(i chi) of a stretch at u, and what the stretch adds to the way, seen from alpha. */
 static cplx add(const Stretch *s, double u, double c, Point *point, int j)
@@ -58,7 +58,7 @@ static double along(const Problem *p, const Stretch *s, double angle, double *sl
             *slope = -s->size * sin(angle);
             return s->size * cos(angle);
         }
-        double value = sqrt(fmax(0.0, s->size * s->size - s->a * s->a * u * u));
+        double value = sqrt(MAX(0.0, s->size * s->size - s->a * s->a * u * u));
         *slope = s->a == 0 ? 0 : -s->a * s->a * u / value * onward;
         return value;
     }
@@ -128,105 +128,115 @@ static int grid(const Problem *p, double *angles)
     int count = 0, pole = 0;
     for (int j = 0; j <= p->free; j++)
         pole |= p->stretch[j].straight >= 0 && p->stretch[j].limit <= p->most * (1 + 1e-12);
-    for (int i = 0; i < INTERVALS + !pole; i++) angles[count++] = fmax(1e-6, i * M_PI_2 / INTERVALS);
+    for (int i = 0; i < INTERVALS + !pole; i++) angles[count++] = MAX(1e-6, i * M_PI_2 / INTERVALS);
     for (int k = 0; pole && k < 4; k++) angles[count++] = M_PI_2 - near[k];
     return count;
 }
 
+/* Points along a curve, looked at when they are needed: what each stretch adds there, how that changes, and its
+ * heading seen from alpha with the sign - and +. */
 typedef struct {
     int count;
+    char known[INTERVALS + 5];
     double angles[INTERVALS + 5], values[MOST + 2][INTERVALS + 5], slopes[MOST + 2][INTERVALS + 5];
-    double least[MOST + 2][4][INTERVALS + 5];    /* s of the turn into each stretch, for the signs of both */
+    double aside[MOST + 2], chi[MOST + 2][2][INTERVALS + 5];
 } Samples;
 
-/* The least seconds of the turn from one heading to another, over an interval in which both are monotone. */
-static double least_turn(double rate, const double *from, const double *to)
+static void look(const Problem *p, Samples *s, int i)
 {
-    double low = fmin(to[0], to[1]) - fmax(from[0], from[1]), high = fmax(to[0], to[1]) - fmin(from[0], from[1]);
-    if (rate < 0) { double swap = -low; low = -high; high = swap; }
-    low -= 1e-6;
-    double rest = low - 2 * M_PI * floor(low / (2 * M_PI));
-    return rest + (high + 1e-6 - low) >= 2 * M_PI ? 0 : rest / fabs(rate);
-}
-
-/* The headings of every stretch along the curve, with either sign, and from them the least time of every turn. */
-static void turns(const Problem *p, Samples *s)
-{
-    double chi[MOST + 2][2][INTERVALS + 5], fixed[2] = {p->on->target, p->on->target};
+    if (s->known[i]) return;
+    s->known[i] = 1;
+    double u = p->most * sin(s->angles[i]);
     for (int j = 0; j <= p->free; j++) {
         const Stretch *one = &p->stretch[j];
-        double aside = carg(one->straight < 0 ? one->A : one->w);
-        for (int i = 0; i < s->count; i++) {
-            double u = p->most * sin(s->angles[i]);
-            if (one->straight < 0) {
-                double bent = one->size > 0 ? asin(fmax(-1, fmin(1, u * one->a / one->size))) : 0;
-                chi[j][1][i] = bent - aside;
-                chi[j][0][i] = M_PI - bent - aside;
-            } else {
-                double bent = M_PI_2 + asin(fmin(1, u / one->speed));
-                chi[j][1][i] = bent - aside;
-                chi[j][0][i] = -bent - aside;
-            }
+        s->values[j][i] = along(p, one, s->angles[i], &s->slopes[j][i]);
+        if (one->straight < 0) {
+            double bent = one->size > 0 ? asin(MAX(-1, MIN(1, u * one->a / one->size))) : 0;
+            s->chi[j][1][i] = bent - s->aside[j];
+            s->chi[j][0][i] = M_PI - bent - s->aside[j];
+        } else {
+            double bent = M_PI_2 + asin(MIN(1, u / one->speed));
+            s->chi[j][1][i] = bent - s->aside[j];
+            s->chi[j][0][i] = -bent - s->aside[j];
         }
     }
-    for (int j = 0; j <= p->free; j++)
-        for (int pair = 0; pair < 4; pair++)
-            for (int i = 0; i + 1 < s->count; i++) {
-                /* The goal's own heading is -alpha, and what is fixed is seen from alpha through it. */
-                const double *before = &chi[j ? j - 1 : p->free][pair & 1][i], *after = &chi[j][pair >> 1][i];
-                double moved[2] = {fixed[0] + chi[p->free][pair >> 1][i], fixed[1] + chi[p->free][pair >> 1][i + 1]};
-                if (j < p->free) s->least[j][pair][i] = least_turn(p->stretch[j].rate, before, after);
-                else s->least[j][pair][i] = p->last_rate == 0 ? 0 : least_turn(p->last_rate, before, moved);
-            }
+}
+
+/* The least seconds of the turn from one heading to another, both monotone between two points of a curve. */
+static double least_turn(double rate, double from, double from_end, double to, double to_end)
+{
+    double low = MIN(to, to_end) - MAX(from, from_end), high = MAX(to, to_end) - MIN(from, from_end);
+    if (rate < 0) { double swap = -low; low = -high; high = swap; }
+    low -= 1e-6;
+    double rest = off_turns(low);
+    if (rest < 0) rest += 2 * M_PI;
+    return rest + (high + 1e-6 - low) >= 2 * M_PI ? 0 : rest / fabs(rate);
 }
 
 /* Seconds that the turns may take; straight lines that stand for slow turns take another time than they will. */
 static double allowed(const Problem *p) { return p->on->slow ? INFINITY : p->row->best - p->row->fixed; }
 
-static void sample(const Problem *p, Samples *s, const double *angles, int count)
+/* Whether the turns take longer than allowed everywhere between two points of a curve. */
+static int too_long(const Problem *p, unsigned choice, const Samples *s, int i, int k)
 {
-    s->count = count;
-    memcpy(s->angles, angles, sizeof(double) * (size_t)count);
-    for (int j = 0; j <= p->free; j++)
-        for (int i = 0; i < count; i++)
-            s->values[j][i] = along(p, &p->stretch[j], angles[i], &s->slopes[j][i]);
-    turns(p, s);
+    double spent = 0, most = allowed(p);
+    for (int j = 0; j <= p->free; j++) {
+        const double *to = s->chi[j][(choice >> j) & 1];
+        /* The goal's own heading is -alpha, and what is fixed is seen from alpha through it. */
+        int before = j ? j - 1 : p->free;
+        const double *from = s->chi[before][(choice >> before) & 1];
+        if (j < p->free) spent += least_turn(p->stretch[j].rate, from[i], from[k], to[i], to[k]);
+        else if (p->last_rate != 0)
+            spent += least_turn(p->last_rate, from[i], from[k], p->on->target + to[i], p->on->target + to[k]);
+        if (!(spent < most)) return 1;
+    }
+    return 0;
 }
 
-/* All roots with one choice of signs. */
-static void follow(const Problem *p, unsigned choice, const Samples *s)
+/* Whether the sum has one sign between two points: what a stretch adds is monotone, if its slope has one sign. */
+static int one_sign(const Problem *p, unsigned choice, const Samples *s, int i, int k)
 {
-    double spent[INTERVALS + 5] = {0}, signs[MOST + 2];
-    int possible = 0;
-    for (int j = 0; j <= p->free; j++) signs[j] = (choice >> j) & 1 ? 1 : -1;
+    double low = -p->row->tolerance, high = low;
     for (int j = 0; j <= p->free; j++) {
-        int pair = (signs[j ? j - 1 : p->free] > 0) + 2 * (signs[j] > 0);
-        for (int i = 0; i + 1 < s->count; i++) spent[i] += s->least[j][pair][i];
+        double first = s->values[j][i], last = s->values[j][k];
+        if (p->stretch[j].straight >= 0 && !(s->slopes[j][i] * s->slopes[j][k] > 0)) return 0;
+        if (!((choice >> j) & 1)) { first = -first; last = -last; }
+        low += MIN(first, last);
+        high += MAX(first, last);
     }
-    for (int i = 0; i + 1 < s->count; i++) possible |= spent[i] < allowed(p);
-    if (!possible) return;
-    double f[INTERVALS + 5];
-    for (int i = 0; i < s->count; i++) f[i] = -p->row->tolerance;
-    for (int j = 0; j <= p->free; j++)
-        for (int i = 0; i < s->count; i++) f[i] += signs[j] * s->values[j][i];
-    for (int i = 0; i + 1 < s->count; i++) {
-        if (!(spent[i] < allowed(p))) continue;
-        if ((f[i] > 0) != (f[i + 1] > 0)) {
-            refine(p, signs, s->angles[i], s->angles[i + 1], f[i]);
-            continue;
-        }
-        double sign = f[i] > 0 ? 1 : -1, left = 0, right = 0;
-        for (int j = 0; j <= p->free; j++) {
-            left += signs[j] * s->slopes[j][i];
-            right += signs[j] * s->slopes[j][i + 1];
-        }
-        if (!(left * sign < 0 && right * sign > 0)) continue;
-        /* Where the tangents meet is beyond the curve, unless it bends twice. */
-        double width = s->angles[i + 1] - s->angles[i];
-        double meet = (f[i + 1] - f[i] - right * width) / (left - right);
-        if ((f[i] + left * meet) * sign > 0.5 * fmin(f[i] * sign, f[i + 1] * sign)) continue;
-        dip(p, signs, s->angles[i], s->angles[i + 1], sign);
+    return low > 1e-9 || high < -1e-9;
+}
+
+/* All roots between two points with one choice of signs. */
+static void follow(const Problem *p, unsigned choice, Samples *s, int i, int k)
+{
+    look(p, s, i);
+    look(p, s, k);
+    if (one_sign(p, choice, s, i, k) || too_long(p, choice, s, i, k)) return;
+    if (k - i > 1) {
+        follow(p, choice, s, i, (i + k) / 2);
+        follow(p, choice, s, (i + k) / 2, k);
+        return;
     }
+    double signs[MOST + 2], before = -p->row->tolerance, after = before, left = 0, right = 0;
+    for (int j = 0; j <= p->free; j++) {
+        signs[j] = (choice >> j) & 1 ? 1 : -1;
+        before += signs[j] * s->values[j][i];
+        after += signs[j] * s->values[j][k];
+        left += signs[j] * s->slopes[j][i];
+        right += signs[j] * s->slopes[j][k];
+    }
+    if ((before > 0) != (after > 0)) {
+        refine(p, signs, s->angles[i], s->angles[k], before);
+        return;
+    }
+    double sign = before > 0 ? 1 : -1;
+    if (!(left * sign < 0 && right * sign > 0)) return;
+    /* Where the tangents meet is beyond the curve, unless it bends twice. */
+    double width = s->angles[k] - s->angles[i];
+    double meet = (after - before - right * width) / (left - right);
+    if ((before + left * meet) * sign > 0.5 * MIN(before * sign, after * sign)) return;
+    dip(p, signs, s->angles[i], s->angles[k], sign);
 }
 
 /* Every choice of signs. Two equations can hold no more than two directions in which the cost curves down: each
@@ -246,37 +256,21 @@ static void all_curves(Problem *p)
     int straight = 0;
     for (int j = 0; j <= p->free; j++) {
         Stretch *s = &p->stretch[j];
-        p->most = fmin(p->most, s->limit);
+        p->most = MIN(p->most, s->limit);
         if (s->straight >= 0) s->turned = cimag(s->A * conj(s->w)) / s->speed;
         straight += s->straight >= 0 && j < p->free;
     }
     if (!(p->most > 1e-9 && p->most < INFINITY) || straight > 2) return;
-    /* First the two ends of the curves alone: they exclude most choices. */
-    static const double ends[] = {1e-6, M_PI_2};
-    unsigned kept[2u << MOST];
-    int choices = 0, plain = 1;
     Samples samples;
-    for (int j = 0; j <= p->free; j++) plain &= p->stretch[j].straight < 0;
-    sample(p, &samples, ends, 2);
+    samples.count = grid(p, samples.angles);
+    memset(samples.known, 0, sizeof(samples.known));
+    for (int j = 0; j <= p->free; j++)
+        samples.aside[j] = carg(p->stretch[j].straight < 0 ? p->stretch[j].A : p->stretch[j].w);
     for (unsigned choice = 0; choice < 2u << p->free; choice++) {
-        double highest = -p->row->tolerance, lowest = highest, spent = 0;
         int curved = straight;
-        for (int j = 0; j <= p->free; j++) {
-            int up = (choice >> j) & 1, before = (choice >> (j ? j - 1 : p->free)) & 1;
-            double first = samples.values[j][0], last = samples.values[j][1];
-            curved += up && j < p->free && p->stretch[j].straight < 0;
-            highest += up ? first : -last;
-            lowest += up ? last : -first;
-            spent += samples.least[j][before + 2 * up][0];
-        }
-        /* Plain stretches add less and less with u. */
-        if (curved > 2 || (plain && (lowest > 1e-9 || highest < -1e-9)) || !(spent < allowed(p))) continue;
-        kept[choices++] = choice;
+        for (int j = 0; j < p->free; j++) curved += ((choice >> j) & 1) && p->stretch[j].straight < 0;
+        if (curved <= 2) follow(p, choice, &samples, 0, samples.count - 1);
     }
-    if (!choices) return;
-    double angles[INTERVALS + 5];
-    sample(p, &samples, angles, grid(p, angles));
-    for (int i = 0; i < choices; i++) follow(p, kept[i], &samples);
 }
 
 /* Two straight coasts of fixed direction, or two in one free stretch: u itself is given. */
@@ -362,7 +356,7 @@ static void determined(Problem *p)
         cplx A = p->stretch[0].A, B = p->stretch[1].A;
         double cosine = (dot(rest, rest) - dot(A, A) - dot(B, B)) / (2 * cabs(A) * cabs(B));
         if (!(fabs(cosine) <= 1 + 1e-12)) return;
-        double opening = acos(fmax(-1.0, fmin(1.0, cosine)));
+        double opening = acos(MAX(-1.0, MIN(1.0, cosine)));
         for (int way = -1; way <= 1; way += 2) {
             cplx bent = turned(way * opening - carg(B / A));
             heading[1] = rest / (A + bent * B);
@@ -388,7 +382,7 @@ static void determined(Problem *p)
     double inside = radius * radius * square - area * area;
     if (!(inside >= -1e-12 * radius * radius * square && square > 0)) return;
     for (int way = -1; way <= 1; way += 2) {
-        double time = (-along + way * sqrt(fmax(0.0, inside))) / square;
+        double time = (-along + way * sqrt(MAX(0.0, inside))) / square;
         straight[within ? s->straight : p->fixed_place[0]] = time;
         if (within) heading[1] = rest / (s->A + time * s->w);
         else if (p->free) heading[1] = (rest + time * line) / s->A;

@@ -3,6 +3,7 @@
 import ctypes
 from functools import cache
 from math import inf
+from time import perf_counter
 
 import numpy as np
 from jaxtyping import Float
@@ -34,9 +35,12 @@ class NoKernelError(FlightError):
         super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
+_NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
+
+
 class _Task(ctypes.Structure):
     _fields_ = (
-        *((name, ctypes.c_double) for name in ("north", "east", "tolerance", "heading", "heading_tolerance")),
+        *((name, ctypes.c_double) for name in _NUMBERS),
         *((name, ctypes.c_long) for name in ("wants_heading", "levels", "tables", "most_nodes")),
     )
 
@@ -69,22 +73,28 @@ class ExactSearch:
         """Whether there is a kernel, and it has room for the mission."""
         return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
 
-    def answer(self, mission: Mission, *, max_nodes: int | None = None) -> Answer:
+    def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
         """Returns the walk whose worst level is best.
 
         Args:
             mission: from where to where.
             max_nodes: walks at one level that may be solved; then the best so far is returned, with a bound.
+            deadline: seconds after which it is returned likewise, as soon as the walk at hand is solved; the
+                time to list the walks of a start trim, once, counts.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
+        began = perf_counter()
         compiled = kernel()
         assert compiled is not None
         every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
         found = _Answer()
         most_nodes = NO_LIMIT if max_nodes is None else max_nodes
-        task = _task(mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes)
+        seconds = max(deadline - (perf_counter() - began), 0.0)
+        task = _task(
+            mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes, seconds=seconds
+        )
         if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
             raise MemoryError("the list of walks")
         return self._read(found, every, mission)
@@ -123,12 +133,12 @@ def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "wa
     structure = CTable()
     table.fill(structure)
     costs = np.empty(len(table.walks))
-    task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT)
+    task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT, seconds=inf)
     compiled.each(ctypes.byref(task), ctypes.byref(structure), ctypes.c_void_p(costs.ctypes.data))
     return costs
 
 
-def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int) -> _Task:
+def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:
     start = mission.start
     north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
     return _Task(
@@ -137,6 +147,7 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int) -> _Ta
         mission.tolerance * (1 - ROUNDING),
         (mission.goal_heading or 0.0) - start.heading,
         mission.heading_tolerance * (1 - ROUNDING),
+        seconds,
         int(wants_heading(mission)),
         levels,
         tables,

@@ -1,6 +1,7 @@
 /* Which sets of times may be not 0, row by row; then the best walk over all rows. */
 #include "curves.c"
 #include <stdlib.h>
+#include <time.h>
 
 /* Candidates of one set of times, the heading at the end free or bound to a limit. */
 static void examine(Row *row, Active *on)
@@ -75,7 +76,7 @@ static double least_time(const Row *row, const Active *on, double distance)
     double fastest = 0, reach = 0;
     for (int i = 0; i < on->count; i++) {
         double speed = row->speed[on->place[i]], rate = fabs(row->rate[on->place[i]]);
-        fastest = fmax(fastest, speed);
+        fastest = MAX(fastest, speed);
         reach += speed == 0 ? 0 : rate == 0 ? INFINITY : 2 * speed / rate;
     }
     if (!(reach >= distance)) return INFINITY;
@@ -93,17 +94,22 @@ static double least_time(const Row *row, const Active *on, double distance)
         if (covered >= distance) low = u;
         else {
             high = u;
-            time = fmax(time, spent + (distance - covered) / u);
+            time = MAX(time, spent + (distance - covered) / u);
         }
     }
     return time;
 }
 
-/* The largest cosine of an angle plus anything between two turns. */
+/* No less than the largest cosine of an angle plus anything between two turns: by the series up to the eighth
+ * power, which is nowhere below the cosine. */
 static double best_cosine(double angle, double low, double high)
 {
-    double apart = fabs(off_turns(angle + 0.5 * (low + high))), half = 0.5 * (high - low);
-    return apart <= half ? 1.0 : cos(apart - half);
+    double half = 0.5 * (high - low);
+    if (half >= M_PI) return 1.0;
+    double beyond = fabs(off_turns(angle + 0.5 * (low + high))) - half;
+    if (beyond <= 0) return 1.0;
+    double x = beyond * beyond;
+    return 1 - x * (1. / 2 - x * (1. / 24 - x * (1. / 720 - x / 40320)));
 }
 
 /* Whether the goal is out of reach in the seconds given: in some direction, with the headings that can be
@@ -119,21 +125,21 @@ static int out_of_reach(const Row *row, const Active *on, double seconds)
         low[k] = now_low;
         high[k] = now_high;
         if (!((mask >> k) & 1)) continue;
-        now_high = fmax(now_high, row->rate[k] * seconds);
-        now_low = fmin(now_low, row->rate[k] * seconds);
+        now_high = MAX(now_high, row->rate[k] * seconds);
+        now_low = MIN(now_low, row->rate[k] * seconds);
     }
     double toward = carg(row->goal - still), there = cabs(row->goal), bearing = there > 0 ? carg(row->goal) : 0;
     static const double aside[] = {0, 0.5, -0.5, 1.1, -1.1, 1.8, -1.8};
     for (int way = 0; way < 7; way++) {
         double direction = toward + aside[way], fastest = 0;
-        double wanted = there * cos(bearing - direction) - fmax(row->tolerance, 2e-7) - 1e-9;
+        double wanted = there * cos(bearing - direction) - MAX(row->tolerance, 2e-7) - 1e-9;
         for (int k = 0; k < row->trims; k++) {
             wanted -= row->size_D[k] * best_cosine(row->bearing_D[k] - direction, low[k], high[k]);
             if (!((mask >> k) & 1)) continue;
             double turn = row->rate[k] * seconds;
             double speed = row->speed[k]
-                * best_cosine(row->bearing_W[k] - direction, fmin(low[k], turn), fmax(high[k], turn));
-            fastest = fmax(fastest, speed);
+                * best_cosine(row->bearing_W[k] - direction, MIN(low[k], turn), MAX(high[k], turn));
+            fastest = MAX(fastest, speed);
         }
         if (wanted > fastest * seconds) return 1;
     }
@@ -142,7 +148,7 @@ static int out_of_reach(const Row *row, const Active *on, double seconds)
 
 static double to_cover(const Row *row)
 {
-    double distance = cabs(row->goal) - fmax(row->tolerance, 2e-7);
+    double distance = cabs(row->goal) - MAX(row->tolerance, 2e-7);
     for (int k = 0; k < row->trims; k++) distance -= row->size_D[k];
     return distance;
 }
@@ -179,6 +185,38 @@ static void both_headings(Row *row, Active *on)
     }
 }
 
+/* Whether a set of times has more straight coasts than `examine` has equations for: three between two turns (or
+ * before the first), twice two between turns, or more than two stretches between turns with one. */
+static int too_straight(const Row *row, unsigned mask)
+{
+    int here = 0, first = 1, doubled = 0, stretches = 0;
+    for (int k = 0; k < row->trims; k++) {
+        if (!((mask >> k) & 1)) continue;
+        if (fabs(row->rate[k]) > STRAIGHT) { here = 0; first = 0; continue; }
+        here++;
+        if (here > 2) return 1;
+        if (!first) { stretches += here == 1; doubled += here == 2; }
+    }
+    return stretches > 2 || doubled > 1;
+}
+
+/* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
+ * left of them without one of the times; 2 for those with too many straight coasts. */
+static void exclude(const Row *row, unsigned useful, double distance, char *out)
+{
+    for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
+        Active on;
+        out[mask] = 0;
+        for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
+            out[mask] = out[mask | (rest & -rest)] == 1;
+        if (out[mask]) continue;
+        if (!row->wants_heading && too_straight(row, mask)) { out[mask] = 2; continue; }
+        choose(row, &on, mask);
+        out[mask] = row->fixed + least_time(row, &on, distance) >= row->best
+            || out_of_reach(row, &on, row->best - row->fixed);
+    }
+}
+
 /* The best times of a row, with at least and at most so many that are not 0. */
 static void solve(Row *row, int fewest, int most)
 {
@@ -193,13 +231,22 @@ static void solve(Row *row, int fewest, int most)
         double nothing[MOST] = {0};
         keep(row, nothing);
     }
+    char out[1 << MOST];
+    double known = INFINITY;
+    int every = most >= row->trims && row->best < INFINITY;
+    if (every) {
+        exclude(row, useful, distance, out);
+        known = row->best;
+    }
     for (int size = fewest > 0 ? fewest : 1; size <= most && size <= row->trims; size++)
         for (unsigned mask = 1; mask < 1u << row->trims; mask++) {
-            if (__builtin_popcount(mask) != size || (mask & ~useful)) continue;
+            if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
             Active on;
             choose(row, &on, mask);
-            if (row->fixed + least_time(row, &on, distance) >= row->best) continue;
-            if (row->best < INFINITY && out_of_reach(row, &on, row->best - row->fixed)) continue;
+            if (row->best < known) {
+                if (row->fixed + least_time(row, &on, distance) >= row->best) continue;
+                if (row->best < INFINITY && out_of_reach(row, &on, row->best - row->fixed)) continue;
+            }
             both_headings(row, &on);
         }
 }
@@ -212,7 +259,7 @@ typedef struct {
 } Table;
 
 typedef struct {
-    double goal_north, goal_east, tolerance, heading, heading_tolerance;
+    double goal_north, goal_east, tolerance, heading, heading_tolerance, seconds;
     long wants_heading, levels, tables, most_nodes;
 } Task;
 
@@ -257,7 +304,7 @@ static double bound_of(const Row *row)
 {
     Active on;
     choose(row, &on, (1u << row->trims) - 1);
-    if (row->wants_heading && fabs(off_turns(row->heading)) > fmax(row->heading_tolerance, 1e-6)) {
+    if (row->wants_heading && fabs(off_turns(row->heading)) > MAX(row->heading_tolerance, 1e-6)) {
         int turns = 0;
         for (int k = 0; k < row->trims; k++) turns |= row->rate[k] != 0;
         if (!turns) return INFINITY;
@@ -285,7 +332,7 @@ static void try_walk(const Task *task, const Table *tables, const Entry *entry, 
         solve(&row, fewest, most);
         if (!(row.best < answer->cost)) return;
         costs[level] = row.best;
-        worst = fmax(worst, row.best);
+        worst = MAX(worst, row.best);
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     answer->cost = worst;
@@ -295,10 +342,24 @@ static void try_walk(const Task *task, const Table *tables, const Entry *entry, 
     memcpy(answer->times, times, sizeof(times));
 }
 
+static double clock_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Whether the nodes or the seconds allowed are used up. */
+static int over(const Task *task, const Answer *answer, double began)
+{
+    return answer->nodes >= task->most_nodes || (task->seconds < INFINITY && clock_now() - began >= task->seconds);
+}
+
 /* The walk whose worst level is best: first with as many times as equations everywhere, for a good plan soon,
  * then with every set of times; at last the winner once more at the levels that do not decide. */
 int search(const Task *task, const Table *tables, Answer *answer)
 {
+    double began = clock_now();
     long total = 0, used = 0;
     for (int t = 0; t < task->tables; t++) total += tables[t].walks;
     Entry *entries = malloc(sizeof(Entry) * (size_t)(total ? total : 1));
@@ -313,12 +374,12 @@ int search(const Task *task, const Table *tables, Answer *answer)
             Row row;
             for (int level = 0; level < task->levels; level++) {
                 load(&row, task, &tables[t], (long)w * task->levels + level);
-                bound = fmax(bound, bound_of(&row));
+                bound = MAX(bound, bound_of(&row));
             }
             if (bound < INFINITY) entries[used++] = (Entry){bound, t, w};
         }
     answer->least = INFINITY;
-    for (long i = 0; i < used; i++) answer->least = fmin(answer->least, entries[i].bound);
+    for (long i = 0; i < used; i++) answer->least = MIN(answer->least, entries[i].bound);
     qsort(entries, (size_t)used, sizeof(Entry), by_bound);
     /* Closed forms aim at the middle of the tolerance. */
     Task middle = *task;
@@ -329,12 +390,12 @@ int search(const Task *task, const Table *tables, Answer *answer)
         for (long i = 0; i < used && answer->complete; i++) {
             if (entries[i].bound >= answer->cost) break;
             if ((tables[entries[i].table].trims > SHORT) != longer) continue;
-            if (answer->nodes >= task->most_nodes) { answer->complete = 0; answer->bound = entries[0].bound; }
+            if (over(task, answer, began)) { answer->complete = 0; answer->bound = entries[0].bound; }
             else try_walk(&middle, tables, &entries[i], 0, equations, answer);
         }
     for (long i = 0; i < used && answer->complete; i++) {
         if (entries[i].bound >= answer->cost) break;
-        if (answer->nodes >= task->most_nodes) { answer->complete = 0; answer->bound = entries[i].bound; }
+        if (over(task, answer, began)) { answer->complete = 0; answer->bound = entries[i].bound; }
         else try_walk(task, tables, &entries[i], 0, MOST, answer);
     }
     for (int level = 0; answer->walk >= 0 && level < task->levels; level++) {

@@ -32,6 +32,10 @@
 
 typedef double complex cplx;
 
+/* In line; of a number and a not-a-number they return the latter. */
+#define MIN(a, b) ({ double a_ = (a), b_ = (b); a_ < b_ ? a_ : b_; })
+#define MAX(a, b) ({ double a_ = (a), b_ = (b); a_ > b_ ? a_ : b_; })
+
 typedef struct {
     int trims;
     const double *rate;          /* rad/s */
@@ -119,7 +123,9 @@ static int eliminate(double *M, double *b, int n)
     return 1;
 }
 
-static double off_turns(double angle) { return remainder(angle, 2 * M_PI); }
+/* To the nearest whole number, for numbers below 2^51. */
+static double whole(double value) { return (value + 0x1.8p52) - 0x1.8p52; }
+static double off_turns(double angle) { return angle - 2 * M_PI * whole(angle / (2 * M_PI)); }
 
 /* Newton on what holds at a best point: for as many times as equations the equations alone (m = 0). */
 static int newton(const Row *row, const Active *on, double *times, cplx m)
@@ -178,11 +184,11 @@ static int newton(const Row *row, const Active *on, double *times, cplx m)
             for (int i = 0; i < n; i++) M[last * size + i] = row->rate[on->place[i]];
         }
         double error = 0;
-        for (int i = first; i < size; i++) error = fmax(error, fabs(b[i]));
+        for (int i = first; i < size; i++) error = MAX(error, fabs(b[i]));
         if (!eliminate(M, b, size)) return error < 1e-10;
         double step = 0;
         for (int i = 0; i < n; i++) {
-            step = fmax(step, fabs(b[i]));
+            step = MAX(step, fabs(b[i]));
             times[on->place[i]] += b[i];
         }
         if (!(step < 1e4)) return 0;
@@ -206,9 +212,9 @@ static void keep(Row *row, double *times)
     }
     if (!(cost < row->best)) return;
     cplx end = motion(row, times, 0, &turn);
-    if (!(cabs(end - row->goal) <= fmax(row->tolerance * (1 + 5e-10), 2e-7))) return;
+    if (!(cabs(end - row->goal) <= MAX(row->tolerance * (1 + 5e-10), 2e-7))) return;
     if (row->wants_heading
-        && !(fabs(off_turns(turn - row->heading)) <= fmax(row->heading_tolerance * (1 + 5e-10), 2e-7)))
+        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance * (1 + 5e-10), 2e-7)))
         return;
     row->best = cost;
     memcpy(row->times, times, sizeof(double) * row->trims);

@@ -1,0 +1,124 @@
+"""The proof that no plan is faster, or that there is none: walk by walk, a tree of boxes of coasting times.
+
+A box is cut in two at one coasting time, again and again; each part that is not cut is refuted by
+multipliers (`docs/planner.md` says how). A tree is written as a line of text, every node before its parts,
+the earlier part first:
+
+    2<3.25          a cut: the coasting time at place 2 (from 0), at 3.25 s
+    1:0.3,-0.1;...  a refutation: kappa, the vector north and east in s/m, a number for each trim
+    -               a box that the seconds allowed, or the heading wanted, leave empty
+"""
+
+from dataclasses import dataclass
+from math import isfinite
+
+
+@dataclass(frozen=True, slots=True)
+class Cut:
+    """Divides a box: first the part before the time, then the part after it.
+
+    Attributes:
+        place: of the trim in the walk, from 0.
+        time: seconds.
+    """
+
+    place: int
+    time: float
+
+
+@dataclass(frozen=True, slots=True)
+class Leaf:
+    """Refutes a box, or says that it is empty.
+
+    Attributes:
+        kappa: 1 for a bound of the cost, 0 where the goal is out of reach; None where the box is empty.
+        vector: north and east, seconds a metre.
+        shares: one for each trim.
+    """
+
+    kappa: int | None = None
+    vector: tuple[float, float] = (0.0, 0.0)
+    shares: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Refutation:
+    """Why one walk is not faster.
+
+    Attributes:
+        sequence: trim ids.
+        gamma: the uncertainty level at which it is not.
+        tree: its boxes, as text.
+    """
+
+    sequence: tuple[int, ...]
+    gamma: float
+    tree: str
+
+
+@dataclass(frozen=True, slots=True)
+class Certificate:
+    """The proof of a plan's lower bound; without a lower bound, the proof that there is no plan.
+
+    Attributes:
+        max_trims: longest walk considered.
+        refutations: one for each walk.
+    """
+
+    max_trims: int
+    refutations: tuple[Refutation, ...]
+
+
+def write_tree(nodes: list[Cut | Leaf]) -> str:
+    """Returns a tree as text; its nodes are in order, each before its parts."""
+    return " ".join(_token(node) for node in nodes)
+
+
+def read_tree(text: str) -> list[Cut | Leaf]:
+    """Reads a tree's nodes in order.
+
+    Raises:
+        ValueError: the text is no tree; says where.
+    """
+    nodes: list[Cut | Leaf] = []
+    for token in text.split():
+        try:
+            nodes.append(_node(token))
+        except ValueError:
+            raise ValueError(f"expected a node such as 2<3.25, 1:0.3,-0.1;0,0 or -, got {token!r}") from None
+    return nodes
+
+
+def _token(node: Cut | Leaf) -> str:
+    if isinstance(node, Cut):
+        return f"{node.place}<{node.time!r}"
+    if node.kappa is None:
+        return "-"
+    shares = ",".join(map(_short, node.shares))
+    return f"{node.kappa}:{_short(node.vector[0])},{_short(node.vector[1])};{shares}"
+
+
+def _short(value: float) -> str:
+    text = repr(value)
+    return text[:-2] if text.endswith(".0") else text
+
+
+def _node(token: str) -> Cut | Leaf:
+    if token == "-":
+        return Leaf()
+    if "<" in token:
+        place, time = token.split("<")
+        return Cut(int(place), _number(time))
+    kappa, rest = token.split(":")
+    vector, shares = rest.split(";")
+    north, east = vector.split(",")
+    if kappa not in {"0", "1"}:
+        raise ValueError(kappa)
+    return Leaf(int(kappa), (_number(north), _number(east)), tuple(_number(one) for one in shares.split(",")))
+
+
+def _number(text: str) -> float:
+    value = float(text)
+    if not isfinite(value):
+        raise ValueError(text)
+    return value

@@ -1,0 +1,70 @@
+"""What two libraries have different, number by number, primitive by primitive."""
+
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from .library import Library
+from .library_file import library_text
+
+Value = str | float | int | bool | None
+"""What a place holds; None where the library has no such place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """One place in which two libraries differ.
+
+    Attributes:
+        part: `library`, `trim 3` or `maneuver 12`.
+        place: within the part, such as `error.forward`; empty where the whole part is missing in one.
+        first: what the first library has there.
+        second: what the second one has.
+    """
+
+    part: str
+    place: str
+    first: Value
+    second: Value
+
+
+def differences(first: Library, second: Library) -> tuple[Difference, ...]:
+    """Returns where two libraries differ, as their files would; primitives are matched by their ids."""
+    one, two = _parts(first), _parts(second)
+    found: list[Difference] = []
+    for part in [*one, *(part for part in two if part not in one)]:
+        if part not in two:
+            found.append(Difference(part, "", "there", None))
+        elif part not in one:
+            found.append(Difference(part, "", None, "there"))
+        else:
+            places = dict.fromkeys([*one[part], *two[part]])
+            found += [
+                Difference(part, place, one[part].get(place), two[part].get(place))
+                for place in places
+                if one[part].get(place) != two[part].get(place)
+            ]
+    return tuple(found)
+
+
+def _parts(library: Library) -> dict[str, dict[str, Value]]:
+    content = json.loads(library_text(library))
+    parts = {f"trim {row['id']}": dict(_leaves(row)) for row in content.pop("trims")}
+    parts |= {f"maneuver {row['id']}": dict(_leaves(row)) for row in content.pop("maneuvers")}
+    return {"library": dict(_leaves(content)), **parts}
+
+
+def _leaves(content: Any, place: str = "") -> Iterator[tuple[str, Value]]:
+    """Yields every value with its place; an empty list or table is a value of its own."""
+    items = (
+        content.items()
+        if isinstance(content, dict)
+        else enumerate(content)
+        if isinstance(content, list)
+        else ()
+    )
+    if not items:
+        yield place, json.dumps(content) if isinstance(content, (dict, list)) else content
+    for key, value in items:
+        yield from _leaves(value, f"{place}.{key}" if place else str(key))

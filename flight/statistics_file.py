@@ -1,0 +1,106 @@
+"""Statistics as they stand in a library file."""
+
+from typing import Any
+
+from pydantic import Field, FiniteFloat, PositiveInt
+
+from .file_model import FileModel
+from .se2 import Twist
+from .statistics import AveragedError, Centre, ScalarStatistics, Statistics
+
+
+class VelocityPart(FileModel):
+    """Body velocity, or its signed error."""
+
+    forward: FiniteFloat = Field(description="metres per second")
+    side: FiniteFloat = Field(description="metres per second, to the right")
+    yaw_rate: FiniteFloat = Field(description="radians per second, right turns positive")
+
+    def twist(self) -> Twist:
+        """Returns the velocity."""
+        return Twist(self.forward, self.side, self.yaw_rate)
+
+
+class _Scalar(FileModel):
+    mean: FiniteFloat
+    standard_deviation: FiniteFloat = Field(ge=0)
+    largest_deviation: FiniteFloat = Field(ge=0)
+
+
+class StatisticsPart(FileModel):
+    """How the errors of one primitive were found."""
+
+    samples: PositiveInt
+    timeouts: int = Field(ge=0)
+    coverage: FiniteFloat = Field(ge=0, le=1, description="share of future samples inside all bounds at once")
+    confidence: FiniteFloat = Field(ge=0, le=1)
+    discarded: int | None = Field(default=None, ge=0, description="samples outside the bounds; absent: none")
+    support: PositiveInt | None = Field(default=None, description="numbers fitted to the samples")
+    centre: Centre | None = Field(default=None, description="where the values come from")
+    scalars: dict[str, _Scalar]
+
+    def statistics(self) -> Statistics:
+        """Returns the statistics that the file states."""
+        return Statistics(
+            samples=self.samples,
+            timeouts=self.timeouts,
+            coverage=self.coverage,
+            confidence=self.confidence,
+            scalars=tuple(ScalarStatistics(name, **row.model_dump()) for name, row in self.scalars.items()),
+            discarded=self.discarded or 0,
+            support=self.support,
+            centre=self.centre,
+        )
+
+
+class AveragedErrorPart(FileModel):
+    """The error of a trim averaged over coasts of some duration."""
+
+    shortest: FiniteFloat = Field(ge=0, description="seconds")
+    longest: FiniteFloat = Field(ge=0, description="seconds")
+    error: VelocityPart
+    samples: PositiveInt
+    coverage: FiniteFloat = Field(ge=0, le=1)
+
+    def averaged_error(self) -> AveragedError:
+        """Returns the error that the file states."""
+        return AveragedError(self.shortest, self.longest, self.error.twist(), self.samples, self.coverage)
+
+
+def velocity_content(twist: Twist) -> dict[str, float]:
+    """Returns the content of a file for a velocity."""
+    return {"forward": twist.forward, "side": twist.side, "yaw_rate": twist.yaw_rate}
+
+
+def averaged_error_content(part: AveragedError) -> dict[str, Any]:
+    """Returns the content of a file for an averaged error."""
+    return {
+        "shortest": part.shortest,
+        "longest": part.longest,
+        "error": velocity_content(part.error),
+        "samples": part.samples,
+        "coverage": part.coverage,
+    }
+
+
+def statistics_content(statistics: Statistics | None) -> dict[str, Any] | None:
+    """Returns the content of a file for statistics."""
+    if statistics is None:
+        return None
+    return {
+        "samples": statistics.samples,
+        "timeouts": statistics.timeouts,
+        "coverage": statistics.coverage,
+        "confidence": statistics.confidence,
+        "discarded": statistics.discarded or None,
+        "support": statistics.support,
+        "centre": statistics.centre,
+        "scalars": {
+            scalar.name: {
+                "mean": scalar.mean,
+                "standard_deviation": scalar.standard_deviation,
+                "largest_deviation": scalar.largest_deviation,
+            }
+            for scalar in statistics.scalars
+        },
+    }

@@ -1,0 +1,183 @@
+"""The walk through the trims that explains a motion best: matched step responses, dynamic programming.
+
+A motion is taken as a chain of second-order steps between known velocities, with deviations of first order
+around it. The likelihood of a step between two trims at an instant is a matched filter; which steps are
+taken, and when, is found over all walks at once (Viterbi), at a cost that is linear in the flight time.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float, Int
+
+from .step_response import StepResponse
+
+# Samples of a step that are matched, and the fewest between two steps; a sample is a tenth of the response
+# time, so these are 6 and 1.5 response times.
+MATCHED, APART = 60, 15
+# What a step costs, and one out of a trim that was not reached, in twice the logarithm of a likelihood ratio:
+# the second is no proof against a maneuver that ended by time-out, but nearly.
+STEP_COST, UNREACHED_COST = 10.0, 1000.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Levels:
+    """What a vehicle may hold, and how it may change.
+
+    Attributes:
+        velocity: of each trim: forward, side, yaw rate.
+        band: half widths around each trim inside which it counts as reached.
+        edges: a row for each possible step: places of the trims left and reached.
+        dwell: seconds inside the band by which a trim counts as reached.
+    """
+
+    velocity: Float[np.ndarray, "trims 3"]
+    band: Float[np.ndarray, "trims 3"]
+    edges: Int[np.ndarray, "edges 2"]
+    dwell: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionModel:
+    """How a vehicle follows its trims.
+
+    Attributes:
+        responses: of forward velocity, side velocity, yaw rate.
+        scatter: standard deviations around the chain of steps.
+        period: seconds between the samples that are matched.
+        memory: how much of a deviation is left a sample later.
+    """
+
+    responses: tuple[StepResponse, StepResponse, StepResponse]
+    scatter: Float[np.ndarray, "3"]
+    period: float
+    memory: float
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A step of a walk: seconds from the first sample, places of the trims left and reached."""
+
+    time: float
+    left: int
+    reached: int
+
+
+@dataclass(frozen=True, slots=True)
+class MatchedWalk:
+    """The trim held first, and the steps."""
+
+    first: int
+    steps: tuple[Step, ...]
+
+    def mean_motion(self, levels: Levels, model: MotionModel, samples: int) -> Float[np.ndarray, "n 3"]:
+        """Returns the chain of steps without deviations."""
+        velocity = levels.velocity
+        mean = np.tile(velocity[self.first], (samples, 1))
+        time = np.arange(samples) * model.period
+        for step in self.steps:
+            after = time > step.time
+            for channel, response in enumerate(model.responses):
+                aim, before = velocity[step.reached, channel], velocity[step.left, channel]
+                share = response.left_over(time[after] - step.time)
+                mean[after, channel] = aim + (before - aim) * share
+        return mean
+
+
+def matched_walk(motion: Float[np.ndarray, "n 3"], levels: Levels, model: MotionModel) -> MatchedWalk:
+    """Returns the likeliest walk.
+
+    Args:
+        motion: forward velocity, side velocity, yaw rate, a sample every `model.period`.
+        levels: the trims and steps to choose from.
+        model: how the vehicle follows them.
+    """
+    noise = model.scatter * np.sqrt(1 - model.memory**2)
+    innovation = motion - model.memory * np.vstack([motion[:1], motion[:-1]])
+    aims = (1 - model.memory) * levels.velocity
+    holding = (((innovation[:, None, :] - aims) / noise) ** 2).sum(axis=2)
+    stepping = _matched(innovation, levels, model, noise)
+    stepping += np.where(_reached(motion, levels, model.period)[:, levels.edges[:, 0]], 0.0, UNREACHED_COST)
+    came_by, last = _cheapest(holding, stepping + STEP_COST, levels.edges)
+    return _traced(came_by, last, levels.edges, model.period)
+
+
+def _matched(
+    innovation: Float[np.ndarray, "n 3"], levels: Levels, model: MotionModel, noise: Float[np.ndarray, "3"]
+) -> Float[np.ndarray, "n edges"]:
+    """Returns for each instant and edge what a step there changes in the cost of holding the trim reached."""
+    count = len(innovation)
+    left, reached = levels.edges.T
+    inside = np.minimum(MATCHED, count - 1 - np.arange(count))
+    cost = np.zeros((count, len(levels.edges)))
+    for channel, response in enumerate(model.responses):
+        share = response.left_over(np.arange(MATCHED + 1) * model.period)
+        template = share[1:] - model.memory * share[:-1]
+        ahead = np.concatenate([innovation[1:, channel], np.zeros(MATCHED)])
+        match = np.correlate(ahead, template, "valid")[:count, None]
+        total = np.concatenate([[0.0], np.cumsum(template)])[inside, None]
+        energy = np.concatenate([[0.0], np.cumsum(template**2)])[inside, None]
+        aim = (1 - model.memory) * levels.velocity[reached, channel]
+        size = levels.velocity[left, channel] - levels.velocity[reached, channel]
+        cost += (size**2 * energy - 2 * size * (match - aim * total)) / noise[channel] ** 2
+    return cost
+
+
+def _reached(motion: Float[np.ndarray, "n 3"], levels: Levels, period: float) -> Bool[np.ndarray, "n trims"]:
+    """Returns where the motion has been inside each trim's band for the dwell."""
+    count = len(motion)
+    inside = (np.abs(motion[:, None, :] - levels.velocity) <= levels.band).all(axis=2)
+    so_far = np.vstack([np.zeros(inside.shape[1]), np.cumsum(inside, axis=0)])
+    place = np.arange(count)
+    since = np.maximum(place - round(levels.dwell / period), 0)
+    there: Bool[np.ndarray, "n trims"] = so_far[place + 1] - so_far[since] == (place + 1 - since)[:, None]
+    return there
+
+
+def _cheapest(
+    holding: Float[np.ndarray, "n trims"],
+    stepping: Float[np.ndarray, "n edges"],
+    edges: Int[np.ndarray, "e 2"],
+) -> tuple[Int[np.ndarray, "n trims"], int]:
+    """Returns by which edge, taken `APART` samples before, each trim is best held; and the last trim.
+
+    An entry of -1 says that the trim was held before.
+    """
+    count, trims = holding.shape
+    order = np.argsort(edges[:, 1], kind="stable")
+    left, reached = edges[order].T
+    stepping = stepping[:, order]
+    heads = np.flatnonzero(np.r_[True, reached[1:] != reached[:-1]]) if len(edges) else np.empty(0, int)
+    entered = reached[heads]
+    total = np.vstack([np.zeros(trims), np.cumsum(holding, axis=0)])
+    cost = np.full((count, trims), np.inf)
+    cost[: APART + 1] = total[1 : APART + 2]
+    came_by = np.full((count, trims), -1)
+    for place in range(APART + 1, count):
+        cost[place] = cost[place - 1] + holding[place]
+        if not len(edges):
+            continue
+        before = place - APART
+        by_edge = cost[before, left] + stepping[before]
+        best = np.minimum.reduceat(by_edge, heads) + (total[place + 1] - total[before + 1])[entered]
+        for group in np.flatnonzero(best < cost[place, entered]):
+            trim = entered[group]
+            members = np.flatnonzero(reached == trim)
+            came_by[place, trim] = order[members[np.argmin(by_edge[members])]]
+            cost[place, trim] = best[group]
+    return came_by, int(np.argmin(cost[-1]))
+
+
+def _traced(
+    came_by: Int[np.ndarray, "n trims"], last: int, edges: Int[np.ndarray, "edges 2"], period: float
+) -> MatchedWalk:
+    steps, trim, place = [], last, len(came_by) - 1
+    while place > 0:
+        edge = came_by[place, trim]
+        if edge < 0:
+            place -= 1
+            continue
+        place -= APART
+        steps.append(Step(place * period, int(edges[edge, 0]), trim))
+        trim = int(edges[edge, 0])
+    return MatchedWalk(trim, tuple(reversed(steps)))

@@ -1,0 +1,44 @@
+"""`maneuver library graph`: a library's automaton as a picture, as the thesis draws Figures 3 and 4."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from flight.errors import FlightError
+from review.library_picture import graph_picture, library_picture
+from review.pictures import publish_picture
+
+from .files import find_library, refuse_existing
+
+
+def graph(
+    library: str,
+    /,
+    *,
+    out: Path | None = None,
+    numbers: Annotated[bool, Parameter(negative="")] = False,
+    force: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Draws the directed graph of a library: trims by yaw rate and forward speed, maneuvers as arrows.
+
+    For example:
+
+        maneuver library graph thesis-gtmax
+
+        maneuver library graph gtmax-sim --numbers --out gtmax-sim.png
+
+    Args:
+        library: name or path.
+        out: where the picture goes; NAME-graph.png by default.
+        numbers: every number with its signed error beside the graph.
+        force: overwrite OUT.
+    """
+    found = find_library(library)
+    path = out or Path(f"{found.name}-graph.png")
+    if path.suffix != ".png":
+        raise FlightError(f"--out must end in .png, got {path}")
+    refuse_existing(path, force=force)
+    publish_picture(library_picture(found) if numbers else graph_picture(found), path, force=force)
+    print(f"picture {path}")
+    return 0

@@ -1,0 +1,263 @@
+"""Boxes of coasting times, and what is certain about all times in a box at once.
+
+At the middle of a box the ends at all levels are known with their velocities, and beyond that they stray by
+no more than a bound of the second derivatives allows. Any weighted sum of the directions in which levels miss
+the goal makes of "within the tolerance at every level" one linear inequality: it cuts the box, bounds the
+seconds, and bounds the largest miss from below.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float, Int
+
+from .fan import Fan
+from .task import Task
+
+SLACK = 1e-9
+"""Metres, seconds and radians that no bound is trusted beyond, for rounding."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Boxes:
+    """Boxes of coasting times.
+
+    Attributes:
+        rows: which walk each belongs to.
+        low: smallest times in seconds.
+        high: largest times in seconds.
+        seconds: that all times in the box take together, at least.
+        miss: metres that the largest miss of each set of times in the box exceeds, at least.
+        widest: the place whose time the box is best split along.
+    """
+
+    rows: Int[np.ndarray, "n"]
+    low: Float[np.ndarray, "n trims"]
+    high: Float[np.ndarray, "n trims"]
+    seconds: Float[np.ndarray, "n"]
+    miss: Float[np.ndarray, "n"]
+    widest: Int[np.ndarray, "n"]
+
+    @classmethod
+    def of(
+        cls, rows: Int[np.ndarray, "n"], low: Float[np.ndarray, "n trims"], high: Float[np.ndarray, "n trims"]
+    ) -> "Boxes":
+        """Returns boxes about which nothing is known yet."""
+        nothing = np.zeros(len(rows))
+        return cls(rows, low, high, low.sum(axis=1), nothing, np.zeros(len(rows), dtype=int))
+
+    def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "Boxes":
+        """Returns some of them."""
+        return Boxes(
+            self.rows[which],
+            self.low[which],
+            self.high[which],
+            self.seconds[which],
+            self.miss[which],
+            self.widest[which],
+        )
+
+    def halves(self) -> "Boxes":
+        """Returns both halves of each, with what is known of the whole."""
+        at = np.arange(len(self.rows))
+        middle = 0.5 * (self.low[at, self.widest] + self.high[at, self.widest])
+        below, above = self.high.copy(), self.low.copy()
+        below[at, self.widest] = middle
+        above[at, self.widest] = middle
+        return joined(
+            [
+                Boxes(self.rows, self.low, below, self.seconds, self.miss, self.widest),
+                Boxes(self.rows, above, self.high, self.seconds, self.miss, self.widest),
+            ]
+        )
+
+
+def joined(parts: list[Boxes]) -> Boxes:
+    """Returns all boxes in one."""
+    return Boxes(
+        np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.low for part in parts]),
+        np.concatenate([part.high for part in parts]),
+        np.concatenate([part.seconds for part in parts]),
+        np.concatenate([part.miss for part in parts]),
+        np.concatenate([part.widest for part in parts]),
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inequalities:
+    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
+
+    slope: Float[np.ndarray, "n count trims"]
+    room: Float[np.ndarray, "n count"]
+
+
+def examine(
+    fan: Fan,
+    boxes: Boxes,
+    task: Task,
+    pulls: Complex[np.ndarray, "walks levels"],
+    *,
+    radius: float,
+    budget: Float[np.ndarray, "walks"],
+) -> Boxes:
+    """Returns what may remain of boxes: smaller, better known, and without those that hold no allowed times.
+
+    Args:
+        fan: the walks.
+        boxes: of their times.
+        task: what is asked.
+        pulls: for each walk, weighted directions that cut well near its best known times; 0 for none.
+        radius: metres within which every level must end.
+        budget: seconds that the coasting times of each walk may take together.
+    """
+    middle, width = 0.5 * (boxes.low + boxes.high), 0.5 * (boxes.high - boxes.low)
+    end, heading, along = fan.ends(boxes.rows, middle)
+    off = end - task.goal
+    fastest = fan.fastest(boxes.rows, along, width, boxes.high)
+    bent = _bent(np.abs(fan.rate[boxes.rows]), fastest, width)
+    stray = bent.sum(axis=2) / 2
+    moved = (fastest * width[:, None, :]).sum(axis=2)
+    directions = _directions(off, pulls[boxes.rows])
+    position, here = _position(off, along, stray, directions, radius)
+    miss = np.maximum((np.abs(off) - moved).max(axis=1), _least_miss(position, here, directions, width))
+    turning, possible = _turning(fan, boxes.rows, heading, width, task)
+    useful = Inequalities(
+        np.concatenate([position.slope, turning.slope], axis=1),
+        np.concatenate([position.room, turning.room], axis=1),
+    )
+    seconds = middle.sum(axis=1) + _least_sum(useful, width)
+    spare = budget[boxes.rows] - middle.sum(axis=1)
+    everything = Inequalities(
+        np.concatenate([useful.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
+        np.concatenate([useful.room, spare[:, None]], axis=1),
+    )
+    below, above, open_ = _cut(everything, width)
+    kept = open_ & possible & (miss <= radius + SLACK) & (seconds <= budget[boxes.rows] + SLACK)
+    influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
+    return Boxes(
+        boxes.rows,
+        np.maximum(middle + below, 0.0),
+        middle + above,
+        np.maximum(boxes.seconds, seconds),
+        np.maximum(boxes.miss, miss),
+        influence.argmax(axis=1),
+    ).take(kept)
+
+
+def _bent(
+    rate: Float[np.ndarray, "n levels trims"],
+    fastest: Float[np.ndarray, "n levels trims"],
+    width: Float[np.ndarray, "n trims"],
+) -> Float[np.ndarray, "n levels trims"]:
+    """Returns the share of each time in twice the metres that an end may stray from its linearisation."""
+    span = width[:, None, :]
+    turned = rate * span
+    before = np.cumsum(turned, axis=2) - turned
+    pushed = fastest * span
+    after = np.cumsum(pushed[:, :, ::-1], axis=2)[:, :, ::-1] - pushed
+    shares: Float[np.ndarray, "n levels trims"] = pushed * (turned + before) + turned * after
+    return shares
+
+
+def _directions(
+    off: Complex[np.ndarray, "n levels"], pulls: Complex[np.ndarray, "n levels"]
+) -> Complex[np.ndarray, "n cuts levels"]:
+    """Returns weighted directions: each level's own, those known for the walk, and what splits the levels."""
+    count, levels = off.shape
+    own = off / np.maximum(np.abs(off), 1e-300)
+    cuts = np.zeros((count, levels + 3, levels), dtype=complex)
+    each = np.arange(levels)
+    cuts[:, each, each] = own
+    cuts[:, levels] = pulls
+    cuts[:, levels + 1] = np.abs(pulls) * own
+    apart = off[:, -1] - off[:, 0]
+    apart = apart / np.maximum(np.abs(apart), 1e-300)
+    cuts[:, levels + 2, -1], cuts[:, levels + 2, 0] = 0.5 * apart, -0.5 * apart
+    return cuts
+
+
+def _position(
+    off: Complex[np.ndarray, "n levels"],
+    along: Complex[np.ndarray, "n levels trims"],
+    stray: Float[np.ndarray, "n levels"],
+    directions: Complex[np.ndarray, "n cuts levels"],
+    radius: float,
+) -> tuple[Inequalities, Float[np.ndarray, "n cuts"]]:
+    """Returns what "within the radius" means along each direction, and the miss there at the middle."""
+    slope = np.einsum("ncl,nlt->nct", np.conj(directions), along).real
+    here = np.einsum("ncl,nl->nc", np.conj(directions), off).real
+    weight = np.abs(directions)
+    straying = np.einsum("ncl,nl->nc", weight, stray)
+    room = radius * weight.sum(axis=2) + straying - here + SLACK
+    return Inequalities(slope, room), here - straying
+
+
+def _least_miss(
+    position: Inequalities,
+    here: Float[np.ndarray, "n cuts"],
+    directions: Complex[np.ndarray, "n cuts levels"],
+    width: Float[np.ndarray, "n trims"],
+) -> Float[np.ndarray, "n"]:
+    """Returns metres that no times of the box can make the largest miss smaller than."""
+    weight = np.abs(directions).sum(axis=2)
+    spread = np.einsum("nct,nt->nc", np.abs(position.slope), width)
+    least = (here - spread) / np.maximum(weight, 1e-300)
+    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, least, 0.0).max(axis=1)
+    return known
+
+
+def _turning(
+    fan: Fan,
+    rows: Int[np.ndarray, "n"],
+    heading: Float[np.ndarray, "n levels"],
+    width: Float[np.ndarray, "n trims"],
+    task: Task,
+) -> tuple[Inequalities, Bool[np.ndarray, "n"]]:
+    """Returns what the wanted heading asks for, and whether the box may have it.
+
+    From one level to the next the heading changes evenly: all levels have it with the same full turns.
+    """
+    count, trims = width.shape
+    if not task.wants_heading:
+        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0))), np.ones(count, dtype=bool)
+    rate = fan.rate[rows]
+    swing = np.einsum("nlt,nt->nl", np.abs(rate), width) + SLACK
+    off, allowed = heading - task.heading, task.heading_tolerance
+    fewest = np.ceil((off - swing - allowed) / (2 * np.pi)).max(axis=1)
+    most = np.floor((off + swing + allowed) / (2 * np.pi)).min(axis=1)
+    exact = (fewest == most)[:, None]
+    left = off - 2 * np.pi * fewest[:, None]
+    slope = np.where(exact[:, :, None], rate, 0.0)
+    rooms = [np.where(exact, allowed - sign * left + SLACK, np.inf) for sign in (1, -1)]
+    both = Inequalities(np.concatenate([slope, -slope], axis=1), np.concatenate(rooms, axis=1))
+    return both, fewest <= most
+
+
+def _least_sum(given: Inequalities, width: Float[np.ndarray, "n trims"]) -> Float[np.ndarray, "n"]:
+    """Returns the least sum of offsets from the middle that one inequality at a time allows: its dual."""
+    least = -width.sum(axis=1)
+    for place in range(width.shape[1]):
+        falling = given.slope[:, :, place]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            price = np.where(falling < 0, -1 / falling, 0.0)
+            price = np.where(np.isfinite(price) & np.isfinite(given.room), price, 0.0)
+            room = np.where(np.isfinite(given.room), given.room, 0.0)
+        reduced = np.abs(1 + price[:, :, None] * given.slope)
+        value = -price * room - np.einsum("nct,nt->nc", reduced, width)
+        least = np.maximum(least, value.max(axis=1))
+    return np.asarray(least)
+
+
+def _cut(
+    given: Inequalities, width: Float[np.ndarray, "n trims"]
+) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
+    """Returns the smallest and largest offsets that each inequality leaves, and whether any are left."""
+    steep = np.abs(given.slope)
+    slack = given.room + np.einsum("nct,nt->nc", steep, width)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        reach = slack[:, :, None] / steep - width[:, None, :]
+    above = np.where(given.slope > 0, reach, np.inf).min(axis=1)
+    below = np.where(given.slope < 0, -reach, -np.inf).max(axis=1)
+    above, below = np.minimum(above, width), np.maximum(below, -width)
+    return below, above, (slack >= 0).all(axis=1) & (below <= above).all(axis=1)

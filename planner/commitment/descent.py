@@ -1,0 +1,139 @@
+"""From some coasting times to locally best ones, for a whole interval of uncertainty levels.
+
+The semi-infinite problem is solved by exchange: for finitely many levels, then the level that misses most
+joins them, until none misses more than it may.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import nnls
+
+from flight.library import Library
+from planner.sequences import Walk
+
+from .exchange import Finite
+from .fan import fan
+from .task import Task
+from .whole_interval import Lines, WorstMiss, worst_miss
+
+ROUNDS = 12
+"""Exchanges after which a descent is given up."""
+
+RESOLUTION = 1e-9
+"""Metres to which the largest miss is known."""
+
+MARGIN = 1e-6
+"""Metres by which a descent aims inside the tolerance: it ends somewhat outside of what it aims for."""
+
+ACTIVE = 1e-4
+"""Metres within which a miss counts as one of the largest."""
+
+HELD = 1e-6
+"""Seconds above which a coasting time counts as not zero."""
+
+SAME_LEVEL = 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Descended:
+    """Locally best coasting times of a walk.
+
+    Attributes:
+        times: seconds, one for each trim.
+        worst: the largest miss.
+        levels: where the miss is among the largest.
+        pulls: for each of these, direction and weight of its constraint in the optimality condition.
+    """
+
+    times: tuple[float, ...]
+    worst: WorstMiss
+    levels: tuple[float, ...]
+    pulls: tuple[complex, ...]
+
+
+class Descent:
+    """Descends in one walk.
+
+    Args:
+        library: the primitives.
+        walk: trim ids.
+        task: what is asked.
+    """
+
+    def __init__(self, library: Library, walk: Walk, task: Task) -> None:
+        self._library, self._walk, self._task = library, walk, task
+        self._lines = Lines.of(library, walk)
+
+    def soonest(self, start: Float[np.ndarray, "trims"], budget: float) -> Descended | None:
+        """Returns the least times that stay within the tolerance at every level, or None if not found.
+
+        Args:
+            start: seconds.
+            budget: seconds that the coasting times may take together.
+        """
+        aim = self._task.tolerance - MARGIN
+        if aim <= 0:
+            return None
+        found = self._allowed(self._exchanged(start, budget, aim))
+        if found is not None:
+            return found
+        near = self._allowed(self.nearest(start, budget))
+        if near is None:
+            return None
+        return self._allowed(self._exchanged(np.array(near.times), budget, aim)) or near
+
+    def nearest(self, start: Float[np.ndarray, "trims"], budget: float) -> Descended | None:
+        """Returns the times whose largest miss is least, or None if not found.
+
+        Args:
+            start: seconds.
+            budget: seconds that the coasting times may take together.
+        """
+        return self._exchanged(start, budget, None)
+
+    def _allowed(self, found: Descended | None) -> Descended | None:
+        return None if found is None or found.worst.bound > self._task.tolerance else found
+
+    def _exchanged(
+        self, times: Float[np.ndarray, "trims"], budget: float, radius: float | None
+    ) -> Descended | None:
+        gamma, task, turns = self._task.gamma, self._task, self._turns(times)
+        gammas = [-gamma, 0.0, gamma]
+        for _ in range(ROUNDS):
+            finite = Finite(fan(self._library, (self._walk,), tuple(gammas)), task, turns, budget, radius)
+            solved = finite.solved(times)
+            if solved is None:
+                return None
+            times, kept = solved
+            worst = worst_miss(self._lines, times, task.goal, gamma, resolution=RESOLUTION)
+            if worst.found <= kept + 0.5 * MARGIN:
+                return _described(finite, times, worst)
+            if min(abs(worst.gamma - one) for one in gammas) < SAME_LEVEL:
+                return None
+            gammas.append(worst.gamma)
+        return None
+
+    def _turns(self, times: Float[np.ndarray, "trims"]) -> float:
+        """Returns the full turns, in radians, that bring the wanted heading nearest to that at level 0."""
+        heading = float(self._lines.turn[0].sum() + self._lines.rate[0] @ times)
+        return 2 * np.pi * round((heading - self._task.heading) / (2 * np.pi))
+
+
+def _described(finite: Finite, times: Float[np.ndarray, "trims"], worst: WorstMiss) -> Descended:
+    """Returns times with the weights by which the levels that miss most balance them."""
+    end, _, _ = finite.fan.ends(np.zeros(1, dtype=int), times[None, :])
+    size, growth = finite.misses(times)
+    active = size > size.max() - ACTIVE
+    normal = ((end[0] - finite.task.goal) / size)[active]
+    held = times > HELD
+    rows, count = growth[active].T[held], int(active.sum())
+    if finite.radius is None:
+        # Where the largest miss is least, weights sum to 1; where time is, they outweigh each second held.
+        rows, wanted = np.vstack([rows, np.ones(count)]), np.append(np.zeros(int(held.sum())), 1.0)
+    else:
+        wanted = -np.ones(int(held.sum()))
+    weights = nnls(rows, wanted)[0] if len(rows) else np.zeros(count)
+    levels = tuple(np.array(finite.fan.gammas)[active].tolist())
+    return Descended(tuple(times.tolist()), worst, levels, tuple((weights * normal).tolist()))

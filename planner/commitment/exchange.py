@@ -1,0 +1,96 @@
+"""The coasting times of one walk that are locally best at finitely many levels, by SLSQP."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import minimize
+
+from planner.coasting import HEADING_MARGIN
+
+from .fan import Fan
+from .task import Task
+
+OUTSIDE = 2.5e-7
+"""Metres, and seconds or radians, by which an answer may break what it was asked to keep."""
+
+COINCIDENT = 1e-12
+"""Metres within which the goal is met exactly; a miss has no direction there."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Finite:
+    """Coasting times of the only walk of a fan, at its levels.
+
+    Attributes:
+        fan: the walk.
+        task: what is asked.
+        turns: radians of full turns with which the wanted heading is meant.
+        budget: seconds that the times may take together.
+        radius: metres within which every level must end; None to make the largest miss least instead.
+    """
+
+    fan: Fan
+    task: Task
+    turns: float
+    budget: float
+    radius: float | None
+
+    def misses(
+        self, times: Float[np.ndarray, "trims"]
+    ) -> tuple[Float[np.ndarray, "levels"], Float[np.ndarray, "levels trims"]]:
+        """Returns how far from the goal each level ends in metres, and how that grows with each time."""
+        end, _, along = self.fan.ends(np.zeros(1, dtype=int), times[None, :])
+        off = end[0] - self.task.goal
+        size = np.maximum(np.abs(off), COINCIDENT)
+        return size, (np.conj(off / size)[:, None] * along[0]).real
+
+    def linear(self) -> tuple[Float[np.ndarray, "rows trims"], Float[np.ndarray, "rows"]]:
+        """Returns matrix and room of matrix @ times + room >= 0: the budget, and the wanted heading."""
+        rates, task = self.fan.rate[0], self.task
+        matrix, room = -np.ones((1, rates.shape[1])), np.array([self.budget])
+        if not task.wants_heading:
+            return matrix, room
+        off = self.fan.turned[0] - task.heading - self.turns
+        width = max(task.heading_tolerance - HEADING_MARGIN, 0.0)
+        return np.vstack([matrix, -rates, rates]), np.concatenate([room, width - off, width + off])
+
+    def solved(self, start: Float[np.ndarray, "trims"]) -> tuple[Float[np.ndarray, "trims"], float] | None:
+        """Returns locally best times in seconds with what their misses keep within, or None.
+
+        Args:
+            start: seconds to start from.
+        """
+        free, count = self.radius is None, len(start)
+        matrix, room = self.linear()
+
+        def value(x: Float[np.ndarray, "x"]) -> Float[np.ndarray, "constraints"]:
+            allowed = x[-1] if self.radius is None else self.radius
+            return np.concatenate([allowed - self.misses(x[:count])[0], room + matrix @ x[:count]])
+
+        def slope(x: Float[np.ndarray, "x"]) -> Float[np.ndarray, "constraints x"]:
+            rows = np.vstack([-self.misses(x[:count])[1], matrix])
+            if not free:
+                return rows
+            last = (np.arange(len(rows)) < len(rows) - len(matrix)).astype(float)
+            return np.hstack([rows, last[:, None]])
+
+        cost = np.append(np.zeros(count), 1.0) if free else np.ones(count)
+        # The stubs of SciPy know no gradient that does not depend on where it is asked for.
+        problem: Any = {
+            "fun": lambda x: float(cost @ x),
+            "x0": np.append(start, self.misses(start)[0].max()) if free else start,
+            "jac": lambda _: cost,
+            "bounds": [(0.0, None)] * len(cost),
+            "constraints": [{"type": "ineq", "fun": value, "jac": slope}],
+        }
+        answer: Any = minimize(**problem, method="SLSQP", options={"ftol": 1e-9, "maxiter": 100})
+        if not np.isfinite(answer.x).all():
+            return None
+        times = np.maximum(answer.x[:count], 0.0)
+        reached = float(self.misses(times)[0].max())
+        within = reached if self.radius is None else self.radius
+        if reached > within + OUTSIDE or (room + matrix @ times).min() < -OUTSIDE:
+            return None
+        return times, within

@@ -1,0 +1,54 @@
+"""The numbers of a page: columns that share a time axis, decimated, as text that a browser unpacks."""
+
+import base64
+from dataclasses import dataclass, field
+
+import numpy as np
+from jaxtyping import Float
+
+from .decimation import decimate
+
+MOST_POINTS = 16000
+"""Points of a curve; a flight of half an hour keeps the extremes of every fifth of a second."""
+
+Column = Float[np.ndarray, "n"]
+
+
+@dataclass(slots=True, eq=False)
+class _Base:
+    time: Column
+    columns: list[Column] = field(default_factory=list)
+
+
+@dataclass(slots=True, eq=False)
+class PageColumns:
+    """Collects columns; those of equal times share them."""
+
+    _bases: list[_Base] = field(default_factory=list)
+
+    def add(self, time: Column, values: Column) -> tuple[int, int]:
+        """Takes a column and returns its place: number of the time axis, number of the column there."""
+        for number, base in enumerate(self._bases):
+            if np.array_equal(base.time, time):
+                base.columns.append(values)
+                return number, len(base.columns) - 1
+        self._bases.append(_Base(time, [values]))
+        return len(self._bases) - 1, 0
+
+    @property
+    def samples_a_point(self) -> float:
+        """The largest number of samples that stand behind one point of a curve."""
+        return max((len(base.time) / min(len(base.time), MOST_POINTS) for base in self._bases), default=1.0)
+
+    def content(self) -> list[dict[str, object]]:
+        """Returns times and columns as base64 of little-endian floats of 32 bits."""
+        content: list[dict[str, object]] = []
+        for base in self._bases:
+            time, columns = decimate(base.time, np.stack(base.columns, axis=1), most=MOST_POINTS)
+            content.append({"time": packed(time), "columns": [packed(column) for column in columns.T]})
+        return content
+
+
+def packed(values: Float[np.ndarray, "..."]) -> str:
+    """Returns numbers as base64 of little-endian floats of 32 bits."""
+    return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()

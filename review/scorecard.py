@@ -1,0 +1,72 @@
+"""Flights side by side in the numbers that they are judged by."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from flight.log import PrimitiveKind
+
+from .summary import Summary
+from .verdict import WORDS
+
+NOT_KNOWN = "-"
+
+
+def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
+    """Returns rows of a name and a value for each flight; what no flight knows is left out."""
+    rows: list[tuple[str, Callable[[Summary], str]]] = [
+        ("outcome", lambda one: one.outcome),
+        ("goal", _goal),
+        ("planned at the start", _planned),
+        ("plans, plannings without one", _plans),
+        ("duration", lambda one: f"{one.duration:.2f} s"),
+        ("distance over the ground", lambda one: f"{one.distance:.1f} m"),
+        ("wind class, seed", lambda one: f"{one.wind}, {one.seed}"),
+        ("primitives", lambda one: str(sum(part.count for part in (*one.trims, *one.maneuvers)))),
+        ("left their bounds", _bounds),
+        ("time-outs", lambda one: str(one.timeouts)),
+        *((f"{WORDS[field]}: truth minus command", _tracking(field)) for field in WORDS),
+        ("navigation: position", _navigation),
+    ]
+    filled = [[name, *(value(summary) for summary in summaries)] for name, value in rows]
+    return [row for row in filled if any(value != NOT_KNOWN for value in row[1:])]
+
+
+def _goal(one: Summary) -> str:
+    if one.arrival is None:
+        return NOT_KNOWN
+    if one.arrival.time is None:
+        return f"missed by {one.arrival.closest:.2f} m"
+    return f"reached after {one.arrival.time:.2f} s"
+
+
+def _planned(one: Summary) -> str:
+    return NOT_KNOWN if one.promise is None else f"{one.promise:.2f} s"
+
+
+def _plans(one: Summary) -> str:
+    return NOT_KNOWN if one.plans is None else f"{one.plans}, {one.failures}"
+
+
+def _bounds(one: Summary) -> str:
+    if one.bounds is None:
+        return NOT_KNOWN
+    coasts, maneuvers = (one.bounds.left_by(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER))
+    return f"{coasts} of {one.bounds.coasts} coasts, {maneuvers} of {one.bounds.maneuvers} maneuvers"
+
+
+def _tracking(field: str) -> Callable[[Summary], str]:
+    def value(one: Summary) -> str:
+        for error in one.tracking or ():
+            if error.field == field:
+                scale, unit = (np.degrees(1.0), "deg/s") if "rad" in error.unit else (1.0, error.unit)
+                return f"{scale * error.rms:.2f} {unit} rms, {scale * abs(error.worst):.2f} at most"
+        return NOT_KNOWN
+
+    return value
+
+
+def _navigation(one: Summary) -> str:
+    if one.navigation is None:
+        return NOT_KNOWN
+    return f"{one.navigation.position_rms:.2f} m rms, {one.navigation.position_max:.2f} m at most"

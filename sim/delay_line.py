@@ -1,0 +1,40 @@
+"""What some numbers were a fixed number of periods ago."""
+
+from collections.abc import Sequence
+from itertools import accumulate
+
+import numpy as np
+
+from .bound_function import Array, view
+
+
+class DelayLine:
+    """Remembers the last rows of some arrays.
+
+    Args:
+        sources: arrays of doubles, side by side in a row.
+        periods: how long a row is remembered after it was pushed.
+    """
+
+    def __init__(self, sources: Sequence[Array], *, periods: int) -> None:
+        sizes = [len(source) for source in sources]
+        self.rows = np.zeros((periods + 1, sum(sizes)))
+        """What is remembered, in no order."""
+        edges = [*accumulate(sizes)][:-1]
+        self._copies = [
+            [(view(part), view(source)) for part, source in zip(np.split(row, edges), sources, strict=True)]
+            for row in self.rows
+        ]
+        self._newest = 0
+
+    def push(self) -> None:
+        """Remembers what the sources are now."""
+        self._newest = newest = (self._newest + 1) % len(self._copies)
+        for part, source in self._copies[newest]:
+            part[:] = source
+
+    @property
+    def oldest(self) -> Array:
+        """What the sources were, `periods` pushes before the last one."""
+        oldest: Array = self.rows[(self._newest + 1) % len(self.rows)]
+        return oldest

@@ -1,0 +1,98 @@
+"""What moves between MuJoCo's state and the helicopter's loads and motion, as CasADi functions.
+
+MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. Turning half a turn about the
+first axis leads from either to the project's axes and back, so vectors change the sign of their last two
+components.
+"""
+
+from functools import cache
+from math import pi
+
+import casadi as ca
+
+from . import rotor
+from .parameters import Parameters
+from .rotor import Air, RotorState
+from .rotor_step import Drives, advance, follow_commands, sound_drives
+
+REMEMBERED = len(RotorState._fields)
+# Warm started at every step, this many relaxed iterations follow any gust.
+_INFLOW_ITERATIONS = 4
+_FLIP = ca.diag(ca.DM([1.0, -1.0, -1.0]))
+
+
+def delay_steps(parameters: Parameters, step: float) -> int:
+    """Returns the transport delay of the servo commands in plant steps."""
+    return round(parameters.servos.delay / step)
+
+
+@cache
+def plant_function(parameters: Parameters, step: float, drives: Drives | None = None) -> ca.Function:
+    """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step.
+
+    Args:
+        parameters: the vehicle.
+        step: s.
+        drives: what its servos can do; sound ones where None.
+
+    Returns:
+        (qpos, qvel, controls, wind, memory) -> (wrench, servo positions, memory); the memory is the rotor
+        state and the commands on their way to the servos, the oldest first. With `drives`, before the
+        memory: how much faster sound servos would have moved, rad/s.
+    """
+    position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
+    controls, wind = ca.SX.sym("controls", 4), ca.SX.sym("wind", 6)
+    memory = ca.SX.sym("memory", REMEMBERED + 4 * delay_steps(parameters, step))
+    rotation = _rotation_world_body(position[3:7])
+    air_velocity = rotation.T @ (_FLIP @ velocity[:3] - wind[:3])
+    rates = _FLIP @ velocity[3:]
+    air_rates = rates + rotation.T @ wind[3:]
+    u, v, w = ca.vertsplit(air_velocity)
+    p, q, r = ca.vertsplit(air_rates)
+    nearness = rotor.ground_nearness(parameters, position[2])
+    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
+    before = RotorState(*ca.vertsplit(memory[:REMEMBERED]))
+    on_their_way = ca.vertcat(memory[REMEMBERED:], controls)
+    command, servos = on_their_way[:4], parameters.servos
+    state = advance(
+        parameters, before, air, command=command, step=step, iterations=_INFLOW_ITERATIONS, drives=drives
+    )
+    load = rotor.loads(parameters, state, air)
+    wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
+    after = ca.vertcat(*state, on_their_way[4:])
+    results = [wrench, after[:4], after]
+    if drives is not None:
+        sound = follow_commands(servos, before, command, step=step, drives=sound_drives(servos))
+        results.insert(2, (ca.vertcat(*sound[:4]) - after[:4]) / step)
+    return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
+
+
+@cache
+def observation_function() -> ca.Function:
+    """Builds the translation of MuJoCo's state into `Motion`, (qpos, qvel, heading) -> (motion, heading).
+
+    The heading goes on from the one before, without jumps.
+    """
+    position, velocity, before = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6), ca.SX.sym("heading")
+    rotation = _rotation_world_body(position[3:7])
+    roll = ca.atan2(rotation[2, 1], rotation[2, 2])
+    pitch = ca.asin(ca.fmax(-1.0, ca.fmin(1.0, -rotation[2, 0])))
+    heading = ca.atan2(rotation[1, 0], rotation[0, 0])
+    world, rates = _FLIP @ velocity[:3], _FLIP @ velocity[3:]
+    forward = ca.cos(heading) * world[0] + ca.sin(heading) * world[1]
+    side = -ca.sin(heading) * world[0] + ca.cos(heading) * world[1]
+    yaw_rate = (rates[1] * ca.sin(roll) + rates[2] * ca.cos(roll)) / ca.cos(pitch)
+    unwrapped = before + ca.remainder(heading - before, 2.0 * pi)
+    place = _FLIP @ position[:3]
+    motion = ca.vertcat(place, forward, side, world[2], roll, pitch, unwrapped, rates, yaw_rate)
+    return ca.Function("observe", [position, velocity, before], [motion, unwrapped])
+
+
+def _rotation_world_body(quaternion: ca.SX) -> ca.SX:
+    """Returns the matrix, body to world in the project's axes, of a quaternion in MuJoCo's."""
+    w, x, y, z = quaternion[0], quaternion[1], -quaternion[2], -quaternion[3]
+    return ca.vertcat(
+        ca.horzcat(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        ca.horzcat(2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        ca.horzcat(2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    )

@@ -9,6 +9,9 @@ from rich.table import Table
 from .scorecard import Cell
 from .scorecard_files import Scorecard, number
 
+WIDEST = 400
+"""Characters of a line; no table comes near."""
+
 MOST_ROWS = 24
 """Cells that are shown one by one; where there are more, all missions together stand for them."""
 
@@ -20,7 +23,8 @@ def show(card: Scorecard) -> None:
     console.print(f"{_where(cells)}; medians of flown and planned time", soft_wrap=True)
     table = _table(cells)
     # Numbers are for reading, wherever they are written to: a narrow terminal wraps, nothing is cut.
-    console.width = max(console.width, console.measure(table).maximum)
+    wide = console.measure(table, options=console.options.update(max_width=WIDEST))
+    console.width = max(console.width, wide.maximum)
     console.print(table)
     shown = [(cell, reason) for cell in card.cells for reason in cell.reasons]
     for cell, reason in shown[:MOST_ROWS]:

@@ -56,7 +56,7 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
     axes.set_ylim(0, top)
     axes.set_xlabel("predicted, s", fontsize=palette.TEXT_SIZE)
     axes.set_ylabel("flown, s", fontsize=palette.TEXT_SIZE)
-    axes.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="upper left")
+    axes.legend(framealpha=0.85, edgecolor="none", fontsize=palette.SMALL_TEXT + 0.5, loc="upper left")
     return figure
 
 

@@ -8,6 +8,7 @@ import numpy as np
 from .arrival import first_arrival
 from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from .errors import FlightError
+from .fault_record import faults_flown
 from .log import PRIMITIVE, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
 from .stretches import stretches_flown
 from .trim_labels import trim_label, trim_names
@@ -28,7 +29,7 @@ class Event:
     Attributes:
         time: seconds since the flight's start.
         level: how serious it is.
-        source: `primitive`, `plan`, `goal`, `log` or `flight`.
+        source: `primitive`, `plan`, `fault`, `goal`, `log` or `flight`.
         text: one sentence.
     """
 
@@ -41,7 +42,7 @@ class Event:
 def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight, by time; an attachment that is broken is an event too."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _arrival):
+    for part in (_primitives, _plannings, _faults, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -80,6 +81,13 @@ def _plannings(log: FlightLog) -> list[Event]:
         else:
             events.append(Event(plan.time, Level.WARNING, "plan", f"plan {number}: none; {plan.reason}"))
     return events
+
+
+def _faults(log: FlightLog) -> list[Event]:
+    return [
+        Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
+        for number, flown in faults_flown(log).items()
+    ]
 
 
 def _arrival(log: FlightLog) -> list[Event]:

@@ -4,15 +4,14 @@ In words, as on the command line: where, what, start and duration in seconds (`i
 flight), then the sizes of its kind: `gps dropout 10 2`, `gyro bias 5 inf 0 0 0.05`, `pedal slow 12 4 0.1`.
 """
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from math import inf, isfinite, isnan
 
-from pydantic import Field, FiniteFloat, TypeAdapter, ValidationError, model_validator
+from pydantic import Field, FiniteFloat, ValidationError, model_validator
 
-from .errors import BadFileError, FlightError
+from .errors import FlightError
 from .file_model import FileModel, first_problem
-from .log import FAULTS_ATTACHMENT, FlightLog
 
 SENSORS = ("gyro", "accelerometer", "gps", "magnetometer", "altimeter")
 SERVOS = ("lateral", "longitudinal", "collective", "pedal")
@@ -79,12 +78,12 @@ def _kinds() -> Iterator[FaultKind]:
         later = (Size("time", "s", low=0.01, high=5.0),)
         yield FaultKind(sensor, "delay", "each reading comes later, as if it were new", later, off, unit)
     for servo in SERVOS:
-        off = f"how far the {servo} servo is from where a sound one would have moved from the same place"
-        yield FaultKind(servo, "jam", "stays where it is", (), off, "rad")
+        off = f"how much faster a sound {servo} servo would have moved"
+        yield FaultKind(servo, "jam", "stays where it is", (), off, "rad/s")
         left = (Size("share", "-", low=0.0, high=1.0),)
-        yield FaultKind(servo, "slow", "moves at a share of its largest rate", left, off, "rad")
+        yield FaultKind(servo, "slow", "moves at a share of its largest rate", left, off, "rad/s")
         lag = (Size("time", "s", low=0.01, high=10.0),)
-        yield FaultKind(servo, "lag", "follows its command with this time constant", lag, off, "rad")
+        yield FaultKind(servo, "lag", "follows its command with this time constant", lag, off, "rad/s")
     age = "age of the command beyond one control period"
     late = (Size("time", "s", low=0.01, high=2.0),)
     yield FaultKind("controller", "late", "each command comes later", late, age, "s")
@@ -158,9 +157,6 @@ class Fault(FileModel):
         return " ".join((self.where, self.what, *(f"{number:.12g}" for number in numbers)))
 
 
-_FAULTS = TypeAdapter(tuple[Fault, ...])
-
-
 class BadFaultError(FlightError):
     """Words that describe no fault."""
 
@@ -196,26 +192,6 @@ def parse_fault(words: str) -> Fault:
         )
     except ValidationError as error:
         raise BadFaultError(words, first_problem(error).removeprefix("document: ")) from None
-
-
-def faults_text(faults: Sequence[Fault]) -> bytes:
-    """Returns the faults of a flight as its log carries them."""
-    return _FAULTS.dump_json(tuple(faults), indent=1)
-
-
-def faults_of(log: FlightLog) -> tuple[Fault, ...]:
-    """Returns the faults of a logged flight; none where the log says nothing of them.
-
-    Raises:
-        BadFileError: the log says something else of them.
-    """
-    text = log.attachments.get(FAULTS_ATTACHMENT)
-    if text is None:
-        return ()
-    try:
-        return _FAULTS.validate_json(text)
-    except ValidationError as error:
-        raise BadFileError(FAULTS_ATTACHMENT, first_problem(error)) from None
 
 
 def _no_kind(where: str, what: str) -> str:

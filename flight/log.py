@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from enum import IntEnum
 
 from .errors import FlightError
+from .fault_topics import FAULT as FAULT
+from .fault_topics import FAULT_EFFECT as FAULT_EFFECT
 from .library import Library
 from .library_file import parse_library
 from .se2 import Twist
@@ -139,28 +141,6 @@ PRIMITIVE = Topic(
         Field("side", "m/s", "nominal velocity of that trim"),
         Field("yaw_rate", "rad/s", "nominal yaw rate of that trim"),
         Field("timed_out", "-", "1 where the primitive before ended by time-out"),
-    ),
-)
-
-FAULT = Topic(
-    "/fault",
-    "maneuver.Fault",
-    "one message at the start and one at the end of every fault; absent where none was asked for",
-    (
-        Field("number", "-", "place in `faults.json`, from 1"),
-        Field("active", "-", "1 where it starts, 0 where it ends"),
-        Field("size_1", "as its kind", "by how much, as the kind of fault counts it; 0 where it does not"),
-        Field("size_2", "as its kind", "likewise"),
-        Field("size_3", "as its kind", "likewise"),
-    ),
-)
-FAULT_EFFECT = Topic(
-    "/fault_effect",
-    "maneuver.FaultEffect",
-    "what shows that a fault acted, for every control period of its; absent where none was asked for",
-    (
-        Field("number", "-", "place in `faults.json`, from 1"),
-        Field("effect", "as its kind", "how far it takes the flight from one without it; 0 where not at all"),
     ),
 )
 

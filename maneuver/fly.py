@@ -10,7 +10,7 @@ from cyclopts.validators import Number
 
 from flight.errors import FlightError
 from flight.fault import parse_fault
-from flight.log_file import publish_log
+from flight.log_file import publish_log, read_log
 from planner.latency import Latency
 from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
@@ -20,6 +20,7 @@ from .campaign_flights import fly_whole_campaign
 from .campaign_size import campaign_size
 from .domain import warn_of_flight, warn_of_walk
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .films import make_film, refuse_film
 from .latencies import latency_of
 from .mission_flights import MissionTask, fly_mission
 from .numbers import Count, Seed
@@ -62,6 +63,7 @@ def fly(
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     out: Path | None = None,
     workers: Count | None = None,
+    video: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -78,6 +80,8 @@ def fly(
         maneuver fly --mission gtmax-1 --policy worst-case --seed 3 --out flight.mcap
 
         maneuver fly --campaign gtmax --flights 30 --out flights
+
+        maneuver fly --mission gtmax-2 --video chase.mp4
 
         maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
 
@@ -103,11 +107,16 @@ def fly(
             none where only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
         workers: processes of a campaign; one for each processor by default.
-        force: overwrite OUT.
+        video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
+        force: overwrite OUT and VIDEO.
         json: print what was flown as JSON.
     """
     departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
     order = _Order(library, wind, departure, seed, out, force)
+    if video is not None:
+        if campaign is not None:
+            raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
+        refuse_film(video, force=force)
     if mission is None and any(given is not None for given in (policy, gamma, latency)):
         raise FlightError("--policy, --gamma and --latency belong to a mission: give --mission with them")
     if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
@@ -132,6 +141,9 @@ def fly(
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
+    if video is not None:
+        make_film(read_log(Path(str(result["log"]))), video, force=force)
+        result["video"] = str(video)
     if json:
         print(json_module.dumps(result))
     else:

@@ -11,6 +11,7 @@ from cyclopts.types import NonNegativeInt
 from rich.console import Console
 
 from flight.errors import AlreadyExistsError, FlightError
+from flight.log import FlightLog
 from flight.log_file import publish_bytes, read_log
 from review.campaign import FlightRow, outliers_first, row_of
 from review.campaign_page import campaign_page
@@ -19,6 +20,7 @@ from review.page import Reviewed, review_page
 from review.pictures import write_pictures
 from review.summary import summarise
 
+from .films import make_film, make_still
 from .numbers import Count
 from .progress import shown
 from .review_report import campaign_report, report, side_by_side, summary_content
@@ -37,6 +39,9 @@ class _Order:
     out: Path
     force: bool
     json: bool
+    video: Path | None
+    still: Path | None
+    at: float
 
     def page(self, name: str) -> Path:
         """Returns where a page goes, which must not exist.
@@ -57,6 +62,9 @@ def review(
     html: Annotated[bool, Parameter(negative="")] = False,
     png: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
+    video: Path | None = None,
+    still: Path | None = None,
+    at: float = 0.0,
     pages: NonNegativeInt = 10,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -79,22 +87,31 @@ def review(
 
         maneuver review flights --html --pages 5
 
+        maneuver review flight.mcap --video chase.mp4
+
+        maneuver review flight.mcap --still chase.png --at 9
+
     Args:
         logs: a flight log, up to four to compare, or a folder of logs.
         html: write a page.
         png: write pictures; of a single log.
+        video: film of a single flight, as seen from a camera that follows, FILE.mp4.
+        still: one picture of that film, FILE.png.
+        at: seconds into the flight of that picture.
         out: folder for what is written; the first LOG's name with -review by default.
         pages: flights of a folder that get a page of their own.
         workers: processes for a folder; one for each processor by default.
         force: overwrite files of the same name.
         json: print the summary as JSON.
     """
-    order = _Order(html, png, out or Path(f"{logs[0].resolve().stem}-review"), force, json)
+    order = _Order(html, png, out or Path(f"{logs[0].resolve().stem}-review"), force, json, video, still, at)
     if out is not None and not (html or png):
         raise FlightError("--out is where --html and --png write: give one of them with it")
     folders = [path for path in logs if path.is_dir()]
     if png and (folders or len(logs) > 1):
         raise FlightError("--png draws a single log; --html shows several")
+    if (video or still) and (folders or len(logs) > 1):
+        raise FlightError("--video and --still show a single log")
     if folders and len(logs) > 1:
         raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
     if len(logs) > MOST_COMPARED:
@@ -115,6 +132,7 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     if page is not None:
         _publish_page(flights, page, force=order.force)
         files.insert(0, page)
+    files += _make_films(flights[0].log, order)
     summaries = [part.summary for part in flights]
     if order.json:
         contents = [summary_content(summary) for summary in summaries]
@@ -125,6 +143,15 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     console.print(report(summaries[0]) if len(logs) == 1 else side_by_side(names, summaries))
     _say_files(files)
     return 0
+
+
+def _make_films(log: FlightLog, order: _Order) -> list[Path]:
+    """Makes what was asked for of a flight's film and returns where it is."""
+    if order.still is not None:
+        make_still(log, order.still, time=order.at, force=order.force)
+    if order.video is not None:
+        make_film(log, order.video, force=order.force)
+    return [path for path in (order.still, order.video) if path is not None]
 
 
 def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int:

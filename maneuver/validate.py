@@ -16,8 +16,9 @@ from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
 from .domain import warn_of_flight
-from .files import find_library, find_mission
+from .files import find_library, find_mission, refuse_existing
 from .flight_store import fly_all
+from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
 from .latencies import latency_of
 from .mission_flights import MissionResult
 from .numbers import Count, Seed
@@ -44,7 +45,7 @@ Levels = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative=
 
 def validate(
     *,
-    suite: Literal["thesis", "random"] = "thesis",
+    suite: Literal["thesis", "random", "tables"] = "thesis",
     missions: Names = (),
     policies: Annotated[
         tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")
@@ -91,7 +92,8 @@ def validate(
         maneuver validate --plant automaton --gamma 0.3 0.5 1 --true-gamma minus random
 
     Args:
-        suite: the thesis's missions, or missions drawn by chance that have a plan at the first level.
+        suite: the thesis's missions; or missions drawn by chance that have a plan at the first level; or
+            Tables 12 to 26 beside the thesis's, by the automaton, to which no other option but --out belongs.
         missions: names or paths of other missions; for --suite random one number, 100 by default.
         policies: which planners.
         library: name or path of the library planned with.
@@ -119,6 +121,8 @@ def validate(
         force: write into a folder that has something else in it.
         json: print one JSON document with every cell and every flight.
     """
+    if suite == "tables":
+        return _tables(out, workers or default_workers(), force=force)
     flown_with = find_library(library)
     try:
         settings = Settings(
@@ -178,6 +182,22 @@ def validate(
     else:
         show(card)
     return _code(card.cells)
+
+
+def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
+    if folder is None:
+        raise FlightError("--suite tables: expected --out with a folder for the tables, got none")
+    refuse_existing(folder, force=force)
+    with worker_pool(workers) as executor:
+        rows = compare_loops(executor)
+    publish_bytes(loops_markdown(rows).encode(), folder / "tables-12-to-26.md", force=force)
+    publish_bytes(loops_csv(rows).encode(), folder / "tables-12-to-26.csv", force=force)
+    for policy, (printed, theirs, ours) in pattern(rows).items():
+        print(
+            f"{policy}: goal reached in {printed} of 15 lines printed; at both signs, in the thesis's loop "
+            f"in {theirs}, in ours in {ours}"
+        )
+    return 0
 
 
 def _code(cells: Sequence[Cell]) -> int:

@@ -16,11 +16,16 @@ from rich.table import Table
 
 from flight.library import Library
 from sim.figure import Figure
+from sim.specification import FlightSpecification
 
-from .campaign_flights import campaign_library
+from .campaign_flights import campaign_library, specify_campaign
 from .files import find_campaign, find_library
+from .workers import default_workers, worker_pool
 
 CHECK_FAILED = 1
+_CAMPAIGN = "gtmax"
+# Flights in which no limit may be met; not those of the shipped library.
+_LIMITS_SEED, _LIMITS_FLIGHTS = 2, 4
 # Of the table where it goes to a file.
 _WIDTH = 150
 
@@ -69,10 +74,9 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     from sim.controller_check import (
         check_adaptation,
         check_delay,
-        check_limits,
         check_margins,
     )
-    from sim.navigation_check import check_navigation
+    from sim.limits_check import check_limits
     from sim.numerics_check import check_numerics
     from sim.parameters import read_parameters
     from sim.response_check import check_response, check_table_10
@@ -83,13 +87,13 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     checks: tuple[tuple[set[str], Callable[[], Iterable[Figure]]], ...] = (
         ({"trim", "power", "ground", "modes", "shape"}, lambda: check_vehicle(vehicle)),
         ({"response"}, lambda: check_response(vehicle)),
-        ({"response"}, lambda: check_table_10(_still_air_library())),
-        ({"limits"}, lambda: check_limits(vehicle)),
+        ({"response"}, lambda: check_table_10(_library("calm"))),
+        ({"limits"}, lambda: check_limits(_campaign_flights(), _library("gtmax"), vehicle)),
         ({"margins"}, lambda: check_margins(vehicle)),
         ({"delay"}, lambda: check_delay(vehicle)),
         ({"adaptation"}, lambda: check_adaptation(vehicle)),
         ({"wind"}, check_wind),
-        ({"navigation"}, lambda: check_navigation(vehicle)),
+        ({"navigation"}, _check_navigation),
         (
             {"numerics"},
             lambda: check_numerics(vehicle, displacement_error=_median_displacement_error()),
@@ -100,9 +104,23 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
             yield from (figure for figure in check() if not topics or figure.topic in topics)
 
 
-def _still_air_library() -> Library:
-    """Returns the thesis's Tables 9 and 10 with the rule by which a maneuver ends in still air."""
-    return campaign_library(find_campaign("gtmax"), "calm")
+def _library(wind: str) -> Library:
+    """Returns the thesis's Tables 9 and 10 with the rule by which a maneuver ends in a wind class."""
+    return campaign_library(find_campaign(_CAMPAIGN), wind)
+
+
+def _campaign_flights() -> tuple[FlightSpecification, ...]:
+    """Returns flights of the identification's campaign, with every maneuver in each."""
+    campaign = find_campaign(_CAMPAIGN)
+    wind = campaign.wind
+    return specify_campaign(campaign, _library(wind), seed=_LIMITS_SEED, flights=_LIMITS_FLIGHTS, wind=wind)
+
+
+def _check_navigation() -> Iterable[Figure]:
+    from sim.navigation_check import check_navigation
+
+    with worker_pool(default_workers()) as executor:
+        yield from check_navigation(_library("gtmax"), executor=executor)
 
 
 def _median_displacement_error() -> float:

@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from flight.arrival import Arrival, Destination, first_arrival
 from flight.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
+from flight.fault_record import faults_flown
 from flight.log import (
     COMMAND,
     ESTIMATE,
@@ -95,6 +96,7 @@ class Summary:
         tracking: one for each velocity that a trim fixes; None without a command.
         navigation: None without an estimate.
         bounds: None without a library.
+        faults: what went wrong on purpose, when and how far, a sentence each.
         plans: how many plannings found something to fly; None where the log carries no plans.
         failures: how many plannings found nothing, so that the vehicle flew on with what it had.
         promise: seconds that the first plan promised; None without one.
@@ -115,6 +117,7 @@ class Summary:
     tracking: tuple[TrackingError, ...] | None
     navigation: NavigationError | None
     bounds: Bounds | None
+    faults: tuple[str, ...]
     plans: int | None
     failures: int
     promise: float | None
@@ -153,6 +156,7 @@ def summarise(log: FlightLog) -> Summary:
         tracking=_tracking(log) if COMMAND.name in log.series else None,
         navigation=_navigation(log) if ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log),
+        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
         promise=plans[0].cost if plans else None,

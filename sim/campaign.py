@@ -9,8 +9,10 @@ from flight.errors import AlreadyExistsError, FlightLostError
 from flight.library import Library
 from flight.log import PRIMITIVE, FlightLog
 from flight.log_file import publish_log
+from flight.sequence import Sequence
+from flight.vehicle import Leg, Vehicle
 
-from .fly import SimulatedHelicopter, fly_sequence
+from .fly import SimulatedHelicopter
 from .specification import FlightSpecification
 
 
@@ -31,6 +33,29 @@ class FlightFlown:
     outcome: str
     timeouts: int
     duration: float
+
+
+def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> tuple[Leg, ...]:
+    """Flies a sequence of trims, joined by the library's maneuvers.
+
+    Args:
+        vehicle: holds the first trim of the sequence.
+        sequence: trims and coasting times.
+        library: holds the maneuvers that join them.
+
+    Returns:
+        Coasts and maneuvers in turn.
+
+    Raises:
+        NoManeuverError: two trims follow one another that no maneuver joins.
+        FlightLostError: the flight ended in the ground or diverged.
+    """
+    maneuvers = library.maneuvers_along(sequence.trims)
+    legs = [vehicle.coast(sequence.coasting_times[0])]
+    for maneuver, coasting_time in zip(maneuvers, sequence.coasting_times[1:], strict=True):
+        legs.append(vehicle.perform(maneuver))
+        legs.append(vehicle.coast(coasting_time))
+    return tuple(legs)
 
 
 def fly_specification(specification: FlightSpecification, library: Library) -> FlightLog:

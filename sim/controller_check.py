@@ -11,7 +11,6 @@ from .controller import Controller
 from .figure import Figure
 from .gains import Gains
 from .margins import close_loop, margins, stable
-from .motion import Controls
 from .parameters import Parameters, change_vehicle
 
 GAIN_BAR, PHASE_BAR = 6.0, 45.0
@@ -99,13 +98,13 @@ def _wild(flown: Response) -> bool:
     return bool(last > _WILD or last > max(1.2 * third, 1e-3 + np.abs(flown.reference[-1, 2])))
 
 
-def check_adaptation(parameters: Parameters) -> Iterator[Figure]:
+def check_adaptation(parameters: Parameters, *, gains: Gains | None = None) -> Iterator[Figure]:
     """Yields the velocity error with the adaptive element as a share of that without it."""
     for name, change in _CHANGED.items():
         vehicle = change_vehicle(parameters, **change)
         high = 1.0 if not change else 0.5
         without, adapting = (
-            fly_walk(vehicle, parameters, adaptive=on).velocity_error for on in (False, True)
+            fly_walk(vehicle, parameters, adaptive=on, gains=gains).velocity_error for on in (False, True)
         )
         beside = f"{without:.3f} m/s without, {adapting:.3f} m/s with; wind class gtmax"
         share = adapting / without
@@ -126,15 +125,3 @@ def fly_walk(
         wind="gtmax",
         skip=round(_LEG / _STEP),
     )
-
-
-def check_limits(parameters: Parameters) -> Iterator[Figure]:
-    """Yields how much of attitude limit and servo rates the maneuvers in wind class `gtmax` use."""
-    flown = fly_walk(parameters, parameters, adaptive=True)
-    tilt = max(np.abs(flown.column(name)).max() for name in ("roll", "pitch"))
-    yield Figure("limits", "largest tilt of the walk", float(tilt), "rad", high=Gains().tilt_limit)
-    servos = parameters.servos
-    fastest = np.abs(np.diff(flown.servos, axis=0)).max(axis=0) / _STEP
-    for name, rate in zip(Controls._fields, fastest.tolist(), strict=True):
-        limit = servos.pedal_rate if name == "pedal" else servos.rate
-        yield Figure("limits", f"fastest {name} servo of the walk", rate, "rad/s", high=0.99 * limit)

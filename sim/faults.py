@@ -5,7 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from flight.fault import SENSORS, SERVOS, Fault, faults_text
+from flight.fault import SENSORS, SERVOS, Fault
+from flight.fault_record import faults_text
 from flight.log import FAULT, FAULT_EFFECT, FAULTS_ATTACHMENT, FlightLog, Series, Topic
 
 from .fault_schedule import Failing, Schedule
@@ -20,6 +21,8 @@ from .specification import CONTROL_PERIOD
 from .vehicle_faults import FailingVehicle
 
 _SIZES = 3
+Parts = tuple[Callable[[], None], ...]
+"""Parts of the loop that run one after the other, each for one control period."""
 
 
 class Faults:
@@ -45,12 +48,12 @@ class Faults:
         helicopter: Helicopter,
         parameters: Parameters,
         navigation: Navigator,
-        parts: tuple[Callable[[], None], ...],
+        parts: Parts,
     ) -> None:
         generate, control, blow = parts
         air, vehicle = GustyAir(blow, signals.wind), FailingVehicle(helicopter, parameters)
         computer = LateComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
-        self.parts = (computer.run, air.run)
+        self.parts: Parts = (computer.run, air.run)
         places: dict[str, Failing] = {"wind": air, "controller": computer, "vehicle": vehicle}
         places |= dict.fromkeys(SERVOS, vehicle)
         if isinstance(navigation, Navigation):

@@ -1,11 +1,11 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict
 
-from flight.errors import FlightError, FlightLostError
+from flight.errors import FlightLostError, NoManeuverEndError
 from flight.library import Library
 from flight.library_file import library_text
 from flight.log import (
@@ -21,14 +21,14 @@ from flight.log import (
 from flight.maneuver import Maneuver
 from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
-from flight.sequence import Sequence
-from flight.vehicle import Leg, Vehicle
+from flight.vehicle import Leg
 from flight.version import VERSION
 
 from .backend import Backend, best_backend, name_backend
 from .controller import Controller
 from .equilibrium import find_equilibrium
-from .faults import Faults
+from .faults import Faults, Parts
+from .gains import Gains
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
@@ -41,16 +41,6 @@ from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 
-class NoManeuverEndError(FlightError):
-    """A library was to be flown that does not say when a maneuver has ended."""
-
-    def __init__(self, library: Library) -> None:
-        super().__init__(
-            f"library {library.name!r} cannot be flown: its conditions have no maneuver_end "
-            "(a band for each trim, dwell, timeout)"
-        )
-
-
 class SimulatedHelicopter:
     """A helicopter in simulated air that holds trims and performs maneuvers (a `Vehicle`).
 
@@ -60,6 +50,7 @@ class SimulatedHelicopter:
         specification: what is flown, with the seed of all chance.
         library: names the trims and says when a maneuver has ended.
         parameters: the vehicle; that of `models/gtmax.toml` where None.
+        gains: of the controller.
         backend: what evaluates expressions; the best that there is where None. No number depends on it.
 
     Raises:
@@ -73,10 +64,11 @@ class SimulatedHelicopter:
         library: Library,
         *,
         parameters: Parameters | None = None,
+        gains: Gains | None = None,
         backend: Backend | None = None,
     ) -> None:
         if library.conditions.maneuver_end is None:
-            raise NoManeuverEndError(library)
+            raise NoManeuverEndError(library.name)
         parameters = parameters or read_parameters()
         self._backend = backend = backend or best_backend()
         self._rule = library.conditions.maneuver_end
@@ -102,13 +94,13 @@ class SimulatedHelicopter:
             parameters,
             height=specification.altitude,
             step=CONTROL_PERIOD,
+            gains=gains,
             adaptive=specification.adaptive,
             signals=signals,
             backend=backend,
         )
         # What runs before the helicopter moves.
-        self._parts: tuple[Callable[[], None], ...]
-        self._parts = (self._generator.run, self._controller.run, self._wind.run)
+        self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
         self._faults: Faults | None = None
         self._periods = 0
         self._timed_out = False
@@ -128,7 +120,7 @@ class SimulatedHelicopter:
                 signals=signals,
                 helicopter=self._helicopter,
                 parameters=parameters,
-                navigation=self._navigation,
+                navigation=self.navigation,
                 parts=self._parts,
             )
             self._parts = faults.parts
@@ -139,7 +131,7 @@ class SimulatedHelicopter:
         equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
         self._helicopter.place(equilibrium, altitude=specification.altitude, heading=heading)
-        self._navigation = self._navigator()
+        self.navigation = self._navigator()
         self._recorder = Recorder(self._signals, height=specification.altitude)
         for _ in range(round(specification.settling_time / CONTROL_PERIOD)):
             self._advance()
@@ -147,7 +139,7 @@ class SimulatedHelicopter:
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
         self._controller.turn(displacement.heading)
-        self._navigation.move(displacement)
+        self.navigation.move(displacement)
 
     def _navigator(self) -> Navigator:
         if self._specification.ideal_navigation:
@@ -268,8 +260,8 @@ class SimulatedHelicopter:
         if self._lost is not None:
             raise self._lost
         if self._periods % PERIODS_A_SPREAD == 0:
-            self._recorder.add_spread(self._navigation.spread())
-        if self._faults is not None:
+            self._recorder.add_spread(self.navigation.spread())
+        if self._faults:
             self._faults.begin()
         for run in self._parts:
             run()
@@ -280,9 +272,9 @@ class SimulatedHelicopter:
             self._outcome = str(error)
             raise
         self._periods += 1
-        self._navigation.run()
+        self.navigation.run()
         self._recorder.add_motion()
-        if self._faults is not None:
+        if self._faults:
             self._faults.note()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
@@ -290,26 +282,3 @@ class SimulatedHelicopter:
             kind=kind, number=number, from_trim=from_trim, to_trim=self._trim, timed_out=self._timed_out
         )
         self._timed_out = False
-
-
-def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> tuple[Leg, ...]:
-    """Flies a sequence of trims, joined by the library's maneuvers.
-
-    Args:
-        vehicle: holds the first trim of the sequence.
-        sequence: trims and coasting times.
-        library: holds the maneuvers that join them.
-
-    Returns:
-        Coasts and maneuvers in turn.
-
-    Raises:
-        NoManeuverError: two trims follow one another that no maneuver joins.
-        FlightLostError: the flight ended in the ground or diverged.
-    """
-    maneuvers = library.maneuvers_along(sequence.trims)
-    legs = [vehicle.coast(sequence.coasting_times[0])]
-    for maneuver, coasting_time in zip(maneuvers, sequence.coasting_times[1:], strict=True):
-        legs.append(vehicle.perform(maneuver))
-        legs.append(vehicle.coast(coasting_time))
-    return tuple(legs)

@@ -1,6 +1,7 @@
 """The controller in still air with ideal sensors: responses as in the thesis, section 2.6.2, and beyond."""
 
 from dataclasses import replace
+from itertools import islice
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from flight.se2 import Twist
 from sim import controller_check
 from sim.closed_loop import Response, respond
 from sim.controller import Controller
-from sim.controller_check import check_adaptation, check_limits, check_margins
+from sim.controller_check import bearable_delay, check_adaptation, check_margins
 from sim.gains import Gains
 from sim.maneuver_generator import ManeuverGenerator
 from sim.margins import read_margins
@@ -93,8 +94,21 @@ def test_without_the_element_a_shifted_centre_stays_an_error() -> None:
     assert flown.velocity_error > 0.5
 
 
-def test_no_limit_is_reached_in_the_maneuvers_in_wind() -> None:
-    assert [figure for figure in check_limits(PARAMETERS) if not figure.holds] == []
+def test_the_halved_error_is_missed_by_an_element_that_does_not_learn() -> None:
+    """The negative control of the adaptation: mass +20 %, every learning rate 0."""
+    blunt = Gains(learning_velocity=0.0, learning_descent=0.0, learning_attitude=0.0, learning_yaw=0.0)
+    as_believed, heavy = islice(check_adaptation(PARAMETERS, gains=blunt), 2)
+    assert as_believed.value == heavy.value == 1.0
+    assert not heavy.holds
+
+
+def test_twice_the_delay_that_is_borne_is_not_borne() -> None:
+    """The negative control of the delay margin."""
+    borne = bearable_delay(PARAMETERS, adaptive=True)
+    nudged, fast = Twist(3.148, 0.1, 0.02), Twist(3.048, 0.0, 0.0)
+    late = change_vehicle(PARAMETERS, extra_delay=2.0 * borne)
+    flown = respond([(nudged, 1.0), (fast, 29.0)], vehicle=late)
+    assert flown.lost or np.abs(flown.column("pitch_rate")[-500:]).max() > 0.3
 
 
 def test_the_element_does_not_learn_the_servos_limits() -> None:

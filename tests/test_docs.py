@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from flight.campaign import read_campaign
+from flight.fault import KINDS
 from flight.mission import read_mission
 from flight.sequence import read_sequence
 from tools.log_contract import PAGE, page
@@ -22,3 +23,11 @@ def test_the_examples_of_files_are_read(place: int, read: Callable[[Path], objec
     example = tmp_path / "example.toml"
     example.write_text(re.findall(r"```toml\n(.*?)```", text, flags=re.DOTALL)[place], encoding="utf-8")
     assert read(example)
+
+
+def test_every_kind_of_fault_stands_on_the_page_of_the_helicopter() -> None:
+    text = (PAGE.parent / "helicopter.md").read_text(encoding="utf-8")
+    assert re.findall(r"^\| `(\w+ \w+) START DURATION", text, flags=re.MULTILINE) == [
+        " ".join(place) for place in KINDS
+    ]
+    assert all(f"| `{kind.words}` | {kind.meaning} |" in text for kind in KINDS.values())

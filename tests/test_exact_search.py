@@ -13,12 +13,13 @@ from flight.library_file import read_library
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.se2 import SE2
+from planner.branch_and_bound import RESOLUTION, proved_best
 from planner.coasting import reaches
 from planner.kernel import build
 from planner.kernel.exact import ExactSearch
 from planner.kinematics import motion
 from planner.nominal import Nominal
-from planner.search import search
+from planner.search import Answer, search
 from planner.walk_table import tabulate
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
@@ -103,20 +104,50 @@ def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
         assert there.cost <= motion(library, plan.sequence, 0.0).fixed_time + 1e-9
 
 
-def test_without_a_compiler_the_plan_is_the_same_but_not_called_optimal(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    mission = Mission("fallback", SE2.identity(), 1, (30.0, 12.0), 0.0)
+@needs_kernel
+@pytest.mark.parametrize("seed", range(9))
+def test_without_a_compiler_the_answer_is_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(100 + seed)
+    library = shipped()[seed % 3]
+    mission = random_mission(rng, library, max_trims=3)
 
     def plan() -> Plan:
-        return WorstCase(thesis_kinematic(), 0.5).plan(mission)
+        return WorstCase(library, 0.5).plan(mission)
 
     known = plan()
     monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
     fallback = plan()
-    assert fallback.status == "feasible"
-    assert fallback.cost == pytest.approx(known.cost, abs=1e-6)
-    assert fallback.sequence == known.sequence
+    assert fallback.status == known.status
+    if known.found:
+        assert fallback.cost == pytest.approx(known.cost, abs=2 * RESOLUTION)
+
+
+def test_without_a_compiler_a_bad_start_is_improved_until_nothing_is_better() -> None:
+    library, mission = thesis_kinematic(), Mission("improved", SE2.identity(), 1, (30.0, 12.0), 0.0)
+    slow = Answer((), (), (), 0.0)
+    found = proved_best(slow, library, mission, (0.0, -0.5, 0.5))
+    known = WorstCase(library, 0.5).plan(mission)
+    assert found.exhausted
+    assert max(found.costs) == pytest.approx(known.cost, abs=2 * RESOLUTION)
+
+
+@pytest.mark.parametrize("compiled", [pytest.param(True, marks=needs_kernel), False])
+def test_a_deadline_gives_the_best_so_far_with_a_bound(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = shipped()[0]
+    mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8 if compiled else 4)
+    if not compiled:
+        monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+    planner = WorstCase(library, 0.5, deadline=0.02)
+    planner.plan(mission)
+    stopped = planner.plan(mission)
+    assert stopped.status in {"feasible", "unknown"}
+    assert "not proved" in stopped.reason or "no coasting times" in stopped.reason
+    assert stopped.lower_bound is not None
+    assert stopped.lower_bound < stopped.cost
+    if compiled:
+        assert stopped.solve_time < 0.5
 
 
 @needs_kernel

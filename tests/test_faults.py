@@ -10,13 +10,16 @@ import numpy as np
 import pytest
 
 from flight.errors import FlightError, FlightLostError
-from flight.fault import KINDS, BadFaultError, Fault, faults_of, parse_fault
+from flight.events import events_of_flight
+from flight.fault import KINDS, BadFaultError, Fault, parse_fault
+from flight.fault_record import faults_flown, faults_of
 from flight.library import Library
 from flight.log import CONTROLS, ESTIMATE, FAULT, FAULT_EFFECT, TRUTH, WIND, FlightLog
 from flight.log_file import log_bytes, publish_log, read_log
 from maneuver.app import run
 from maneuver.campaign_flights import campaign_library
 from maneuver.files import find_campaign
+from review.summary import summarise
 from sim.fault_schedule import Window, window
 from sim.fly import SimulatedHelicopter
 from sim.parameters import read_parameters
@@ -109,6 +112,23 @@ def test_a_replay_without_the_fault_is_another_motion() -> None:
     )
     assert np.array_equal(with_it[:251], without[:251])
     assert np.abs(with_it[-1, :3] - without[-1, :3]).max() > 1e-3
+
+
+def test_a_fault_is_told_in_a_sentence() -> None:
+    told = [event.text for event in events_of_flight(flown("gps bias")) if event.source == "fault"]
+    assert told == [
+        "fault 1: gps bias (0.3 m -0.4 m 0 m) until 3.50 s; "
+        "how far the reading is from that of the sound gps: 0.5 m"
+    ]
+    assert summarise(flown("gps bias")).faults == (f"2.50 s: {told[0].removeprefix('fault 1: ')}",)
+    assert summarise(sound()).faults == ()
+    assert not [event for event in events_of_flight(sound()) if event.source == "fault"]
+
+
+def test_a_log_that_does_not_say_which_fault_began_is_refused() -> None:
+    log = flown("gps bias")
+    with pytest.raises(FlightError, match=r"faults.json: expected fault 1, got 0 faults"):
+        faults_flown(replace(log, attachments={**log.attachments, "faults.json": b"[]"}))
 
 
 def test_without_a_fault_its_channels_are_silent() -> None:

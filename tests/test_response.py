@@ -5,14 +5,18 @@ from dataclasses import replace
 import pytest
 
 from flight.se2 import Twist
-from maneuver.campaign_flights import campaign_library
+from maneuver.campaign_flights import campaign_library, specify_campaign
 from maneuver.files import find_campaign
 from sim import maneuver_generator
+from sim.gains import Gains
+from sim.limits_check import check_limits
 from sim.maneuver_generator import ManeuverGenerator, SecondOrder
 from sim.parameters import read_parameters
 from sim.response_check import check_response, check_table_10
 
-PRINTED = campaign_library(find_campaign("gtmax"), "calm")
+CAMPAIGN = find_campaign("gtmax")
+PRINTED, WINDY = (campaign_library(CAMPAIGN, wind) for wind in ("calm", "gtmax"))
+FLIGHTS = specify_campaign(CAMPAIGN, WINDY, seed=2, flights=4, wind="gtmax")
 
 
 def test_every_change_settles_in_its_time() -> None:
@@ -54,3 +58,22 @@ def test_only_a_turn_that_waits_for_its_speed_gives_the_heading_changes_of_table
     assert heading_change(before) == pytest.approx(printed, rel=0.05)
     alone = replace(before, forward=after.forward)
     assert heading_change(alone) != pytest.approx(printed, rel=0.12)
+
+
+def test_no_limit_is_met_in_the_librarys_maneuvers() -> None:
+    figures = list(check_limits(FLIGHTS[:1], WINDY, read_parameters()))
+    assert [figure for figure in figures if not figure.holds] == []
+
+
+def test_limits_that_are_met_are_found() -> None:
+    """The negative control: servos with a thirtieth of their rate, and little tilt."""
+    parameters = read_parameters()
+    lame = replace(parameters, servos=replace(parameters.servos, rate=parameters.servos.rate / 30.0))
+    tame = replace(Gains(), tilt_limit=0.05)
+    for figures in (
+        check_limits(FLIGHTS[:1], WINDY, lame),
+        check_limits(FLIGHTS[:1], WINDY, parameters, gains=tame),
+    ):
+        lifted, *_ = figures
+        assert lifted.value > 0.0
+        assert not lifted.holds

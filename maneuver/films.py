@@ -1,0 +1,56 @@
+"""Films and stills of logged flights: what `fly` and `review` share."""
+
+from pathlib import Path
+
+from flight.errors import FlightError
+from flight.log import FlightLog
+
+from .files import refuse_existing
+from .progress import shown
+
+FILM_ENDING, STILL_ENDING = ".mp4", ".png"
+
+
+def refuse_film(path: Path, *, force: bool) -> None:
+    """Refuses, before any flying, a film that could not be made.
+
+    Raises:
+        FlightError: the file's name is no film's, the file exists, or nothing here can draw.
+    """
+    from sim.canvas import check_canvas
+
+    _refuse_ending(path, FILM_ENDING, "film")
+    refuse_existing(path, force=force)
+    check_canvas()
+
+
+def make_film(log: FlightLog, path: Path, *, force: bool) -> None:
+    """Films a flight.
+
+    Raises:
+        FlightError: the film cannot be made.
+    """
+    from sim.film import write_film
+
+    refuse_film(path, force=force)
+    write_film(
+        log, path, force=force, shown=lambda numbers, total: shown(numbers, total=total, what="filming")
+    )
+
+
+def make_still(log: FlightLog, path: Path, *, time: float, force: bool) -> None:
+    """Draws one picture of a flight's film.
+
+    Raises:
+        FlightError: the picture cannot be made.
+    """
+    from sim.film import write_still
+
+    _refuse_ending(path, STILL_ENDING, "still")
+    refuse_existing(path, force=force)
+    write_still(log, path, time=time)
+
+
+def _refuse_ending(path: Path, ending: str, kind: str) -> None:
+    if path.suffix != ending:
+        raise FlightError(f"expected the name of a {kind} to end with {ending}, got {path}")

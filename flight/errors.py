@@ -3,6 +3,9 @@
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+from jaxtyping import Float
+
 
 class FlightError(Exception):
     """Base of every failure that this program raises on purpose; its text is one line for the user."""
@@ -57,7 +60,14 @@ class CannotWriteError(FlightError):
 
 
 class FlightLostError(FlightError):
-    """A simulated flight diverged or met the ground."""
+    """A simulated flight diverged or met the ground.
+
+    Attributes:
+        track: true motion of the primitive in which it did, up to there, as in `flight.vehicle.Leg`; None
+            where nobody kept it.
+    """
+
+    track: Float[np.ndarray, "n 4"] | None = None
 
     def __init__(self, time: float, problem: str) -> None:
         super().__init__(f"flight lost at {time:.2f} s: {problem}")

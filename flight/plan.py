@@ -61,6 +61,7 @@ class Plan:
         lower_bound: seconds that no plan can undercut, where known.
         certificate: proof of the lower bound, or that there is no plan, where asked for.
         solve_time: seconds of computing; outside every hash.
+        tail: ids of the trims that lead from the last one to rest, for when nothing better comes.
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
         miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
             where one set of coasting times is flown at all of them.
@@ -84,6 +85,7 @@ class Plan:
     certificate: Certificate | None = None
     solve_time: float = 0.0
     alpha: float | None = None
+    tail: tuple[int, ...] = ()
     miss: float | None = None
     at_smallest_tolerance: "Plan | None" = None
 
@@ -155,6 +157,7 @@ class _PlanFile(FileModel):
     certificate: _Certificate | None = None
     verified: bool
     solve_time: NonNegativeFloat
+    tail: tuple[int, ...] = ()
     alpha: FiniteFloat | None = None
     miss: NonNegativeFloat | None = None
     at_smallest_tolerance: "_PlanFile | None" = None
@@ -178,6 +181,7 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "maneuvers": list(plan.maneuvers),
         "coasting_times": list(plan.coasting_times),
         "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
+        "tail": list(plan.tail) or None,
         "miss": plan.miss,
         "lower_bound": plan.lower_bound,
         "certificate": None if plan.certificate is None else _certificate_content(plan.certificate),
@@ -246,6 +250,7 @@ def _to_plan(content: _PlanFile) -> Plan:
         reason=content.reason or "",
         lower_bound=content.lower_bound,
         alpha=content.alpha,
+        tail=content.tail,
         miss=content.miss,
         certificate=None if content.certificate is None else _to_certificate(content.certificate),
         solve_time=content.solve_time,

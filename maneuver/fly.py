@@ -11,6 +11,8 @@ from cyclopts.validators import Number
 from flight.errors import FlightError
 from flight.fault import parse_fault
 from flight.log_file import publish_log, read_log
+from planner.latency import Latency
+from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
 from sim.specification import Departure, specify_sequence
 
@@ -19,6 +21,7 @@ from .campaign_size import campaign_size
 from .domain import warn_of_flight, warn_of_walk
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .films import make_film, refuse_film
+from .latencies import latency_of
 from .mission_flights import MissionTask, fly_mission
 from .numbers import Count, Seed
 from .policies import FlownPolicy
@@ -33,9 +36,12 @@ WORDS = {
     "closest": "nearest to goal",
     "activations": "plannings",
     "failures": "without a plan",
+    "fallbacks": "ways to rest",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }
+# What a result holds for scorecards and pictures.
+NOT_SAID = {"gamma", "plant", "planning_times", "performances", "legs"}
 UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
 
 
@@ -47,6 +53,7 @@ def fly(
     library: str = "gtmax-sim",
     policy: FlownPolicy | None = None,
     gamma: float | None = None,
+    latency: str | None = None,
     wind: str | None = None,
     ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
     adaptation: bool = True,
@@ -87,6 +94,8 @@ def fly(
         library: name or path of the library that a sequence or mission is flown with.
         policy: planner of a mission; worst-case by default.
         gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
+        latency: what a mission is charged for each planning: seconds, `measured` (by the clock; what took
+            longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         ideal_sensors: the vehicle believes the truth, at once.
         adaptation: whether the controller's adaptive element learns.
@@ -108,8 +117,8 @@ def fly(
         if campaign is not None:
             raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
         refuse_film(video, force=force)
-    if mission is None and (policy is not None or gamma is not None):
-        raise FlightError("--policy and --gamma belong to a mission: give --mission with them")
+    if mission is None and any(given is not None for given in (policy, gamma, latency)):
+        raise FlightError("--policy, --gamma and --latency belong to a mission: give --mission with them")
     if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
         raise FlightError(
             "--flights, --nominal-flights and --workers belong to a campaign: give --campaign with them"
@@ -119,7 +128,11 @@ def fly(
             code, result = _fly_sequence(sequence, order)
         case None, str(), None:
             code, result = _fly_mission(
-                mission, order, policy or "worst-case", 1.0 if gamma is None else gamma
+                mission,
+                order,
+                policy or "worst-case",
+                1.0 if gamma is None else gamma,
+                Latency() if latency is None else latency_of(latency),
             )
         case None, None, str():
             code, result = _fly_campaign(
@@ -185,7 +198,7 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
 
 
 def _fly_mission(
-    name: str, order: _Order, policy: FlownPolicy, gamma: float
+    name: str, order: _Order, policy: FlownPolicy, gamma: float, latency: Latency
 ) -> tuple[int, dict[str, object]]:
     mission = find_mission(name)
     library = find_library(order.library)
@@ -198,13 +211,15 @@ def _fly_mission(
         gamma=gamma,
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
+        settings=Settings(latency=latency),
         departure=order.departure,
         log=path,
         force=order.force,
     )
     warn_of_flight(library, wind=task.wind)
-    flown = fly_mission(task)
-    return (0 if flown.reached else LOST), {**asdict(flown), "log": str(path)}
+    flown = asdict(fly_mission(task))
+    result = {key: value for key, value in flown.items() if key not in NOT_SAID}
+    return (0 if flown["reached"] else LOST), {**result, "log": str(path)}
 
 
 def _fly_campaign(

@@ -1,32 +1,47 @@
-"""Missions flown in closed loop by the simulated helicopter: what `fly`, `validate` and `demo` share."""
+"""Missions flown in closed loop: what `fly`, `validate` and `demo` share."""
 
 import hashlib
 import json
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
+from flight.decision import DECISION, decision_series
 from flight.library import Library
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
 from flight.mission import Mission
 from flight.plan import plan_content
-from planner.automaton_vehicle import AutomatonVehicle
+from flight.vehicle import Leg, Vehicle
+from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
+from planner.flown import Flown
 from planner.nominal import Nominal
 from planner.policy import Planner
-from planner.receding_horizon import Flown, Settings, fly
+from planner.receding_horizon import Settings, fly
+from planner.remainder import Step
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
 from sim.specification import DEFAULT_ALTITUDE, PLAIN, Departure, FlightSpecification, pose
 
+from .blame import Performance, performances
 from .campaign_flights import derived_seed
 from .policies import FlownPolicy
+from .timed_planner import TimedPlanner
 
 # Beside those of `campaign_flights`.
 _MISSION_STREAM = 102
+_GAMMA_STREAM = 103
 
-Plant = Literal["helicopter"] | float
+Plant = Literal["helicopter", "random"] | float
+"""What flies: the simulated helicopter; the automaton, its primitives with errors that know nothing of one
+another; or the automaton at one true gamma."""
+
+TRACK_STEP = 0.2
+"""Seconds between the points of a track that is kept for pictures."""
 
 
 @dataclass(frozen=True)
@@ -38,10 +53,11 @@ class MissionTask:
         library: planned with, and flown with.
         policy: which planner.
         gamma: uncertainty level of the worst-case planner.
-        plant: what flies: `helicopter`, or the automaton at the true gamma given here.
+        plant: what flies.
         wind: wind class.
         seed: of all chance.
         settings: how the loop is closed.
+        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
         departure: of the helicopter's flight from the plain one.
         log: where the flight log goes; None keeps none.
         force: overwrite the log.
@@ -55,17 +71,45 @@ class MissionTask:
     seed: int
     plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
+    max_nodes: int | None = None
     departure: Departure = PLAIN
     log: Path | None = None
     force: bool = False
 
 
 @dataclass(frozen=True, slots=True)
+class LegFlown:
+    """One primitive of a closed-loop flight, for pictures.
+
+    Attributes:
+        trim: id of the trim held at its begin.
+        to_trim: id of the trim that a maneuver leads to; None for a coast.
+        start: seconds since the flight's start.
+        duration: seconds.
+        track: north and east in metres, to the millimetre, along the true track.
+    """
+
+    trim: int
+    to_trim: int | None
+    start: float
+    duration: float
+    track: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
 class MissionResult:
-    """What a closed-loop flight came to: `planner.receding_horizon.Flown` without plans and tracks."""
+    """What a closed-loop flight came to: `planner.flown.Flown` without plans.
+
+    Attributes:
+        planning_times: seconds of the processor that each planning took; they do not repeat.
+        performances: of the helicopter's primitives beside their errors.
+        legs: what was flown.
+    """
 
     mission: str
     policy: FlownPolicy
+    gamma: float
+    plant: str
     wind: str
     seed: int
     reached: bool
@@ -74,8 +118,12 @@ class MissionResult:
     closest: float | None
     activations: int
     failures: int
+    fallbacks: int
     reason: str
     log: Path | None
+    planning_times: tuple[float, ...] = ()
+    performances: tuple[Performance, ...] = ()
+    legs: tuple[LegFlown, ...] = ()
 
 
 def mission_seed(seed: int, mission: str, number: int) -> int:
@@ -89,15 +137,21 @@ def mission_seed(seed: int, mission: str, number: int) -> int:
 
 def fly_mission(task: MissionTask) -> MissionResult:
     """Flies a mission once, and keeps the helicopter's log where one is wanted."""
+    judged: tuple[Performance, ...] = ()
+    planner = TimedPlanner(_planner(task), task.library)
+    planner.warm_up(task.mission)
     if task.plant == "helicopter":
-        flown, log = fly_helicopter(task)
+        flown, log = fly_helicopter(task, planner)
+        judged = performances(log)
         if task.log is not None:
             publish_log(log, task.log, force=task.force)
     else:
-        flown = fly_automaton(task, task.plant)
+        flown = fly_automaton(task, planner)
     return MissionResult(
         mission=task.mission.name,
         policy=task.policy,
+        gamma=task.gamma,
+        plant=plant_name(task.plant),
         wind=task.wind,
         seed=task.seed,
         reached=flown.reached,
@@ -106,20 +160,34 @@ def fly_mission(task: MissionTask) -> MissionResult:
         closest=flown.closest if isfinite(flown.closest) else None,
         activations=flown.activations,
         failures=flown.failures,
+        fallbacks=flown.fallbacks,
         reason=flown.reason,
         log=task.log,
+        planning_times=tuple(planner.times),
+        performances=judged,
+        legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
     )
 
 
-def fly_automaton(task: MissionTask, true_gamma: float) -> Flown:
+def plant_name(plant: Plant) -> str:
+    """Returns what flies in a word or two."""
+    return plant if isinstance(plant, str) else f"gamma {plant:+g}"
+
+
+def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
     """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
     mission = task.mission
-    vehicle = AutomatonVehicle(task.library, start=mission.start, trim=mission.start_trim, gamma=true_gamma)
-    planner = planner_of(task.policy, task.library, gamma=task.gamma)
-    return fly(vehicle, mission, planner=planner, library=task.library, settings=task.settings)
+    gamma: float | Iterator[float]
+    if isinstance(task.plant, float):
+        gamma = task.plant
+    else:
+        rng = np.random.default_rng(np.random.SeedSequence(task.seed, spawn_key=(_GAMMA_STREAM,)))
+        gamma = independent_gammas(rng)
+    vehicle = AutomatonVehicle(task.library, start=mission.start, trim=mission.start_trim, gamma=gamma)
+    return _close_loop(vehicle, task, planner)
 
 
-def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
+def fly_helicopter(task: MissionTask, planner: Planner | None = None) -> tuple[Flown, FlightLog]:
     """Flies a mission by the simulated helicopter, and returns what it came to with its log."""
     mission = task.mission
     task.library.trim(mission.start_trim)
@@ -133,16 +201,36 @@ def fly_helicopter(task: MissionTask) -> tuple[Flown, FlightLog]:
         start_trim=mission.start_trim,
     ).depart(task.departure)
     helicopter = SimulatedHelicopter(specification, task.library)
-    planner = planner_of(task.policy, task.library, gamma=task.gamma)
-    flown = fly(helicopter, mission, planner=planner, library=task.library, settings=task.settings)
-    return flown, helicopter.log(
-        {MISSION_ATTACHMENT: _mission_json(task), PLANS_ATTACHMENT: _plans_json(flown)}
-    )
+    flown = _close_loop(helicopter, task, planner)
+    log = helicopter.log({MISSION_ATTACHMENT: _mission_json(task), PLANS_ATTACHMENT: _plans_json(flown)})
+    return flown, replace(log, series={**log.series, DECISION.name: decision_series(flown.decisions)})
 
 
-def planner_of(policy: FlownPolicy, library: Library, *, gamma: float) -> Planner:
+def planner_of(
+    policy: FlownPolicy, library: Library, *, gamma: float, max_nodes: int | None = None
+) -> Planner:
     """Returns the planner of a policy for a library."""
-    return Nominal(library) if policy == "nominal" else WorstCase(library, gamma)
+    if policy == "nominal":
+        return Nominal(library, max_nodes=max_nodes)
+    return WorstCase(library, gamma, max_nodes=max_nodes)
+
+
+def _planner(task: MissionTask) -> Planner:
+    return planner_of(task.policy, task.library, gamma=task.gamma, max_nodes=task.max_nodes)
+
+
+def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
+    planner = planner or _planner(task)
+    return fly(vehicle, task.mission, planner=planner, library=task.library, settings=task.settings)
+
+
+def _leg(step: Step, leg: Leg) -> LegFlown:
+    """Keeps a point of the track now and then, and both ends."""
+    times = leg.track[:, 0]
+    wanted = np.arange(times[0], times[-1], TRACK_STEP)
+    rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
+    track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
+    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
 
 
 def _mission_json(task: MissionTask) -> bytes:
@@ -150,15 +238,19 @@ def _mission_json(task: MissionTask) -> bytes:
         **asdict(task.mission),
         "policy": task.policy,
         "gamma": task.gamma,
+        "max_nodes": task.max_nodes,
         "settings": asdict(task.settings),
     }
     return json.dumps(content, indent=1).encode()
 
 
 def _plans_json(flown: Flown) -> bytes:
-    """Plans with the time each was made; without the time each took, which would not repeat."""
+    """Plans with the time each was asked for, and the seconds charged for it.
+
+    The time each took by the clock would not repeat; it is there only where it was measured, and charged.
+    """
     plans = [
-        {"time": time, **plan_content(replace(plan, solve_time=0.0))}
-        for time, plan in zip(flown.times, flown.plans, strict=True)
+        {"time": time, "latency": latency, **plan_content(replace(plan, solve_time=0.0))}
+        for time, latency, plan in zip(flown.times, flown.latencies, flown.plans, strict=True)
     ]
     return json.dumps(plans, indent=1).encode()

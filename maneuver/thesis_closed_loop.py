@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from planner.automaton_vehicle import AutomatonVehicle
+from planner.latency import Latency
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.receding_horizon import Settings, fly
@@ -14,7 +15,16 @@ from .files import find_library, find_mission
 TOLERANCE = {"kinematic": 3.0, "gtmax": 0.9144}
 """Of reaching the goal: 3 of the thesis's units of length, which are metres in its kinematic library."""
 
-SETTINGS = Settings(activation_interval=1.0, max_activations=60)
+SETTINGS = Settings(
+    activation_interval=1.0,
+    max_activations=60,
+    tolerance_share=0.1,
+    aim=1.0,
+    latency=Latency(0.0),
+    hysteresis=0.0,
+    learn_level=False,
+)
+"""The loop of section 6.3: every plan is flown as it comes, at once."""
 
 NOT_REPRODUCED = (
     "Closed loop: the thesis prints neither its activation interval nor its iteration limit nor the errors "

@@ -1,88 +1,73 @@
 """`maneuver validate`: missions flown in closed loop, many times, beside what was predicted."""
 
-import json as json_module
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
-from itertools import groupby
+import sys
+from collections.abc import Sequence
 from pathlib import Path
-from statistics import median
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 from cyclopts.types import NonNegativeFloat, PositiveFloat
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
-from scipy.stats import binomtest
 
 from flight.errors import FlightError
 from flight.library import Library
+from flight.log_file import publish_bytes
 from flight.mission import Mission
 from planner.receding_horizon import Settings
 
+from .blame import Blame, blame
 from .domain import warn_of_flight
 from .files import find_library, find_mission, refuse_existing
-from .mission_flights import MissionResult, MissionTask, Plant, fly_mission, mission_seed
+from .flight_store import fly_all
+from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
+from .latencies import latency_of
+from .mission_flights import MissionResult
 from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES, FlownPolicy
-from .progress import shown
+from .random_missions import random_missions
+from .scorecard import Cell, promises, scorecard, totals
+from .scorecard_console import show
+from .scorecard_files import Scorecard, comma_separated, json_text, markdown
+from .validation_grid import Grid
+from .validation_pictures import write_validation_pictures
 from .workers import default_workers, worker_pool
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")
+RANDOM_MISSIONS = 100
 NOT_REACHED = 1
 
+PROMISED = 0.9
+"""Share of flights that a calibrated time is made for."""
 
-@dataclass(frozen=True, slots=True)
-class Cell:
-    """All flights of one mission under one policy.
-
-    Attributes:
-        mission: name.
-        policy: which planner.
-        wind: wind class.
-        flights: how many.
-        reached: how many reached the goal.
-        reached_low: lower end of the 95 % Wilson interval of the share that reaches it.
-        reached_high: upper end.
-        flown_time: median seconds of the flights that reached it; None without one.
-        predicted_time: seconds that the first plan promised; None without one.
-        miss: metres by which the worst flight that did not reach the goal missed it; None where all did.
-        failures: plannings that gave no plan, all flights together.
-        reasons: why flights did not reach the goal, each once.
-    """
-
-    mission: str
-    policy: FlownPolicy
-    wind: str
-    flights: int
-    reached: int
-    reached_low: float
-    reached_high: float
-    flown_time: float | None
-    predicted_time: float | None
-    miss: float | None
-    failures: int
-    reasons: tuple[str, ...]
+Names = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
+Levels = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
 
 
 def validate(
     *,
-    missions: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")] = THESIS_MISSIONS,
+    suite: Literal["thesis", "random", "tables"] = "thesis",
+    missions: Names = (),
     policies: Annotated[
         tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")
     ] = FLOWN_POLICIES,
     library: str = "gtmax-sim",
-    gamma: float = 1.0,
+    gamma: Levels = (1.0,),
     plant: Literal["helicopter", "automaton"] = "helicopter",
-    true_gamma: float | None = None,
-    wind: str | None = None,
+    true_gamma: Names = (),
+    wind: Names = (),
     flights: Count = 5,
     seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
-    activation_interval: PositiveFloat = 1.0,
-    tolerance_share: NonNegativeFloat = 0.1,
-    max_activations: Count = 100,
+    activation_interval: PositiveFloat = 0.5,
+    tolerance_share: NonNegativeFloat = 0.0,
+    aim: PositiveFloat = 0.5,
+    hysteresis: NonNegativeFloat = 1.0,
+    learn_level: bool = True,
+    replan_in_maneuver: Annotated[bool, Parameter(negative="")] = False,
+    latency: str = "0.05",
+    max_nodes: Count | None = None,
+    max_activations: Count = 200,
+    out: Path | None = None,
     logs: Path | None = None,
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -90,181 +75,163 @@ def validate(
 ) -> int:
     """Flies missions in closed loop and compares with the plans: reached or not, flown time, predicted time.
 
-    The exit code is 0 when every flight of the worst-case policy (or, without it, of the policies flown)
-    reached its goal. A flight that ends by time-out, by the limit of plannings, or without a plan counts as
-    not reached.
+    Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
+    --out the flights are kept as they come: the same command, started again, flies only what is missing.
+    The folder then holds a scorecard (Markdown, CSV, JSON) and pictures. The exit code is 0 when every
+    flight of the worst-case policy (or, without it, of the policies flown) reached its goal. A flight that
+    ends by time-out, by the limit of plannings, without a plan or on its way to rest counts as not reached.
 
     For example:
 
-        maneuver validate --flights 10
+        maneuver validate --flights 10 --out thesis-missions
 
-        maneuver validate --missions gtmax-1 --policies worst-case --wind light --logs flights
+        maneuver validate --suite random --missions 100 --flights 10 --out random-missions
 
-        maneuver validate --plant automaton --flights 1 --true-gamma -0.5
+        maneuver validate --missions gtmax-1 --policies worst-case --wind gtmax light --logs flights
+
+        maneuver validate --plant automaton --gamma 0.3 0.5 1 --true-gamma minus random
 
     Args:
-        missions: names or paths; the thesis's by default.
+        suite: the thesis's missions; or missions drawn by chance that have a plan at the first level; or
+            Tables 12 to 26 beside the thesis's, by the automaton, to which no other option but --out belongs.
+        missions: names or paths of other missions; for --suite random one number, 100 by default.
         policies: which planners.
         library: name or path of the library planned with.
-        gamma: uncertainty level of the worst-case planner, 0 to 1.
+        gamma: uncertainty levels of the worst-case planner, 0 to 1.
         plant: what flies: the simulated helicopter, or the library's own model with its own errors.
-        true_gamma: level at which the automaton truly moves, -1 to 1; 1 by default.
-        wind: wind class; the library's by default.
+        true_gamma: how the automaton truly moves: at levels from -1 to 1, `plus` or `minus` the level planned
+            for, or `random`, another for every primitive; 1 by default.
+        wind: wind classes; the library's by default.
         flights: of each mission and policy, each with a seed of its own.
         seed: of all chance.
         tolerance: metres within which the goal counts as reached; the mission's by default.
         activation_interval: seconds between two plannings.
         tolerance_share: of the distance to go: the tolerance that re-planning is handed, where larger.
+        aim: part of the tolerance that the planner is handed: errors need room.
+        hysteresis: seconds by which a new plan must be faster than one under way that still reaches the goal.
+        learn_level: fly the coasting times of the level that the vehicle has shown, not of the deciding one.
+        replan_in_maneuver: plan again during every maneuver, from where it is foretold to end.
+        latency: charged for each planning: seconds, `measured` (by the clock; what took longer than 0.05 s is
+            too late), or a log of a flight to be repeated.
+        max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
         max_activations: plannings after which a flight is given up.
+        out: folder for flights, scorecard and pictures; none by default.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
         workers: processes; one for each processor by default.
-        force: write into a folder that has something in it.
+        force: write into a folder that has something else in it.
         json: print one JSON document with every cell and every flight.
     """
+    if suite == "tables":
+        return _tables(out, workers or default_workers(), force=force)
     flown_with = find_library(library)
     try:
-        settings = Settings(activation_interval, max_activations, tolerance, tolerance_share)
+        settings = Settings(
+            activation_interval=activation_interval,
+            max_activations=max_activations,
+            final_tolerance=tolerance,
+            tolerance_share=tolerance_share,
+            aim=aim,
+            latency=latency_of(latency),
+            replan_in_maneuver=replan_in_maneuver,
+            hysteresis=hysteresis,
+            learn_level=learn_level,
+        )
     except ValueError as error:
         raise FlightError(str(error)) from None
     if plant == "automaton" and (wind or logs):
         raise FlightError(
             "--plant automaton flies in no wind and writes no logs: give neither --wind nor --logs"
         )
-    if plant == "helicopter" and true_gamma is not None:
+    if plant == "helicopter" and true_gamma:
         raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
-    if logs is not None:
-        refuse_existing(logs, force=force)
+    grid = Grid(
+        missions=_missions(suite, missions, flown_with, seed=seed, gamma=gamma[0]),
+        policies=policies,
+        library=flown_with,
+        gammas=gamma,
+        true_gammas=(true_gamma or ("1",)) if plant == "automaton" else (),
+        winds=wind or (flown_with.conditions.wind,),
+        flights=flights,
+        seed=seed,
+        settings=settings,
+        max_nodes=max_nodes,
+        logs=logs,
+    )
     if plant == "helicopter":
-        warn_of_flight(flown_with, wind=wind or flown_with.conditions.wind)
-    tasks = list(
-        _tasks(
-            [find_mission(name) for name in missions],
-            policies,
-            flown_with,
-            gamma=gamma,
-            plant=_plant(plant, 1.0 if true_gamma is None else true_gamma, flights),
-            wind="none" if plant == "automaton" else wind or flown_with.conditions.wind,
-            flights=flights,
-            seed=seed,
-            settings=settings,
-            logs=logs,
-        )
-    )
+        for name in grid.winds:
+            warn_of_flight(flown_with, wind=name)
     with worker_pool(workers or default_workers()) as executor:
-        results = list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying missions"))
-    cells = scorecard(results)
+        results = fly_all(grid.tasks(), folder=out, logs=logs, executor=executor, force=force)
+    card = Scorecard(
+        command=_command(),
+        library=flown_with.name,
+        totals=totals(results),
+        cells=scorecard(results),
+        promises=promises(results, share=PROMISED),
+        blamed=_blamed(results, flown_with),
+    )
+    if out is not None:
+        for name, text in (("md", markdown(card)), ("csv", comma_separated(card))):
+            publish_bytes(text.encode(), out / f"scorecard.{name}", force=True)
+        publish_bytes(json_text(card, results).encode(), out / "results.json", force=True)
+        write_validation_pictures(
+            out, results, grid.missions, flown_with, totals=card.totals, promises=card.promises
+        )
     if json:
-        document = {"cells": [asdict(cell) for cell in cells], "flights": [_result(row) for row in results]}
-        print(json_module.dumps(document))
+        sys.stdout.write(json_text(card, results))
     else:
-        _print(cells)
+        show(card)
+    return _code(card.cells)
+
+
+def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
+    if folder is None:
+        raise FlightError("--suite tables: expected --out with a folder for the tables, got none")
+    refuse_existing(folder, force=force)
+    with worker_pool(workers) as executor:
+        rows = compare_loops(executor)
+    publish_bytes(loops_markdown(rows).encode(), folder / "tables-12-to-26.md", force=force)
+    publish_bytes(loops_csv(rows).encode(), folder / "tables-12-to-26.csv", force=force)
+    for policy, (printed, theirs, ours) in pattern(rows).items():
+        print(
+            f"{policy}: goal reached in {printed} of 15 lines printed; at both signs, in the thesis's loop "
+            f"in {theirs}, in ours in {ours}"
+        )
+    return 0
+
+
+def _code(cells: Sequence[Cell]) -> int:
     judged = [cell for cell in cells if cell.policy == "worst-case"] or list(cells)
-    return 0 if all(cell.reached == cell.flights for cell in judged) else NOT_REACHED
+    return 0 if all(cell.reached.count == cell.flights for cell in judged) else NOT_REACHED
 
 
-def scorecard(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
-    """Returns a cell for each mission and policy, in the order flown."""
-    return tuple(
-        _cell(tuple(rows)) for _, rows in groupby(results, key=lambda result: (result.mission, result.policy))
-    )
+def _command() -> str:
+    return " ".join(["maneuver", *sys.argv[1:]])
 
 
-def _plant(kind: Literal["helicopter", "automaton"], true_gamma: float, flights: int) -> Plant:
-    if kind == "helicopter":
-        return "helicopter"
-    if flights != 1:
-        raise FlightError(f"--plant automaton knows no chance: expected --flights 1, got {flights}")
-    return true_gamma
+def _missions(
+    suite: str, names: Sequence[str], library: Library, *, seed: int, gamma: float
+) -> tuple[Mission, ...]:
+    if suite == "thesis":
+        return tuple(find_mission(name) for name in names or THESIS_MISSIONS)
+    if len(names) > 1 or not all(name.isdecimal() and int(name) for name in names):
+        raise FlightError(f"--suite random: expected --missions with one number, got {' '.join(names)}")
+    count = int(names[0]) if names else RANDOM_MISSIONS
+    return random_missions(library, count=count, seed=seed, gamma=gamma)
 
 
-def _tasks(
-    missions: Sequence[Mission],
-    policies: Sequence[FlownPolicy],
-    library: Library,
-    *,
-    gamma: float,
-    plant: Plant,
-    wind: str,
-    flights: int,
-    seed: int,
-    settings: Settings,
-    logs: Path | None,
-) -> Iterator[MissionTask]:
-    """Yields every flight; under every policy a mission meets the same air."""
-    for mission in missions:
-        for policy in policies:
-            for number in range(flights):
-                name = f"{mission.name}-{policy}-{number:04d}.mcap"
-                yield MissionTask(
-                    mission=mission,
-                    library=library,
-                    policy=policy,
-                    gamma=gamma,
-                    plant=plant,
-                    wind=wind,
-                    seed=mission_seed(seed, mission.name, number),
-                    settings=settings,
-                    log=None if logs is None else logs / name,
-                    force=True,
-                )
-
-
-def _cell(rows: tuple[MissionResult, ...]) -> Cell:
-    first = rows[0]
-    reached = [row for row in rows if row.reached]
-    interval = binomtest(len(reached), len(rows)).proportion_ci(0.95, method="wilson")
-    predictions = [row.predicted_time for row in rows if row.predicted_time is not None]
-    return Cell(
-        mission=first.mission,
-        policy=first.policy,
-        wind=first.wind,
-        flights=len(rows),
-        reached=len(reached),
-        reached_low=float(interval.low),
-        reached_high=float(interval.high),
-        flown_time=median(row.flown_time for row in reached) if reached else None,
-        predicted_time=median(predictions) if predictions else None,
-        miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
-        failures=sum(row.failures for row in rows),
-        reasons=tuple(dict.fromkeys(row.reason for row in rows if not row.reached)),
-    )
-
-
-def _print(cells: Sequence[Cell]) -> None:
-    missed, failed = any(cell.miss is not None for cell in cells), any(cell.failures for cell in cells)
-    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
-    for name in ("mission", "policy"):
-        table.add_column(name, no_wrap=True)
-    for name in _heads(missed=missed, failed=failed):
-        table.add_column(name, justify="right", no_wrap=True)
-    for cell in cells:
-        row = [
-            f"{cell.reached}/{cell.flights}",
-            f"{cell.reached_low:.2f}-{cell.reached_high:.2f}",
-            _number(cell.flown_time),
-            _number(cell.predicted_time),
-        ]
-        row += [_number(cell.miss)] if missed else []
-        row += [str(cell.failures)] if failed else []
-        table.add_row(cell.mission, cell.policy, *row)
-    console = Console(highlight=False)
-    console.print(f"wind class {cells[0].wind}; medians of flown and planned time", soft_wrap=True)
-    console.print(table)
-    for cell in cells:
-        for reason in cell.reasons:
-            console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", soft_wrap=True)
-
-
-def _heads(*, missed: bool, failed: bool) -> list[str]:
-    heads = ["reached", "95 %", "flown, s", "plan, s"]
-    heads += ["miss, m"] if missed else []
-    heads += ["no plan"] if failed else []
-    return heads
-
-
-def _number(value: float | None) -> str:
-    return "-" if value is None else f"{value:.2f}"
-
-
-def _result(row: MissionResult) -> dict[str, object]:
-    return {**asdict(row), "log": None if row.log is None else str(row.log)}
+def _blamed(results: Sequence[MissionResult], library: Library) -> dict[str, tuple[Blame, ...]]:
+    winds: dict[str, list[MissionResult]] = {}
+    for row in results:
+        if row.performances:
+            winds.setdefault(row.wind, []).append(row)
+    return {
+        wind: blame(
+            (
+                (str(row.log or f"{row.mission}, {row.policy}, seed {row.seed}"), row.performances)
+                for row in rows
+            ),
+            library,
+        )
+        for wind, rows in winds.items()
+    }

@@ -2,7 +2,7 @@
 
 from cmath import exp
 from dataclasses import replace
-from math import inf, isfinite, pi, remainder, sin
+from math import hypot, inf, isfinite, pi, remainder, sin
 
 from flight.errors import FlightError
 from flight.library import Library
@@ -52,6 +52,7 @@ def problems(
     except FlightError as error:
         return (*found, f"sequence: {error}")
     found += _walk(plan, maneuvers, mission)
+    found += _tail(plan, library)
     for scenario in plan.scenarios:
         flown = [trim.at(scenario.gamma) for trim in velocities]
         found += [
@@ -131,6 +132,23 @@ def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list
     if plan.maneuvers != joined:
         found.append(f"maneuvers: the library joins the trims by {joined}, got {plan.maneuvers}")
     return found
+
+
+def _tail(plan: Plan, library: Library) -> list[str]:
+    """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn."""
+    if not plan.tail:
+        return []
+    try:
+        library.maneuvers_along((plan.sequence[-1], *plan.tail))
+        end = library.trim(plan.tail[-1]).velocity
+    except FlightError as error:
+        return [f"tail: {error}"]
+    speeds = {trim.id: hypot(trim.velocity.forward, trim.velocity.side) for trim in library.trims}
+    straight = [trim.id for trim in library.trims if trim.velocity.yaw_rate == 0] or list(speeds)
+    slowest = min(speeds[trim] for trim in straight)
+    if plan.tail[-1] in straight and hypot(end.forward, end.side) <= slowest:
+        return []
+    return [f"tail: ends in trim {plan.tail[-1]}, which is no rest; one at {slowest:g} m/s is"]
 
 
 def _scenario(

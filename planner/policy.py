@@ -1,7 +1,7 @@
 """What every policy is and does: a planner for one library, asked again and again."""
 
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from math import inf, isfinite
 from time import perf_counter
 from typing import Protocol
@@ -16,6 +16,7 @@ from .check import problems
 from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
 from .search import Answer, search
+from .tail import way_to_rest
 from .walk_table import WalkTable, tabulate
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
@@ -78,6 +79,7 @@ class LibraryPlanner:
         self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
         self._tables = cache(self._tabulate)
+        self._tails = cache(partial(way_to_rest, library))
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the best plan found, re-checked by code that shares nothing with the search.
@@ -124,6 +126,7 @@ class LibraryPlanner:
             reason="" if answer.exhausted else self._doubt(mission),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
+            tail=self._tails(answer.walk[-1]),
             scenarios=tuple(
                 Scenario(
                     gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)

@@ -1,24 +1,24 @@
 """Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
 
-from collections import deque
-from collections.abc import Iterable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from math import inf
 
-from flight.arrival import Arrival, first_arrival
+from flight.decision import DecisionKind
 from flight.errors import FlightError, FlightLostError
 from flight.library import Library
+from flight.library_file import library_hash
 from flight.mission import Mission
-from flight.plan import Plan
-from flight.vehicle import Leg, Vehicle
+from flight.plan import Plan, Scenario
+from flight.se2 import SE2
+from flight.vehicle import Vehicle
 
+from .flown import FlightRecord, Flown
+from .levels import Levels
+from .loop_settings import Settings as Settings
 from .policy import Planner
-
-LONGEST_INTERVAL = 3600.0
-"""Seconds between two plannings; long enough for a plan to be flown as it is."""
-
-SHORTEST_COAST = 1e-3
-"""Seconds; a shorter coast is not flown."""
+from .remainder import SHORTEST_COAST, Remainder, Step
+from .tail import way_to_rest
+from .verdict import Verdict, judge
 
 
 class NoToleranceError(FlightError):
@@ -26,120 +26,6 @@ class NoToleranceError(FlightError):
 
     def __init__(self, mission: str) -> None:
         super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
-
-
-@dataclass(frozen=True, slots=True)
-class Settings:
-    """How the loop is closed.
-
-    Attributes:
-        activation_interval: seconds between two plannings; a maneuver under way is finished first.
-        max_activations: plannings after which the flight is given up.
-        final_tolerance: metres within which the goal counts as reached; None for the mission's.
-        tolerance_share: of the distance to go; the planner is handed that as its tolerance where it is larger
-            than the final one (thesis, 6.3.1).
-    """
-
-    activation_interval: float = 1.0
-    max_activations: int = 100
-    final_tolerance: float | None = None
-    tolerance_share: float = 0.1
-
-    def __post_init__(self) -> None:
-        """Refuses a loop that cannot run."""
-        if not 0 < self.activation_interval <= LONGEST_INTERVAL:
-            raise ValueError(
-                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
-                f"got {self.activation_interval} s"
-            )
-        if self.max_activations < 1:
-            raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")
-        if self.final_tolerance is not None and not 0 < self.final_tolerance < inf:
-            raise ValueError(f"final_tolerance must be > 0 m, got {self.final_tolerance} m")
-        if not 0 <= self.tolerance_share < 1:
-            raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Flown:
-    """What a closed-loop flight came to.
-
-    Attributes:
-        reached: whether the true track entered the final tolerance, in the trim wanted there.
-        flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy promises from the start to the final tolerance; infinite
-            without a plan.
-        closest: metres between the goal and the nearest point of the true track.
-        activations: how often it was planned.
-        failures: how often that gave no plan.
-        plans: every plan, in order.
-        times: seconds since the start at which each was made.
-        missions: what each of them was asked: from where, how exactly.
-        legs: what was flown, in order.
-        reason: how it ended, one sentence.
-    """
-
-    reached: bool
-    flown_time: float
-    predicted_time: float
-    closest: float
-    activations: int
-    failures: int
-    plans: tuple[Plan, ...]
-    times: tuple[float, ...]
-    missions: tuple[Mission, ...]
-    legs: tuple[Leg, ...]
-    reason: str
-
-
-@dataclass(slots=True)
-class _Remainder:
-    """What is left of the plan that is being flown: coasting times, and the trims that they lead to."""
-
-    coasts: deque[float] = field(default_factory=deque)
-    trims: deque[int] = field(default_factory=deque)
-
-    @classmethod
-    def of(cls, plan: Plan) -> "_Remainder":
-        return cls(deque(plan.coasting_times), deque(plan.sequence[1:]))
-
-
-@dataclass(slots=True)
-class _Record:
-    """What has happened so far."""
-
-    promise: Plan
-    plans: list[Plan] = field(default_factory=list)
-    times: list[float] = field(default_factory=list)
-    missions: list[Mission] = field(default_factory=list)
-    legs: list[Leg] = field(default_factory=list)
-    held: list[int | None] = field(default_factory=list)
-
-    def add(self, leg: Leg, held: int | None) -> None:
-        """Notes a leg, and the trim that was held in it; None for a maneuver."""
-        self.legs.append(leg)
-        self.held.append(held)
-
-    def arrival(self, goal: Mission) -> Arrival:
-        """Returns when the goal was entered; where a trim is wanted there, while that was held."""
-        stretches = zip(self.legs, self.held, strict=True)
-        wanted = [leg.track for leg, held in stretches if goal.goal_trim in {None, held}]
-        return first_arrival(wanted, goal.destination)
-
-    def flown(self, vehicle: Vehicle, arrival: Arrival, reason: str) -> Flown:
-        return Flown(
-            reached=arrival.time is not None,
-            flown_time=vehicle.time if arrival.time is None else arrival.time,
-            predicted_time=self.promise.cost,
-            closest=arrival.closest,
-            activations=len(self.plans),
-            failures=sum(not plan.found for plan in self.plans),
-            plans=tuple(self.plans),
-            times=tuple(self.times),
-            missions=tuple(self.missions),
-            legs=tuple(self.legs),
-            reason=reason,
-        )
 
 
 def fly(
@@ -152,14 +38,15 @@ def fly(
 ) -> Flown:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
-    A planning that fails is counted, and the rest of the plan before it is flown on; where nothing is left,
-    the trim is held. The flight ends as not reached if the first planning fails, if a maneuver times out, if
-    the vehicle is lost, or at the limit of plannings.
+    A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
+    is used up, its way to rest is flown. Nothing that is flown so can reach the goal: that takes a plan. The
+    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost,
+    or at the limit of plannings.
 
     Args:
         vehicle: what flies; its pose is what it believes.
         mission: the goal and how exactly; where it starts from, the vehicle knows better.
-        planner: the policy.
+        planner: the policy; what it answers is checked.
         library: of the maneuvers that plans name.
         settings: how the loop is closed.
 
@@ -171,72 +58,182 @@ def fly(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    # The promise is for the goal as it is judged; the plans flown first are for a wider one.
-    promise = planner.plan(replace(goal, start=vehicle.pose, start_trim=vehicle.trim))
-    record, left = _Record(promise), _Remainder()
-    reason = f"{settings.max_activations} plannings did not lead to the goal"
-    for activation in range(settings.max_activations):
-        asked = _from_here(vehicle, goal, settings.tolerance_share)
-        plan = planner.plan(asked)
-        record.plans.append(plan)
-        record.times.append(vehicle.time)
-        record.missions.append(asked)
-        if plan.found:
-            left = _Remainder.of(plan)
-        elif activation == 0:
-            reason = f"no plan from the start: {plan.reason}"
-            break
-        stopped = _advance(vehicle, left, library, settings.activation_interval, record)
-        if record.arrival(goal).time is not None:
-            reason = "reached the goal"
-            break
-        if stopped:
-            reason = stopped
-            break
-    return record.flown(vehicle, record.arrival(goal), reason)
+    return _Loop(vehicle, goal, planner, library, settings).fly()
 
 
-def _from_here(vehicle: Vehicle, goal: Mission, share: float) -> Mission:
-    distance = vehicle.pose.distance_to(goal.goal)
-    return replace(
-        goal,
-        start=vehicle.pose,
-        start_trim=vehicle.trim,
-        tolerance=max(goal.tolerance, share * distance),
-    )
+class _Loop:
+    def __init__(
+        self, vehicle: Vehicle, goal: Mission, planner: Planner, library: Library, settings: Settings
+    ) -> None:
+        self._vehicle, self._goal, self._planner = vehicle, goal, planner
+        self._library, self._settings = library, settings
+        self._hash = library_hash(library)
+        self._record = FlightRecord(goal)
+        self._left = Remainder(vehicle.trim, tail=way_to_rest(library, vehicle.trim))
+        self._levels: Levels | None = None
+        self._level = 0.0
+        self._lost = False
 
+    def fly(self) -> Flown:
+        # The promise is for the goal as it is judged; the plans flown first are for a wider one.
+        thinking = self._settings.latency.configured
+        steps, _ = self._left.window(thinking)
+        promise = self._planner.plan(self._asked(steps, share=0.0))
+        self._record.predicted_time = thinking + promise.cost
+        reason = f"{self._settings.max_activations} plannings did not lead to the goal"
+        for _ in range(self._settings.max_activations):
+            ended = self._activate()
+            if self._record.arrived:
+                reason = "reached the goal"
+                break
+            if ended:
+                reason = ended
+                break
+        if not self._record.arrived and not self._lost and self._record.legs:
+            self._come_to_rest()
+        return self._record.close(self._vehicle.time, reason)
 
-def _advance(vehicle: Vehicle, left: _Remainder, library: Library, interval: float, record: _Record) -> str:
-    """Flies the plan for an interval, and a maneuver begun in it to its end.
+    def _activate(self) -> str:
+        """Plans once, and flies until it is time to plan again.
 
-    Returns:
-        Why the flight cannot go on; empty where it can.
-    """
-    until = vehicle.time + interval
-    try:
-        for leg, held in _legs(vehicle, left, library, until):
-            record.add(leg, held)
+        Returns:
+            Why the flight cannot go on; empty where it can.
+        """
+        began = self._vehicle.time
+        steps, rest = self._left.window(self._thinking())
+        asked, plan = self._ask(self._asked(steps, share=self._settings.tolerance_share), rest)
+        latency = self._settings.latency.of(len(self._record.plans), plan)
+        first = not self._record.plans
+        self._record.add_planning(began, asked, plan, latency)
+        verdict = self._judged(plan, asked, late=latency > self._settings.latency.configured)
+        if first and verdict.kind is not DecisionKind.ADOPTED:
+            self._record.decide(began, verdict.kind, cost=inf, level=self._level)
+            return f"no plan from the start: {verdict.reason}"
+        if ended := self._fly(steps):
+            return ended
+        self._choose(verdict, asked, plan, rest)
+        return self._advance(began + self._settings.activation_interval)
+
+    def _thinking(self) -> float:
+        """Returns for how long the vehicle flies on before the plan is; a maneuver that is due is flown."""
+        due = self._settings.replan_in_maneuver and self._left.maneuver_due
+        return inf if due else self._settings.latency.configured
+
+    def _asked(self, steps: tuple[Step, ...], *, share: float) -> Mission:
+        """Returns the mission from where the vehicle will be when the plan is there."""
+        pose, trim = self._vehicle.pose, self._vehicle.trim
+        for step in steps:
+            pose = step.exit(pose, self._library, self._level)
+            trim = step.trim if step.to_trim is None else step.to_trim
+        distance = pose.distance_to(self._goal.goal)
+        tolerance = max(self._settings.aim * self._goal.tolerance, share * distance)
+        return replace(self._goal, start=pose, start_trim=trim, tolerance=tolerance)
+
+    def _ask(self, asked: Mission, rest: Remainder) -> tuple[Mission, Plan]:
+        """Returns a question with its answer: with room for errors, unless room costs too much.
+
+        Where the plan under way no longer leads to the goal, and a clearly faster plan does without the room,
+        that is the better one: no plan of the automaton corrects a little.
+        """
+        plan, goal = self._planner.plan(asked), self._goal.tolerance
+        if asked.tolerance >= goal or self._arrives(rest, asked.start) < inf:
+            return asked, plan
+        close = replace(asked, tolerance=goal)
+        faster = self._planner.plan(close)
+        took = plan.solve_time + faster.solve_time
+        honest = self._judged(faster, close).kind is DecisionKind.ADOPTED
+        if honest and faster.cost + self._settings.hysteresis < plan.cost:
+            return close, replace(faster, solve_time=took)
+        return asked, replace(plan, solve_time=took)
+
+    def _judged(self, plan: Plan, asked: Mission, *, late: bool = False) -> Verdict:
+        return judge(plan, self._library, asked, known_hash=self._hash, late=late)
+
+    def _choose(self, verdict: Verdict, asked: Mission, plan: Plan, rest: Remainder) -> None:
+        """Takes the new plan, keeps the one under way, or falls back."""
+        now, self._left = self._vehicle.time, rest
+        if verdict.kind is not DecisionKind.ADOPTED:
+            self._record.decide(now, verdict.kind, cost=inf, level=self._level)
+            return
+        scenario = self._scenario(plan)
+        remaining = self._arrives(rest, asked.start)
+        # The same walk with other coasting times is the plan under way, brought up to date.
+        same = (rest.trim, *rest.trims) == plan.sequence
+        if self._settings.hysteresis and not same and remaining <= scenario.cost + self._settings.hysteresis:
+            self._record.decide(now, DecisionKind.KEPT, cost=remaining, level=self._level)
+            return
+        self._level = scenario.gamma
+        self._left = Remainder.of(plan, scenario)
+        self._record.decide(now, DecisionKind.ADOPTED, cost=plan.cost, level=scenario.gamma)
+
+    def _scenario(self, plan: Plan) -> Scenario:
+        """Returns the scenario whose coasting times are flown."""
+        if self._levels is None:
+            gammas = [scenario.gamma for scenario in plan.scenarios]
+            self._levels = Levels(self._library, gammas, self._goal.goal)
+        if not self._settings.learn_level:
+            return plan.deciding
+        shown = self._levels.shown(otherwise=plan.deciding.gamma)
+        return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
+
+    def _arrives(self, rest: Remainder, start: SE2) -> float:
+        """Returns the seconds that what is left of a plan takes to the goal; infinite where it misses.
+
+        A wanted heading or trim is left to the planner.
+        """
+        goal = self._goal
+        if rest.used_up or rest.fallback or (goal.goal_heading, goal.goal_trim) != (None, None):
+            return inf
+        end, time = rest.outcome(start, self._library, self._level)
+        return time if end.distance_to(goal.goal) <= goal.tolerance else inf
+
+    def _advance(self, until: float) -> str:
+        """Flies what is left for so long, and a maneuver begun in it to its end."""
+        while (time := until - self._vehicle.time) > SHORTEST_COAST:
+            if self._left.used_up and self._record.refused and not self._left.fallback:
+                self._retreat()
+            if self._left.maneuver_due and self._settings.replan_in_maneuver and not self._left.fallback:
+                return ""
+            step, self._left = self._left.step(time)
+            if ended := self._fly((step,)):
+                return ended
+        return ""
+
+    def _retreat(self) -> None:
+        self._left = self._left.retreat()
+        self._record.decide(self._vehicle.time, DecisionKind.FALLBACK, cost=inf, level=self._level)
+
+    def _come_to_rest(self) -> None:
+        """Gives up: leaves the vehicle where it can stay, not on its way to nowhere."""
+        self._left = Remainder(self._vehicle.trim, tail=way_to_rest(self._library, self._vehicle.trim))
+        self._retreat()
+        while self._left.trims:
+            step, self._left = self._left.step(0.0)
+            if self._fly((step,)):
+                return
+
+    def _fly(self, steps: tuple[Step, ...]) -> str:
+        """Flies steps, notes them, and learns from them.
+
+        Returns:
+            Why the flight cannot go on; empty where it can.
+        """
+        vehicle = self._vehicle
+        for step in steps:
+            begin = vehicle.pose
+            try:
+                if step.to_trim is None:
+                    leg = vehicle.coast(step.duration)
+                else:
+                    leg = vehicle.perform(self._library.maneuver(step.trim, step.to_trim))
+            except FlightLostError as error:
+                self._lost = True
+                self._record.add_lost(step, error)
+                return str(error)
+            on_a_plan = not self._record.refused or not self._record.plans
+            self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.fallback)
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
-    except FlightLostError as error:
-        return str(error)
-    return ""
-
-
-def _legs(
-    vehicle: Vehicle, left: _Remainder, library: Library, until: float
-) -> Iterable[tuple[Leg, int | None]]:
-    while (time := until - vehicle.time) > SHORTEST_COAST:
-        due = left.coasts[0] if left.coasts else 0.0
-        if not left.trims:
-            # The plan is flown: it promised no more than to be near, so the trim is held.
-            yield vehicle.coast(time), vehicle.trim
-            return
-        if due > time:
-            left.coasts[0] = due - time
-            yield vehicle.coast(time), vehicle.trim
-            return
-        if due > SHORTEST_COAST:
-            yield vehicle.coast(due), vehicle.trim
-        left.coasts.popleft()
-        yield vehicle.perform(library.maneuver(vehicle.trim, left.trims.popleft())), None
+            if self._levels is not None:
+                self._levels.see(step, begin, vehicle.pose)
+        return ""

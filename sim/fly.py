@@ -1,7 +1,8 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict
 
 from flight.errors import FlightLostError, NoManeuverEndError
@@ -180,8 +181,9 @@ class SimulatedHelicopter:
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
         first = self._periods
-        for _ in range(round(duration / CONTROL_PERIOD)):
-            self._advance()
+        with self._keeping(first):
+            for _ in range(round(duration / CONTROL_PERIOD)):
+                self._advance()
         return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
@@ -202,12 +204,22 @@ class SimulatedHelicopter:
         first, believed = self._periods, self._signals.estimate
         judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
         verdict = Verdict.UNDER_WAY
-        while verdict is Verdict.UNDER_WAY:
-            self._advance()
-            if self._periods % PERIODS_A_SAMPLE == 0:
-                verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
+        with self._keeping(first):
+            while verdict is Verdict.UNDER_WAY:
+                self._advance()
+                if self._periods % PERIODS_A_SAMPLE == 0:
+                    verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
         self._timed_out = verdict is Verdict.TIMED_OUT
         return self._leg(first, settled=not self._timed_out)
+
+    @contextmanager
+    def _keeping(self, first: int) -> Iterator[None]:
+        """Hands on what was flown, from a control period on, of a primitive in which the vehicle is lost."""
+        try:
+            yield
+        except FlightLostError as error:
+            error.track = self._recorder.track(first, self._periods)
+            raise
 
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""

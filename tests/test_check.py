@@ -66,6 +66,7 @@ BREAKAGES: dict[str, tuple[Callable[[Plan], Plan], str]] = {
     "another library": (lambda plan: replace(plan, library_hash="0" * 64), "library_hash"),
     "another mission": (lambda plan: replace(plan, mission="elsewhere"), "mission"),
     "another tolerance": (lambda plan: replace(plan, tolerance=5.0), "tolerance"),
+    "a tail that ends in flight": (lambda plan: replace(plan, tail=plan.tail[:-1] or (3,)), "tail"),
     "a gamma beyond 1": (lambda plan: replace(plan, gamma=1.5), "gamma"),
     "a scenario missing": (lambda plan: replace(plan, scenarios=plan.scenarios[:2]), "scenarios"),
     "a scenario twice": (

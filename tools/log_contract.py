@@ -5,6 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from flight import log, z_up
+from flight.decision import DECISION
 from flight.log import CONVENTIONS, TOPICS, FlightHeader, Topic
 from flight.viewer_channels import VIEWER_TOPICS, ViewerTopic
 
@@ -50,13 +51,16 @@ ATTACHMENTS = (
     (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
     (log.FAULTS_ATTACHMENT, "what goes wrong: where, what, start and duration in s, sizes; absent in most"),
     (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
-    (log.PLANS_ATTACHMENT, "its plans, in order, each `maneuver-plan/1` with the time it was made"),
+    (
+        log.PLANS_ATTACHMENT,
+        "its plans, in order, each `maneuver-plan/1` with when it was asked for and how long that took",
+    ),
 )
 
 
 def page() -> str:
     """Returns the page."""
-    return "\n".join([HEAD, *map(_topic, TOPICS), _viewers(), _metadata(), _attachments()])
+    return "\n".join([HEAD, *map(_topic, (*TOPICS, DECISION)), _viewers(), _metadata(), _attachments()])
 
 
 def _topic(topic: Topic) -> str:

@@ -1,0 +1,202 @@
+"""The scorecard as files: Markdown to read, CSV to count, JSON to go on with."""
+
+import csv
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+
+from .blame import Blame
+from .mission_flights import MissionResult
+from .scorecard import Cell, Promise, Share
+
+
+@dataclass(frozen=True, slots=True)
+class Scorecard:
+    """What a validation came to.
+
+    Attributes:
+        command: that makes it again.
+        library: name of the library planned with.
+        totals: a cell for each condition, all missions together.
+        cells: a cell for each mission and condition.
+        promises: calibrated times.
+        blamed: how the primitives kept their errors, by wind class.
+    """
+
+    command: str
+    library: str
+    totals: tuple[Cell, ...]
+    cells: tuple[Cell, ...]
+    promises: tuple[Promise, ...]
+    blamed: dict[str, tuple[Blame, ...]]
+
+
+HEADS = (
+    *("mission", "policy", "gamma", "plant", "wind", "reached", "95 %", "inside the prediction", "95 %"),
+    *("flown, s", "95 % keep, s", "predicted, s", "worst miss, m", "plannings", "without a plan"),
+    *("ways to rest", "planning 99 %, ms"),
+)
+
+NOTES = """`reached`: the true track entered the tolerance, on a plan; a flight that ends by time-out, by the
+limit of plannings, without a plan or on its way to rest is not. `inside the prediction`: that, within the
+time that the first plan promised. Intervals are Wilson's. `flown` and `predicted` are medians; `95 % keep`
+counts flights that did not reach the goal as endless. Planning times are the processor's."""
+
+
+BLAME_HEADS = (
+    *("primitive", "flights", "performances", "outside", "claimed inside", "chance"),
+    *("furthest", "of", "flight", "at, s"),
+)
+
+BLAME_NOTE = """Flights in which an error of the library was exceeded, beside the share of flights that the
+library claims to stay inside; `chance` is that of so many outside, or more, if the claim held. The furthest
+deviation is given in parts of the error."""
+
+
+def markdown(card: Scorecard) -> str:
+    """Returns the scorecard as a page."""
+    parts = [
+        f"# Scorecard, {card.library}",
+        f"    {card.command}",
+        "## All missions",
+        _table(HEADS, [_row(cell) for cell in card.totals]),
+        NOTES,
+        "## Promised times",
+        "Every second mission sets the factor on the predicted time, the others test it.",
+        _table(
+            ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %"),
+            [_promise_row(promise) for promise in card.promises],
+        ),
+        *_blame_parts(card.blamed),
+        "## Every mission",
+        _table(HEADS, [_row(cell) for cell in card.cells]),
+    ]
+    reasons = [
+        f"- {cell.mission}, {cell.policy}, gamma {cell.gamma:g}, {cell.plant}, {cell.wind}: {reason}"
+        for cell in card.cells
+        for reason in cell.reasons
+    ]
+    parts += ["## Why goals were not reached", "\n".join(reasons) or "Every goal was reached."]
+    return "\n\n".join(parts) + "\n"
+
+
+def comma_separated(card: Scorecard) -> str:
+    """Returns all cells as CSV; shares as counts with their intervals."""
+    stream = io.StringIO()
+    writer = csv.writer(stream, lineterminator="\n")
+    rows = [cell_content(cell) for cell in (*card.totals, *card.cells)]
+    writer.writerow(rows[0])
+    writer.writerows(row.values() for row in rows)
+    return stream.getvalue()
+
+
+def json_text(card: Scorecard, results: Sequence[MissionResult]) -> str:
+    """Returns the scorecard with every flight, without tracks, as JSON."""
+    document = {
+        **asdict(card),
+        "totals": [cell_content(cell) for cell in card.totals],
+        "cells": [cell_content(cell) for cell in card.cells],
+        "flights": [flight_content(row) for row in results],
+    }
+    return json.dumps(document, indent=1) + "\n"
+
+
+def flight_content(row: MissionResult) -> dict[str, object]:
+    """Returns a flight as plain JSON values, without its track and primitives."""
+    content = asdict(row)
+    for heavy in ("planning_times", "performances", "legs"):
+        del content[heavy]
+    return {**content, "log": None if row.log is None else str(row.log)}
+
+
+def _blame_parts(blamed: dict[str, tuple[Blame, ...]]) -> list[str]:
+    parts = []
+    for wind, rows in blamed.items():
+        parts += [
+            f"## Which primitive to blame, wind {wind}",
+            BLAME_NOTE,
+            _table(BLAME_HEADS, [_blame_row(row) for row in rows]),
+        ]
+    return parts
+
+
+def _blame_row(row: Blame) -> list[str]:
+    return [
+        f"{row.kind} {row.id}",
+        str(row.flights),
+        str(row.performances),
+        str(row.outside),
+        number(row.claimed, 3),
+        "-" if row.p_value is None else f"{row.p_value:.2g}",
+        number(row.worst.share),
+        row.worst.scalar,
+        row.flight,
+        number(row.worst.time),
+    ]
+
+
+def _row(cell: Cell) -> list[str]:
+    return [
+        cell.mission,
+        cell.policy,
+        f"{cell.gamma:g}",
+        cell.plant,
+        cell.wind,
+        *_share(cell.reached),
+        *_share(cell.inside),
+        number(cell.flown_time),
+        number(cell.flown_time_95),
+        number(cell.predicted_time),
+        number(cell.miss),
+        f"{cell.activations:g}",
+        str(cell.failures),
+        str(cell.fallbacks),
+        number(None if cell.planning_time_99 is None else 1e3 * cell.planning_time_99),
+    ]
+
+
+def _promise_row(promise: Promise) -> list[str]:
+    return [
+        promise.policy,
+        f"{promise.gamma:g}",
+        promise.plant,
+        promise.wind,
+        f"{promise.share:.0%}",
+        number(promise.factor),
+        f"{promise.missions} missions, {promise.flights} flights",
+        *_share(promise.kept),
+    ]
+
+
+def _share(share: Share) -> list[str]:
+    return [f"{share.count}/{share.of}", interval(share)]
+
+
+def interval(share: Share) -> str:
+    """Returns the interval of a share, in words for a table."""
+    return f"{share.low:.3f}-{share.high:.3f}"
+
+
+def number(value: float | None, digits: int = 2) -> str:
+    """Returns a number for a table; a dash where there is none."""
+    return "-" if value is None else f"{value:.{digits}f}"
+
+
+def cell_content(cell: Cell) -> dict[str, object]:
+    """Returns a cell as a flat row of plain values: a share as a count and its interval."""
+    flat: dict[str, object] = {"flights": cell.flights}
+    for key, value in asdict(cell).items():
+        if isinstance(value, dict):
+            flat[key] = value["count"]
+            flat |= {f"{key}_low": value["low"], f"{key}_high": value["high"]}
+        elif isinstance(value, tuple):
+            flat[key] = "; ".join(value)
+        else:
+            flat[key] = value
+    return flat
+
+
+def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

@@ -1,0 +1,59 @@
+"""How the loop is closed."""
+
+from dataclasses import dataclass, field
+from math import inf
+
+from .latency import Latency
+
+LONGEST_INTERVAL = 3600.0
+"""Seconds between two plannings; long enough for a plan to be flown as it is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How the loop is closed.
+
+    Attributes:
+        activation_interval: seconds between two plannings; a maneuver under way is finished first.
+        max_activations: plannings after which the flight is given up, and the vehicle brought to rest.
+        final_tolerance: metres within which the goal counts as reached; None for the mission's.
+        tolerance_share: of the distance to go; the planner is handed that as its tolerance where it is larger
+            than the final one (thesis, 6.3.1).
+        aim: part of the final tolerance that the planner is handed: a plan of least time ends at the edge of
+            what it is given, where every error misses.
+        latency: for how long the vehicle flies on while a plan is made.
+        replan_in_maneuver: whether it is planned again during every maneuver, from where it is foretold to
+            end, so that the plan is ready there (thesis, 6.3.3).
+        hysteresis: seconds by which a new plan must be faster than the one under way, where that still leads
+            to the goal, to be taken instead.
+        learn_level: whether the coasting times flown are those of the uncertainty level that the vehicle has
+            shown so far, not those of the deciding one.
+    """
+
+    activation_interval: float = 0.5
+    max_activations: int = 200
+    final_tolerance: float | None = None
+    tolerance_share: float = 0.0
+    aim: float = 0.5
+    latency: Latency = field(default_factory=Latency)
+    replan_in_maneuver: bool = False
+    hysteresis: float = 1.0
+    learn_level: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuses a loop that cannot run."""
+        if not 0 < self.activation_interval <= LONGEST_INTERVAL:
+            raise ValueError(
+                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
+                f"got {self.activation_interval} s"
+            )
+        if self.max_activations < 1:
+            raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")
+        if self.final_tolerance is not None and not 0 < self.final_tolerance < inf:
+            raise ValueError(f"final_tolerance must be > 0 m, got {self.final_tolerance} m")
+        if not 0 <= self.tolerance_share < 1:
+            raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
+        if not 0 < self.aim <= 1:
+            raise ValueError(f"aim must be in (0, 1], got {self.aim}")
+        if not 0 <= self.hysteresis < inf:
+            raise ValueError(f"hysteresis must be >= 0 s, got {self.hysteresis} s")

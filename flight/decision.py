@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
+from math import isfinite
 
 import numpy as np
 
@@ -33,7 +34,7 @@ DECISION = Topic(
             "its check, 5 way to rest begun, 6 goal reached",
         ),
         Field("activation", "-", "number of the planning, from 1"),
-        Field("cost", "s", "promised by the plan from where it begins; infinite without one"),
+        Field("cost", "s", "promised by the plan from where it begins; 0 without one"),
         Field("latency", "s", "charged to the vehicle for thinking"),
         Field("tolerance", "m", "around the goal, that the planner was handed"),
         Field("level", "-", "uncertainty level whose coasting times are flown"),
@@ -56,6 +57,9 @@ class Decision:
 
 def decision_series(decisions: Sequence[Decision]) -> Series:
     """Returns the decisions as a topic's messages; they come in the order of their times."""
-    rows = [(d.kind, d.activation, d.cost, d.latency, d.tolerance, d.level) for d in decisions]
+    rows = [
+        (d.kind, d.activation, d.cost if isfinite(d.cost) else 0.0, d.latency, d.tolerance, d.level)
+        for d in decisions
+    ]
     values = np.array(rows, dtype=np.float64).reshape(len(rows), len(DECISION.fields))
     return Series(DECISION, np.array([d.time for d in decisions], dtype=np.float64), values)

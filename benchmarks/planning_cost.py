@@ -1,4 +1,4 @@
-"""What planning costs against depth, trims and levels, drawn: `python -m benchmarks.planning_cost FILE`.
+"""What planning costs against depth, trims and levels, drawn: `python -m benchmarks.planning_cost FILE 7`.
 
 CPU seconds of the worst-case search, tables warm, over random missions from all start trims: median, and
 the slowest. The libraries with more trims are synthetic, by the kinematic equations, seven maneuvers a trim.
@@ -18,7 +18,6 @@ from review import palette
 
 from .planning_missions import random_mission, shipped_libraries, synthetic_library
 
-MISSIONS = 7
 DEPTHS = (2, 4, 5, 6, 7, 8)
 TRIMS = (7, 20, 40, 70)
 LEVELS = (1, 3, 5, 7, 11)
@@ -28,18 +27,22 @@ Costs = Sequence[tuple[float, float, float]]
 """What is varied, the median and the largest in seconds."""
 
 
-def main(file: Path) -> None:
+def main(file: Path, missions: int) -> None:
     """Measures, prints and draws."""
     kinematic, gtmax = shipped_libraries()[:2]
     three = (0.0, -GAMMA, GAMMA)
-    depth = {one.name: [(d, *cost(one, three, d)) for d in DEPTHS] for one in (kinematic, gtmax)}
-    trims = {
+    depth: dict[str, Costs] = {
+        one.name: [(d, *cost(one, three, d, missions)) for d in DEPTHS] for one in (kinematic, gtmax)
+    }
+    trims: dict[str, Costs] = {
         "synthetic, depth 4": [
-            (count, *cost(synthetic_library(count, 7 * count, seed=1), three, 4)) for count in TRIMS
+            (count, *cost(synthetic_library(count, 7 * count, seed=1), three, 4, missions)) for count in TRIMS
         ]
     }
-    levels = {
-        f"{one.name}, depth 4": [(n, *cost(one, tuple(np.linspace(-1, 1, n) * GAMMA), 4)) for n in LEVELS]
+    levels: dict[str, Costs] = {
+        f"{one.name}, depth 4": [
+            (n, *cost(one, tuple(np.linspace(-1, 1, n) * GAMMA), 4, missions)) for n in LEVELS
+        ]
         for one in (kinematic, gtmax)
     }
     panels = {"trims in a sequence": depth, "trims in the library": trims, "levels of gamma": levels}
@@ -54,11 +57,11 @@ def main(file: Path) -> None:
     figure.savefig(file, metadata={"Software": None})
 
 
-def cost(library: Library, gammas: tuple[float, ...], depth: int) -> tuple[float, float]:
+def cost(library: Library, gammas: tuple[float, ...], depth: int, missions: int) -> tuple[float, float]:
     """Returns the median and the largest of CPU seconds over some missions."""
     rng = np.random.default_rng(7)
     search, spent = ExactSearch(library, gammas), []
-    for _ in range(MISSIONS):
+    for _ in range(missions):
         mission = random_mission(rng, library, depth)
         search.answer(mission, max_nodes=1)
         began = process_time()
@@ -80,4 +83,7 @@ def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1] if len(sys.argv) > 1 else "docs/planning-cost.png"))
+    main(
+        Path(sys.argv[1] if len(sys.argv) > 1 else "docs/planning-cost.png"),
+        int(sys.argv[2]) if len(sys.argv) > 2 else 7,
+    )

@@ -11,7 +11,8 @@ import numpy as np
 from jaxtyping import Float
 
 from .coasting import Times
-from .error_box import Enclosure, ErrorPath, enclose, furthest_corner
+from .corners import furthest_corner
+from .error_box import Enclosure, ErrorPath, enclose
 
 MARGIN = 1e-9
 """Metres kept clear, for rounding."""

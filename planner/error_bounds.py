@@ -21,7 +21,8 @@ from flight.trim import Trim
 
 from .answering_times import ErrorCell
 from .coasting import Times
-from .error_box import ErrorPath, enclose, furthest_corner
+from .corners import furthest_corner
+from .error_box import ErrorPath, enclose
 from .nominal import Nominal
 
 ROUNDING = 1e-9

@@ -11,8 +11,9 @@ from flight.library import Library
 from flight.mission import Mission, read_mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
+from planner.corners import furthest_corner
 from planner.error_bounds import Bounded, goal_of, worst_miss_bound, worst_time_bound
-from planner.error_box import Each, enclose, error_path, furthest_corner
+from planner.error_box import Each, enclose, error_path
 from planner.kernel.build import kernel
 from planner.kernel.exact import least_costs_of_each
 from planner.signs import trust

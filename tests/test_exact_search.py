@@ -14,9 +14,10 @@ from flight.mission import Mission
 from flight.plan import Plan
 from flight.se2 import SE2
 from planner.branch_and_bound import RESOLUTION, proved_best
-from planner.coasting import reaches
+from planner.coasting import reaches, solve
 from planner.kernel import build
-from planner.kernel.exact import ExactSearch
+from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.tables import tables
 from planner.kinematics import motion
 from planner.nominal import Nominal
 from planner.search import Answer, search
@@ -120,6 +121,21 @@ def test_without_a_compiler_the_answer_is_the_same(seed: int, monkeypatch: pytes
     assert fallback.status == known.status
     if known.found:
         assert fallback.cost == pytest.approx(known.cost, abs=2 * RESOLUTION)
+
+
+@needs_kernel
+def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> None:
+    # The root lies 8e-6 rad before the end of its curve, beyond the last sample.
+    mission = Mission(
+        "long straight", SE2(-9.6283, -16.0214, -0.8197), 1, (49.5143, -34.1173), 6.18, goal_trim=3
+    )
+    table = tables(shipped()[0], (0.3,), 1, 4, 3)[-1]
+    costs = dict(zip(map(tuple, table.walks.tolist()), least_costs_of_each(table, mission), strict=True))
+    walk = (1, 4, 1, 3)
+    numbers = motion(shipped()[0], walk, 0.3)
+    times = solve(numbers, mission, (0.0, 4.6, 50.0, 0.0))
+    assert times is not None
+    assert costs[walk] == pytest.approx(numbers.cost(times), abs=1e-5)
 
 
 def test_without_a_compiler_a_bad_start_is_improved_until_nothing_is_better() -> None:

@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import read_library
-from flight.log import COMMAND, ESTIMATE, PRIMITIVE, TRUTH, WIND, FlightLog, MissingTopicError
-from flight.log_file import publish_log
+from flight.log import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND, FlightLog, MissingTopicError
+from flight.log_file import publish_log, read_log
 from flight.motion_log import motion_log
 from identification.matched_walk import Levels, MotionModel, matched_walk
 from identification.motion_model import TooSlowLogError, sampled_motion
@@ -110,11 +110,12 @@ def test_logs_with_nothing_but_belief_are_identified_by_the_same_command(
     assert library.provenance["method"].endswith("maneuvers by motion")
 
 
-def test_another_simulators_vehicle_is_cut_into_its_trims() -> None:
+def test_another_simulators_vehicle_is_cut_into_its_trims(tmp_path: Path) -> None:
     """RotorPy's quadrotor under its own controller, pose alone, by tools/rotorpy_flight.py with seed 5."""
     time, north, east, heading = np.loadtxt(ROTORPY, delimiter=",", skiprows=1).T
     log = motion_log(vehicle="hummingbird", time=time, north=north, east=east, heading=heading)
-    motion = sampled_motion(log)
+    publish_log(log, tmp_path / "flight.mcap")
+    motion = sampled_motion(read_log(tmp_path / "flight.mcap"))
     found = discovered_automaton([motion], vehicle="hummingbird")
     flown = {(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 0.0, 0.5), (1.0, 0.0, -0.5)}
     flown |= {(0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 0.8)}
@@ -133,7 +134,7 @@ def test_another_simulators_vehicle_is_cut_into_its_trims() -> None:
 def test_a_log_that_is_sampled_too_slowly_is_refused() -> None:
     time = np.arange(0.0, 60.0, 0.1)
     log = motion_log(vehicle="slow", time=time, north=time, east=0 * time, heading=0 * time)
-    with pytest.raises(TooSlowLogError, match="expected /estimate at 20 Hz or more"):
+    with pytest.raises(TooSlowLogError, match="expected /motion at 20 Hz or more"):
         sampled_motion(log)
 
 
@@ -154,9 +155,8 @@ def test_velocities_of_a_foreign_log_are_in_the_heading_frame() -> None:
     time = np.arange(0.0, 10.0, 0.02)
     heading = np.full_like(time, np.pi / 2)
     log = motion_log(vehicle="any", time=time, north=-0.5 * time, east=2 * time, heading=heading)
-    assert log[ESTIMATE]["forward"] == pytest.approx(2.0)
-    assert log[ESTIMATE]["side"] == pytest.approx(0.5)
-    assert np.isnan(log[ESTIMATE]["down"]).all()
+    assert log[MOTION]["forward"] == pytest.approx(2.0)
+    assert log[MOTION]["side"] == pytest.approx(0.5)
 
 
 def test_a_foreign_log_with_columns_of_different_length_is_refused() -> None:

@@ -25,9 +25,9 @@ def tiles_of(summary: Summary) -> list[Content]:
             # What its primitives' bounds are is what a campaign is flown for.
             note, tone = f"of {summary.bounds.library}, before identification", "plain"
         tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
-    tiles.append(
-        _tile("time-outs", str(summary.timeouts), "of maneuvers", "bad" if summary.timeouts else "good")
-    )
+    if summary.trims or summary.maneuvers:
+        tone = "bad" if summary.timeouts else "good"
+        tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
         note = "no planning failed" if not failed else f"{failed} plannings found none"

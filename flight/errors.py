@@ -61,3 +61,13 @@ class FlightLostError(FlightError):
 
     def __init__(self, time: float, problem: str) -> None:
         super().__init__(f"flight lost at {time:.2f} s: {problem}")
+
+
+class NoManeuverEndError(FlightError):
+    """A library was to be flown that does not say when a maneuver has ended."""
+
+    def __init__(self, library: str) -> None:
+        super().__init__(
+            f"library {library!r} cannot be flown: its conditions have no maneuver_end "
+            "(a band for each trim, dwell, timeout)"
+        )

@@ -78,12 +78,12 @@ def _kinds() -> Iterator[FaultKind]:
         later = (Size("time", "s", low=0.01, high=5.0),)
         yield FaultKind(sensor, "delay", "each reading comes later, as if it were new", later, off, unit)
     for servo in SERVOS:
-        off = f"how far the {servo} servo is from where a sound one would have moved from the same place"
-        yield FaultKind(servo, "jam", "stays where it is", (), off, "rad")
+        off = f"how much faster a sound {servo} servo would have moved"
+        yield FaultKind(servo, "jam", "stays where it is", (), off, "rad/s")
         left = (Size("share", "-", low=0.0, high=1.0),)
-        yield FaultKind(servo, "slow", "moves at a share of its largest rate", left, off, "rad")
+        yield FaultKind(servo, "slow", "moves at a share of its largest rate", left, off, "rad/s")
         lag = (Size("time", "s", low=0.01, high=10.0),)
-        yield FaultKind(servo, "lag", "follows its command with this time constant", lag, off, "rad")
+        yield FaultKind(servo, "lag", "follows its command with this time constant", lag, off, "rad/s")
     age = "age of the command beyond one control period"
     late = (Size("time", "s", low=0.01, high=2.0),)
     yield FaultKind("controller", "late", "each command comes later", late, age, "s")

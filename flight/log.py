@@ -103,6 +103,14 @@ NAVIGATION = Topic(
         Field("heading", "rad", "heading"),
     ),
 )
+MOTION = Topic(
+    "/motion",
+    "maneuver.PlanarMotion",
+    "what is known of the motion of a vehicle that keeps no other log",
+    tuple(
+        field for field in _STATE if field.name in {"north", "east", "heading", "forward", "side", "yaw_rate"}
+    ),
+)
 WIND = Topic(
     "/wind",
     "maneuver.Wind",
@@ -147,7 +155,7 @@ PRIMITIVE = Topic(
     ),
 )
 
-TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT)
+TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT, MOTION)
 
 
 class PrimitiveKind(IntEnum):
@@ -217,12 +225,9 @@ class FlightLog:
 
     @property
     def motion(self) -> Series:
-        """The true states, or the believed ones where the log has no truth.
-
-        Raises:
-            MissingTopicError: the log has neither.
-        """
-        return self[ESTIMATE if TRUTH.name not in self.series and ESTIMATE.name in self.series else TRUTH]
+        """The true motion; where it is not known, what was believed of it, or what else there is."""
+        known = (topic for topic in (TRUTH, ESTIMATE, MOTION) if topic.name in self.series)
+        return self[next(known, TRUTH)]
 
     @property
     def duration(self) -> float:

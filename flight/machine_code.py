@@ -13,7 +13,7 @@ from .errors import FlightError
 
 COMPILERS = ("cc", "gcc", "clang")
 # Numbers as written: no reordering, and no fused multiply-adds, so that every machine gives the same bits.
-IEEE_FLAGS = ("-O2", "-ffp-contract=off", "-fPIC", "-shared")
+IEEE_FLAGS = ("-ffp-contract=off", "-fPIC", "-shared")
 # A compiler that needs longer than this has failed, s.
 _PATIENCE = 120
 
@@ -31,7 +31,7 @@ def cache_folder() -> Path:
     return (Path(root) if root else Path("~/.cache").expanduser()) / "maneuver-automaton"
 
 
-def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = IEEE_FLAGS) -> Path:
+def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *IEEE_FLAGS)) -> Path:
     """Returns the shared library of a C source, compiled now unless it was before.
 
     Args:

@@ -4,7 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from .errors import FlightError
-from .log import ESTIMATE, FlightHeader, FlightLog, Series
+from .log import MOTION, FlightHeader, FlightLog, Series
 
 Column = Float[np.ndarray, "n"]
 
@@ -21,7 +21,7 @@ def motion_log(
     wind: str = "not stated",
     name: str = "foreign",
 ) -> FlightLog:
-    """Returns a log that holds nothing but `/estimate`, and of that only planar motion; the rest is NaN.
+    """Returns a log that holds nothing but `/motion`.
 
     Args:
         vehicle: what flew.
@@ -55,7 +55,6 @@ def motion_log(
         "side": cosine * to_east - sine * to_north,
         "yaw_rate": np.gradient(smooth, time) if yaw_rate is None else yaw_rate,
     }
-    unknown = np.full(len(time), np.nan)
-    values = np.stack([known.get(field, unknown) for field in ESTIMATE.field_names], axis=1)
+    values = np.stack([known[field] for field in MOTION.field_names], axis=1)
     header = FlightHeader("foreign", name, vehicle, "not known", 0, wind, "not known", "not known")
-    return FlightLog(header, {ESTIMATE.name: Series(ESTIMATE, time - time[0], values)}, {})
+    return FlightLog(header, {MOTION.name: Series(MOTION, time - time[0], values)}, {})

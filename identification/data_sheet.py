@@ -63,10 +63,10 @@ _MANEUVER_HEAD = (
 _CLAIM = (
     "A sample is a flight. `coverage` is the share of future flights, flown under the same conditions and by "
     "the same schedule, in which all numbers of the primitive stay inside value ± |error| together, with the "
-    "confidence that the library's `statistics` name. A maneuver that did not settle is counted as a "
-    "time-out and kept. Durations and displacements end where the true motion has settled; in flight the "
-    "same rule is applied to the estimate. Errors are signed by the convention of "
-    "`flight/sign_convention.py`."
+    "confidence that the library's `statistics` name. A flight in which a maneuver did not settle, or that "
+    "was lost, lies outside its bounds: it is counted and listed, and the claim accounts for it. Durations "
+    "and displacements end where the true motion has settled; in flight the same rule is applied to the "
+    "estimate. Errors are signed by the convention of `flight/sign_convention.py`."
 )
 
 

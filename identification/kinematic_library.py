@@ -125,8 +125,8 @@ def _trim(row: _Trim) -> Trim:
     share = row.percent
     # Adding 0 turns the minus zero of 10 % of -0 into zero.
     error = Twist(
-        share.forward / 100 * row.forward + 0.0,
-        share.side / 100 * row.side + 0.0,
-        share.yaw_rate / 100 * row.yaw_rate + 0.0,
+        share.forward * row.forward / 100 + 0.0,
+        share.side * row.side / 100 + 0.0,
+        share.yaw_rate * row.yaw_rate / 100 + 0.0,
     )
     return Trim(row.id, row.name, velocity, error)

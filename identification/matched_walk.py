@@ -17,7 +17,7 @@ from .step_response import StepResponse
 MATCHED, APART = 60, 15
 # What a step costs, and one out of a trim that was not reached, in twice the logarithm of a likelihood ratio:
 # the second is no proof against a maneuver that ended by time-out, but nearly.
-STEP_COST, UNREACHED_COST = 10.0, 1000.0
+STEP_COST, UNREACHED_COST = 20.0, 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,8 +98,9 @@ def matched_walk(motion: Float[np.ndarray, "n 3"], levels: Levels, model: Motion
     holding = (((innovation[:, None, :] - aims) / noise) ** 2).sum(axis=2)
     stepping = _matched(innovation, levels, model, noise)
     stepping += np.where(_reached(motion, levels, model.period)[:, levels.edges[:, 0]], 0.0, UNREACHED_COST)
-    came_by, last = _cheapest(holding, stepping + STEP_COST, levels.edges)
-    return _traced(came_by, last, levels.edges, model.period)
+    stepping += STEP_COST
+    cost, entered = _cheapest(holding, stepping, levels.edges)
+    return _traced(cost, entered, stepping, levels.edges, model.period)
 
 
 def _matched(
@@ -138,10 +139,10 @@ def _cheapest(
     holding: Float[np.ndarray, "n trims"],
     stepping: Float[np.ndarray, "n edges"],
     edges: Int[np.ndarray, "e 2"],
-) -> tuple[Int[np.ndarray, "n trims"], int]:
-    """Returns by which edge, taken `APART` samples before, each trim is best held; and the last trim.
+) -> tuple[Float[np.ndarray, "n trims"], Bool[np.ndarray, "n trims"]]:
+    """Returns the least cost of being in each trim, and whether it was entered `APART` samples before.
 
-    An entry of -1 says that the trim was held before.
+    Where it was not, it was held a sample before.
     """
     count, trims = holding.shape
     order = np.argsort(edges[:, 1], kind="stable")
@@ -150,34 +151,39 @@ def _cheapest(
     heads = np.flatnonzero(np.r_[True, reached[1:] != reached[:-1]]) if len(edges) else np.empty(0, int)
     entered = reached[heads]
     total = np.vstack([np.zeros(trims), np.cumsum(holding, axis=0)])
-    cost = np.full((count, trims), np.inf)
-    cost[: APART + 1] = total[1 : APART + 2]
-    came_by = np.full((count, trims), -1)
-    for place in range(APART + 1, count):
-        cost[place] = cost[place - 1] + holding[place]
-        if not len(edges):
-            continue
-        before = place - APART
-        by_edge = cost[before, left] + stepping[before]
-        best = np.minimum.reduceat(by_edge, heads) + (total[place + 1] - total[before + 1])[entered]
-        for group in np.flatnonzero(best < cost[place, entered]):
-            trim = entered[group]
-            members = np.flatnonzero(reached == trim)
-            came_by[place, trim] = order[members[np.argmin(by_edge[members])]]
-            cost[place, trim] = best[group]
-    return came_by, int(np.argmin(cost[-1]))
+    cost = total[1:].copy()
+    stepped = np.zeros((count, trims), bool)
+    # As many samples at once as two steps are apart: what they come from is known by then.
+    for begin in range(APART + 1, count if len(edges) else 0, APART):
+        place = np.arange(begin, min(begin + APART, count))
+        by_edge = cost[place - APART][:, left] + stepping[place - APART]
+        # Costs are compared without what holding the trim from the start would have cost.
+        coming = np.full((len(place), trims), np.inf)
+        coming[:, entered] = (
+            np.minimum.reduceat(by_edge, heads, axis=1) - total[place - APART + 1][:, entered]
+        )
+        staying = np.minimum.accumulate(np.vstack([cost[begin - 1] - total[begin], coming]), axis=0)
+        cost[place] = staying[1:] + total[place + 1]
+        stepped[place] = coming < staying[:-1]
+    return cost, stepped
 
 
 def _traced(
-    came_by: Int[np.ndarray, "n trims"], last: int, edges: Int[np.ndarray, "edges 2"], period: float
+    cost: Float[np.ndarray, "n trims"],
+    stepped: Bool[np.ndarray, "n trims"],
+    stepping: Float[np.ndarray, "n edges"],
+    edges: Int[np.ndarray, "edges 2"],
+    period: float,
 ) -> MatchedWalk:
-    steps, trim, place = [], last, len(came_by) - 1
+    steps, trim, place = [], int(np.argmin(cost[-1])), len(cost) - 1
     while place > 0:
-        edge = came_by[place, trim]
-        if edge < 0:
+        if not stepped[place, trim]:
             place -= 1
             continue
         place -= APART
-        steps.append(Step(place * period, int(edges[edge, 0]), trim))
-        trim = int(edges[edge, 0])
+        members = np.flatnonzero(edges[:, 1] == trim)
+        left = edges[members, 0]
+        before = int(left[np.argmin(cost[place, left] + stepping[place, members])])
+        steps.append(Step(place * period, before, trim))
+        trim = before
     return MatchedWalk(trim, tuple(reversed(steps)))

@@ -10,7 +10,6 @@ from scipy.stats import binom, binomtest
 from flight.errors import FlightError
 from flight.library import Library
 from flight.maneuver import Maneuver
-from flight.statistics import Statistics
 from flight.trim import Trim
 
 from .box import Box
@@ -23,10 +22,10 @@ INTERVAL_CONFIDENCE = 0.95
 
 
 class NoClaimError(FlightError):
-    """A library says of a primitive neither on how many flights it rests nor what it covers."""
+    """A library says of no primitive on how many flights it rests and what it covers."""
 
-    def __init__(self, library: str, primitive: str) -> None:
-        super().__init__(f"library {library}: {primitive} has no statistics, so there is no claim to test")
+    def __init__(self, library: str) -> None:
+        super().__init__(f"library {library}: no primitive has statistics, so there is no claim to test")
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +61,7 @@ class Trial:
 def promise_trials(
     library: Library, flights: Sequence[FlightEvidence], *, level: float = 0.05
 ) -> tuple[Trial, ...]:
-    """Returns a trial for each primitive, in the library's order.
+    """Returns a trial for each primitive that claims a coverage, in the library's order.
 
     All claims together are wrongly refuted with a probability of at most `level` (Holm, Scand. J. Statist. 6,
     1979), if all are true; a claim with a confidence of 95 % is itself untrue for one primitive in twenty.
@@ -73,16 +72,20 @@ def promise_trials(
         level: of the test.
 
     Raises:
-        NoClaimError: a primitive has no statistics.
+        NoClaimError: no primitive has statistics.
         InconsistentLogsError: a flight is one of those that the library was found from, or was flown with
             other trims, maneuvers or another rule.
     """
     _refuse_inconsistent(library, flights)
-    counted = [
-        (kind, part.id, _claim(library, kind, part), *_count(library, part, flights))
+    claims = [
+        (kind, part, part.statistics.coverage)
         for kind, parts in (("trim", library.trims), ("maneuver", library.maneuvers))
         for part in parts
+        if part.statistics is not None
     ]
+    if not claims:
+        raise NoClaimError(library.name)
+    counted = [(kind, part.id, claim, *_count(library, part, flights)) for kind, part, claim in claims]
     doubts = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
     return tuple(
         Trial(
@@ -124,13 +127,6 @@ def maneuver_box(row: Maneuver) -> Box:
     centre = np.array([row.duration, moved.x, moved.y, moved.heading])
     size = np.abs([error.duration, error.forward, error.side, error.heading_change])
     return Box(centre, size, len(centre))
-
-
-def _claim(library: Library, kind: str, part: Trim | Maneuver) -> float:
-    statistics: Statistics | None = part.statistics
-    if statistics is None:
-        raise NoClaimError(library.name, f"{kind} {part.id}")
-    return statistics.coverage
 
 
 def _count(

@@ -1,4 +1,4 @@
-"""What a vehicle with second-order responses does between two trims: the baseline of trends.
+"""What a vehicle with second-order responses does between two trims: what growth interpolates around.
 
 Forward velocity and yaw rate go to the next trim's values by second-order responses; the maneuver ends by the
 rule of `flight.maneuver_end`. Two responses fit all flown maneuvers at once.
@@ -85,6 +85,6 @@ def fitted_baseline(library: Library, edges: Sequence[Edge], flown: Float[np.nda
     bounds = ([0.2, 0.4, 0.2, 0.4], [8.0, 0.98, 8.0, 0.98])
     # Durations come in steps, so slopes are taken over differences that a step does not hide.
     found: Any = least_squares(
-        misfit, [0.9, 0.8, 1.1, 0.8], bounds=bounds, diff_step=np.full(4, 0.02), loss="soft_l1"
+        misfit, [0.9, 0.8, 1.1, 0.8], bounds=bounds, diff_step=[0.02] * 4, loss="soft_l1"
     )
     return baseline(found.x)

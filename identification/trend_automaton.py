@@ -1,8 +1,9 @@
-"""What to fly for trends: trims over the whole range of speeds and yaw rates, and steps between neighbours.
+"""What to fly for trends: trims over the range of speeds and yaw rates, and steps between neighbours.
 
-Three families (thesis, 3.3): straight flight in steps of 8 ft/s up to 80 ft/s; turns at one speed in steps of
-0.1 rad/s; and, for a library to be grown from, turns at slower and faster speeds with steps of both kinds at
-once and of several sizes.
+Two campaigns (thesis, 3.3). `straight`: straight flight in steps of 8 ft/s up to 80 ft/s. `turns`: at one
+speed in steps of 0.1 rad/s, and, for a library to be grown from, at slower and faster speeds with steps of
+both kinds at once and of several sizes. They are flown apart: what the controller's adaptive element learns
+in fast flight, where the nose swings, can stay with it when the vehicle is slow again.
 """
 
 from collections.abc import Iterator
@@ -10,10 +11,11 @@ from itertools import combinations
 
 from flight.conditions import Conditions
 from flight.library import Library
-from flight.maneuver import Maneuver, ManeuverError
 from flight.maneuver_end import Band, ManeuverEnd
-from flight.se2 import SE2, Twist
+from flight.se2 import Twist
 from flight.trim import Trim
+
+from .kinematic_library import kinematic_maneuver
 
 # International foot, exact by definition.
 FOOT = 0.3048
@@ -27,14 +29,24 @@ TURNING_SPEED = 8 * FOOT
 # A step is flown where its parts, of 8 ft/s and of 0.2 rad/s, sum to no more than this: both at once in half.
 _FURTHEST = 1.25
 _DWELL, _TIMEOUT = 1.0, 15.0
+# Of a maneuver, where it has not been flown: the thesis's settling time, s.
+_DURATION = 4.0
 
 Place = tuple[float, float]
 """Forward speed in feet per second and yaw rate in rad/s: round numbers."""
 
 
-def trend_automaton(*, wind: str, altitude: float) -> Library:
-    """Returns the trims and maneuvers of a trends campaign with their maneuver-end rule, without numbers."""
-    places = sorted(set(_straight()) | set(_turns()) | set(_grid()))
+def straight_automaton(*, wind: str, altitude: float) -> Library:
+    """Returns trims and maneuvers of straight flight with their maneuver-end rule; numbers by kinematics."""
+    return _automaton("trends-straight", sorted(set(_straight())), wind=wind, altitude=altitude)
+
+
+def turns_automaton(*, wind: str, altitude: float) -> Library:
+    """Returns trims and maneuvers of turning flight with their maneuver-end rule; numbers by kinematics."""
+    return _automaton("trends-turns", sorted(set(_turns()) | set(_grid())), wind=wind, altitude=altitude)
+
+
+def _automaton(name: str, places: list[Place], *, wind: str, altitude: float) -> Library:
     trims = tuple(
         Trim(number, _name(*place), _velocity(place), Twist(0.0, 0.0, 0.0))
         for number, place in enumerate(places, start=1)
@@ -45,15 +57,15 @@ def trend_automaton(*, wind: str, altitude: float) -> Library:
         if _neighbours(one, two)
         for edge in ((a, b), (b, a))
     )
-    nothing = ManeuverError(0.0, 0.0, 0.0, 0.0)
+    by_id = {trim.id: trim for trim in trims}
     rule = ManeuverEnd({trim.id: _band(trim.velocity) for trim in trims}, _DWELL, _TIMEOUT)
     return Library(
-        name="trends",
-        description="Trims over the range of speeds and yaw rates, joined to their neighbours.",
+        name=name,
+        description="Trims over a range of speeds and yaw rates, joined to their neighbours, by kinematics.",
         vehicle="any",
         trims=trims,
         maneuvers=tuple(
-            Maneuver(number, *edge, 0.0, SE2.identity(), nothing)
+            kinematic_maneuver(number, by_id[edge[0]], by_id[edge[1]], duration=_DURATION, duration_error=0.0)
             for number, edge in enumerate(joined, start=1)
         ),
         conditions=Conditions(wind, altitude, rule, "instantaneous"),

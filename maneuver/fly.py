@@ -74,11 +74,11 @@ def fly(
 
         maneuver fly --campaign gtmax --flights 30 --out flights
 
+        maneuver fly --mission gtmax-2 --video chase.mp4
+
         maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
 
         maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
-
-        maneuver fly --mission gtmax-2 --video chase.mp4
 
     Args:
         sequence: name or path of a sequence.

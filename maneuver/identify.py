@@ -50,8 +50,8 @@ def identify(
     stands its data sheet, OUT with the ending .md. The exit code is 1 where a primitive claims less than
     --coverage.
 
-    Logs of another vehicle need `/truth` or `/estimate` at 20 Hz or more and nothing else. Which trims they
-    hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
+    Logs of another vehicle need `/truth`, `/estimate` or `/motion` at 20 Hz or more and nothing else. Which
+    trims they hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
 
     For example:
 

@@ -26,6 +26,9 @@ app.command("maneuver.library_audit:audit", name="audit")
 app.command("maneuver.library_diff:diff", name="diff")
 app.command("maneuver.library_kinematic:kinematic", name="kinematic")
 app.command("maneuver.library_graph:graph", name="graph")
+app.command("maneuver.library_trends:trends", name="trends")
+app.command("maneuver.library_grow:grow", name="grow")
+app.command("maneuver.library_sheet:sheet", name="sheet")
 app.command("maneuver.library_test:keep_promise", name="test")
 
 

@@ -81,7 +81,7 @@ def _other(row: Maneuver, library: Library) -> Maneuver | None:
 
 
 def _numbers(row: Maneuver, other: Maneuver | None) -> Iterator[tuple[str, str, bool]]:
-    """Yields each number with its error, that of the other library where it differs, and whether it is."""
+    """Yields each number with its error; the other library's where it differs; whether it is the same."""
     for name, (value, error), (known, known_error) in zip(
         ROUNDING, _pairs(row), _pairs(other) if other else ((None, None),) * len(ROUNDING), strict=True
     ):

@@ -114,10 +114,6 @@ def plan(
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     if certify and policy == "committed":
         raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
-    if deadline is not None and policy == "committed":
-        raise FlightError(
-            "--deadline is for the other policies; a committed planner is stopped by --max-nodes"
-        )
     answer = _planner(
         primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
     ).plan(task)
@@ -236,7 +232,7 @@ def _planner(
     if policy == "price-of-robustness":
         return PriceOfRobustness(library, alpha)
     if policy == "committed":
-        return Committed(library, gamma, max_nodes=max_nodes)
+        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline)
     return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 

@@ -91,8 +91,8 @@ def _facts(summary: Summary) -> Table:
         failed = f", {summary.failures} plannings found none" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
     table.add_row("time-outs", str(summary.timeouts))
-    if summary.faults:
-        table.add_row("faults", ", ".join(summary.faults))
+    for sentence in summary.faults:
+        table.add_row("fault", sentence)
     if summary.bounds is not None:
         table.add_row("out of bounds", _bounds(summary.bounds))
     if summary.navigation is not None:

@@ -3,8 +3,9 @@
 import json as json_module
 import sys
 from dataclasses import asdict
+from math import isfinite
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 from rich.box import SIMPLE_HEAD
@@ -13,9 +14,12 @@ from rich.table import Table
 
 from flight.errors import FlightError
 from flight.plan import read_plan
-from planner.signs import all_signs
+from planner.error_bounds import MOST_TIME_BOXES
+from planner.error_box import Each
+from planner.signs import Trust, trust
 
 from .files import find_library, find_mission
+from .numbers import Count
 
 TOO_HOPEFUL = 1
 
@@ -29,45 +33,81 @@ def signs(
     *,
     library: str | None = None,
     mission: str | None = None,
+    each: Each = "primitive",
+    boxes: Count = MOST_TIME_BOXES,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Tries every primitive of a plan with a sign of its own: which scenario is slowest, which ends furthest.
+    """Lets every primitive of a plan err on its own: how slow it may get, and how far from the goal.
 
-    Each trim and maneuver takes its errors -gamma, 0 or +gamma times. The slowest scenario has coasting times
-    of its own, the furthest flies those of the plan. These are corners, no bound on what lies between. The
-    exit code is 1 where a scenario is slower than every single gamma: the plan's cost is too hopeful.
+    Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
+    their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
+    and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
+    misses those of the plan's. The exit code is 1 where a corner is slower than every single gamma: the
+    plan's cost is too hopeful.
 
     For example:
 
         maneuver plan signs plan.json
 
+        maneuver plan signs plan.json --each scalar --boxes 5000
+
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
         mission: name or path; by default the name that the plan gives.
-        json: print the scenarios as JSON.
+        each: what errs on its own.
+        boxes: of errors, that the bound of the time may look at; where they do not suffice, there is none.
+        json: print the figures as JSON.
     """
     plan = read_plan(file)
     if not plan.found:
         raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
     primitives, task = find_library(library or plan.library), find_mission(mission or plan.mission)
-    tried = all_signs(primitives, task, plan.sequence, plan.coasting_times, gamma=plan.gamma or 1.0)
-    rows = {
-        "slowest": tried.slowest,
-        "slowest with one sign for all": tried.slowest_single,
-        "furthest from the goal": tried.furthest,
-        "furthest with one sign for all": tried.furthest_single,
-    }
+    found = trust(
+        primitives,
+        task,
+        plan.sequence,
+        plan.coasting_times,
+        gamma=plan.gamma or 1.0,
+        each=each,
+        most_boxes=boxes,
+    )
     if json:
-        document = {"scenarios": len(tried.scenarios)} | {name: asdict(row) for name, row in rows.items()}
-        text = json_module.dumps(document, indent=2).replace("Infinity", "null")
-        sys.stdout.write(text + "\n")
+        sys.stdout.write(json_module.dumps(_plain(asdict(found)), indent=2) + "\n")
     else:
-        table = Table(box=SIMPLE_HEAD, pad_edge=False)
-        for heading in (f"of {len(tried.scenarios)} scenarios", "signs", "time, s", "miss, m"):
-            table.add_column(heading, justify="right" if "," in heading else "left")
-        for name, row in rows.items():
-            drawn = " ".join("-0+"[sign + 1] for sign in row.signs)
-            table.add_row(name, drawn, f"{row.cost:.4f}", f"{row.miss:.3f}")
-        Console(highlight=False).print(table)
-    return TOO_HOPEFUL if tried.slowest.cost > tried.slowest_single.cost + RESOLUTION else 0
+        _show(found)
+    return TOO_HOPEFUL if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
+
+
+def _show(found: Trust) -> None:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("", "time, s", "miss, m"):
+        table.add_column(heading, justify="right" if heading else "left")
+    corners = "all" if found.all_tried else "climbed, of"
+    rows = {
+        "one gamma for all": (found.slowest_single.value, found.furthest_single.value),
+        f"{corners} {found.scenarios:,} corners": (found.slowest.value, found.furthest.value),
+        "anything between, found": (found.slowest_bound.found, found.furthest_bound.found),
+        "anything between, at most": (found.slowest_bound.bound, found.furthest_bound.bound),
+    }
+    for name, (seconds, metres) in rows.items():
+        shown = f"{seconds:.4f}" if isfinite(seconds) else "no bound" if "most" in name else "no arrival"
+        table.add_row(name, shown, f"{metres:.3f}")
+    console = Console(highlight=False)
+    console.print(table)
+    for what, extreme in (("slowest", found.slowest), ("furthest", found.furthest)):
+        signs = ", ".join(
+            f"{name} {'-' if error < 0 else '+'}"
+            for name, error in zip(found.names, extreme.errors, strict=True)
+            if error
+        )
+        console.print(f"{what} corner: {signs or 'no errors'}", soft_wrap=True)
+
+
+def _plain(value: Any) -> Any:
+    """Returns nested values with what is infinite as None."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

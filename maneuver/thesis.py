@@ -6,9 +6,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Annotated
 
 from cyclopts import Parameter
-from rich.box import SIMPLE_HEAD
-from rich.console import Console
-from rich.table import Table
 
 from flight.library import Library
 from planner.kernel.build import kernel
@@ -17,7 +14,9 @@ from planner.sequences import walks
 from planner.worst_case import WorstCase
 
 from .files import find_library, find_mission
+from .thesis_closed_loop import NOT_REPRODUCED, closed_loops
 from .thesis_examples import example_rows
+from .thesis_text import Comparison, markdown_page, show
 
 TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
 """Sequences of up to four trims from each start trim (thesis, Table 11)."""
@@ -33,12 +32,6 @@ MISPRINT = (
 START_NOT_PRINTED = (
     "not reproduced: the start trim is not printed, and no start trim of Tables 9 and 10 gives the figure; "
     "computed from trim 2, goal met exactly"
-)
-
-NOT_COMPARED = (
-    "The closed-loop columns are not compared: the thesis prints neither its activation interval nor its "
-    "iteration limit nor the errors that its plant had. Their pattern (nominal reaches the goal in 3 of 15 "
-    "runs, worst case in 14 of 15) is what can be compared: see `maneuver validate --plant automaton`."
 )
 
 
@@ -93,40 +86,46 @@ AGREEMENT = 1e-4
 """Seconds within which a computed cost is the printed one."""
 
 
-@dataclass(frozen=True, slots=True)
-class Comparison:
-    """One printed figure beside the computed one; `verdict` is `same`, `differs`, or why it may differ."""
-
-    table: int
-    what: str
-    printed: float
-    computed: float | None
-    sequence: str
-    verdict: str
-
-
-def thesis(*, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+def thesis(
+    *,
+    closed_loop: bool = True,
+    markdown: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
     """Prints what the thesis prints beside what is computed from its own tables, differences marked.
 
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
-    cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 31 and 33 follow, misprints marked.
-    The exit code is 1 where a figure differs without an explanation.
+    cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 27 to 33 follow, misprints marked.
+    The closed-loop columns of Tables 12 to 26 are flown, with the library's errors on the library's model,
+    which takes some seconds. The exit code is 1 where a figure differs without an
+    explanation.
 
     For example:
 
         maneuver thesis
 
+        maneuver thesis --markdown
+
         maneuver thesis --json
 
     Args:
+        closed_loop: fly the closed-loop figures too.
+        markdown: print Markdown.
         json: print one JSON document.
     """
     rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED), *examples()]
+    flights = list(closed_loops()) if closed_loop else []
     if json:
-        document = {"comparisons": [asdict(row) for row in rows], "not_compared": NOT_COMPARED}
+        document = {
+            "comparisons": [asdict(row) for row in rows],
+            "closed_loop": [asdict(row) for row in flights],
+            "not_compared": NOT_REPRODUCED,
+        }
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
+    elif markdown:
+        sys.stdout.write(markdown_page(rows, flights))
     else:
-        _show(rows)
+        show(rows, flights)
     return DIFFERS if any(row.verdict == "differs" for row in rows) else 0
 
 
@@ -174,21 +173,3 @@ def compare(printed: PrintedCost) -> Comparison:
         sequence="-".join(map(str, plan.sequence)),
         verdict="same" if same else printed.explanation or "differs",
     )
-
-
-def _show(rows: list[Comparison]) -> None:
-    console = Console(highlight=False)
-    table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("table", "what", "printed", "computed", "trims", ""):
-        table.add_column(heading, justify="right" if heading in {"table", "printed", "computed"} else "left")
-    notes = list(dict.fromkeys(row.verdict for row in rows if row.verdict not in {"same", "differs"}))
-    for row in rows:
-        computed = "none" if row.computed is None else f"{row.computed:.8g}"
-        mark = f"[{notes.index(row.verdict) + 1}]" if row.verdict in notes else row.verdict
-        table.add_row(
-            str(row.table), row.what, f"{row.printed:.10g}", computed, row.sequence, mark.replace("[", r"\[")
-        )
-    console.print(table)
-    for place, note in enumerate(notes, start=1):
-        console.print(rf"\[{place}] {note}", soft_wrap=True)
-    console.print(NOT_COMPARED, soft_wrap=True)

@@ -8,6 +8,7 @@ from flight.mission import Mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.example_problems import nominal_example, robust_example
+from planner.sequences import walks
 from planner.signs import all_signs
 
 ALPHA = 1.5
@@ -28,6 +29,12 @@ PROBLEMS = (
     (f"problem 4.4, a at a = 1, alpha = {ALPHA:g}", sqrt(ALPHA), ""),
     (f"problem 4.4, J at a = 1, alpha = {ALPHA:g}", ALPHA / 2, ""),
 )
+
+ENTERED = (
+    "not reproduced: Table 33 follows from an error of 1.8 m/s on trim 2, which is what its first row gives"
+)
+TABLE_27_ERROR = 0.8
+"""Forward error of trim 2 in metres per second, as printed."""
 
 TABLE_31 = {-1: 50.0, 0: 45.4545, 1: 50.0}
 
@@ -67,6 +74,14 @@ def example_rows() -> list[tuple[int, str, float, float, str]]:
         (4, what, printed, value, why) for (what, printed, why), value in zip(PROBLEMS, computed, strict=True)
     ]
     library, mission = simple_example()
+    error = _entered_error()
+    rows.append((27, "error of trim 2, m/s, as Table 33 has it", TABLE_27_ERROR, error, ENTERED))
+    rows.append((29, "sequences of at most 2 trims", 2, len(walks(library, 1, max_trims=2)), ""))
+    one, two = (
+        len(all_signs(library, mission, walk, (0.0,) * len(walk)).scenarios) for walk in ((1,), (1, 2))
+    )
+    rows += [(30, "scenarios of sequence 1", 3, one, ""), (30, "scenarios of sequence 2", 27, two, "")]
+    rows.append((32, "rows: its caption is printed above those of Table 33", 27, two, ""))
     for scenario in all_signs(library, mission, (1,), (50.0,)).scenarios:
         (sign,) = scenario.signs
         rows.append((31, f"sign {sign}", TABLE_31[sign], scenario.cost, MIXED_UP))
@@ -76,3 +91,12 @@ def example_rows() -> list[tuple[int, str, float, float, str]]:
         why = MISPRINTED if scenario.signs in MISPRINTS else ""
         rows.append((33, f"signs {slow} {change} {fast}", printed, scenario.cost, why))
     return rows
+
+
+def _entered_error() -> float:
+    """Returns the forward error of trim 2 that the first row of Table 33 follows from, in metres per second.
+
+    All signs are negative there: the maneuver takes 2.5 s and covers 5.5 of the 50 m, and the rest is flown
+    at 4 m/s less the error.
+    """
+    return 4.0 - (50.0 - 5.5) / (TABLE_33[-1, -1] - 2.5)

@@ -7,6 +7,7 @@ than the plan. Which level that is, is tried out; a level at which a faster way 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
+from time import perf_counter
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -41,15 +42,26 @@ class Doubt:
 
     Attributes:
         walk: the one that was not refuted.
-        reached: whether it reaches the goal in less time at every level; else the effort was too large.
+        times: with which it reaches the goal in less time at every level; nothing where the effort, or the
+            time, was not enough to tell.
     """
 
     walk: Walk
-    reached: bool
+    times: tuple[tuple[float, ...], ...] = ()
+
+    @property
+    def reached(self) -> bool:
+        """Whether the walk is known to be faster."""
+        return bool(self.times)
 
 
 def certify(
-    library: Library, mission: Mission, gammas: Sequence[float], lower_bound: float
+    library: Library,
+    mission: Mission,
+    gammas: Sequence[float],
+    lower_bound: float,
+    *,
+    until: float = inf,
 ) -> Certificate | Doubt:
     """Proves that no walk has a worst time below a bound.
 
@@ -58,6 +70,7 @@ def certify(
         mission: from where to where, and how deep.
         gammas: the uncertainty levels.
         lower_bound: seconds; infinite to prove that there is no plan at all.
+        until: reading of `time.perf_counter` at which to give up.
 
     Raises:
         UnknownTrimError: the library lacks the start or goal trim.
@@ -69,6 +82,7 @@ def certify(
     order = _levels_by_promise(levels, lower_bound)
     trees: dict[int, tuple[int, str]] = {}
     reached = np.zeros((len(every), len(gammas)), dtype=bool)
+    ways: dict[tuple[int, int], tuple[float, ...]] = {}
     for effort in EFFORTS:
         for turn in range(len(gammas)):
             for level in range(len(gammas)):
@@ -82,22 +96,32 @@ def certify(
                 )
                 if not len(rows):
                     continue
-                forest = _Forest(levels[level], lower_bound)
+                forest = _Forest(levels[level], lower_bound, until)
                 forest.grow(rows, effort)
                 reached[rows, level] |= forest.reached[rows]
+                ways |= {(row, level): times for row, times in forest.ways.items()}
                 for row in rows[~forest.left[rows]].tolist():
                     trees[row] = level, forest.text(row, len(every[row]))
         lost = [row for row in range(len(every)) if row not in trees and reached[row].all()]
         if lost:
-            return Doubt(every[lost[0]], reached=True)
+            return _faster(lost, every, ways, len(gammas))
         if len(trees) == len(every):
             break
     else:
-        return Doubt(next(walk for row, walk in enumerate(every) if row not in trees), reached=False)
+        return Doubt(next(walk for row, walk in enumerate(every) if row not in trees))
     return Certificate(
         mission.max_trims,
         tuple(Refutation(walk, gammas[trees[row][0]], trees[row][1]) for row, walk in enumerate(every)),
     )
+
+
+def _faster(
+    rows: list[int], every: tuple[Walk, ...], ways: dict[tuple[int, int], tuple[float, ...]], levels: int
+) -> Doubt:
+    """Returns the walk that coasts least, of those known to be faster than the bound."""
+    times = {row: tuple(ways[row, level][: len(every[row])] for level in range(levels)) for row in rows}
+    best = min(rows, key=lambda row: max(map(sum, times[row])))
+    return Doubt(every[best], times[best])
 
 
 def _levels_by_promise(levels: list[Problems], target: float) -> Int[np.ndarray, "walks levels"]:
@@ -119,8 +143,9 @@ def _root(problems: Problems, target: float) -> tuple[Boxes, Boxes]:
 class _Forest:
     """The trees of some walks at one level, grown together, all boxes of a depth at once."""
 
-    def __init__(self, problems: Problems, target: float) -> None:
-        self._problems, self._target = problems, target
+    def __init__(self, problems: Problems, target: float, until: float) -> None:
+        self._problems, self._target, self._until = problems, target, until
+        self.ways: dict[int, tuple[float, ...]] = {}
         count = len(problems.rate)
         self.left: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
         self.reached: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
@@ -131,7 +156,8 @@ class _Forest:
     def grow(self, rows: Int[np.ndarray, "some"], effort: int) -> None:
         """Cuts boxes until all are refuted, but no more of one walk than the effort.
 
-        Afterwards `left` marks the walks that are not refuted, `reached` those that reach the goal in time.
+        Afterwards `left` marks the walks that are not refuted, `reached` those that reach the goal in time,
+        and `ways` holds their coasting times.
         """
         self._first[rows] = np.arange(len(rows))
         self._nodes = [None] * len(rows)
@@ -150,10 +176,12 @@ class _Forest:
             done = empty | (refuter.excess > MARGIN)
             self._note(node[done], refuter, np.flatnonzero(done), empty[done])
             some = ~done
-            found = _reaches(problems.take(np.flatnonzero(some)), refuter.middle[some], self._target)
+            found, times = _reaches(problems.take(np.flatnonzero(some)), refuter.middle[some], self._target)
             self.reached[rows[some][found]] = True
+            self.ways |= dict(zip(rows[some][found].tolist(), map(tuple, times[found].tolist()), strict=True))
             spent += np.bincount(rows, minlength=len(spent))
-            self.left |= self.reached | ((spent > effort) & np.isin(np.arange(len(spent)), rows[some]))
+            late = (spent > effort) | (perf_counter() > self._until)
+            self.left |= self.reached | (late & np.isin(np.arange(len(spent)), rows[some]))
             some &= ~self.left[rows]
             place, time = _cut(problems.take(np.flatnonzero(some)), low[some], narrowed[some], refuter, some)
             node, low, high = self._divide(node[some], low[some], high[some], place, time)
@@ -252,8 +280,8 @@ def _cut(
     return place, np.where(ended, 0.5 * (first + np.where(ended, last, 0.0)), 2 * first + 10.0)
 
 
-def _reaches(problems: Problems, times: Boxes, target: float) -> Bool[np.ndarray, "boxes"]:
-    """Returns whether times that reach the goal in less than the target are found near the given ones."""
+def _reaches(problems: Problems, times: Boxes, target: float) -> tuple[Bool[np.ndarray, "boxes"], Boxes]:
+    """Returns whether times that reach the goal before the target are found near given ones, and them."""
     for _ in range(NEWTON_ROUNDS):
         velocity, end, turned = problems.flown(times)
         miss, off = _misses(problems, end, turned)
@@ -266,7 +294,7 @@ def _reaches(problems: Problems, times: Boxes, target: float) -> Bool[np.ndarray
     _, end, turned = problems.flown(times)
     miss, off = _misses(problems, end, turned)
     cost = problems.fixed + times.sum(axis=1)
-    return np.asarray((np.abs(miss) < 1e-7) & (np.abs(off) < 1e-7) & (cost < target))
+    return np.asarray((np.abs(miss) < 1e-7) & (np.abs(off) < 1e-7) & (cost < target)), times
 
 
 def _misses(

@@ -23,7 +23,7 @@ TIME_AGREEMENT = 1e-9
 """Seconds by which a stated cost may differ from the sum of its parts."""
 
 
-OPTIMALITY = 1e-6
+OPTIMALITY = 2e-5
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
 
 PROVED_OPTIMALITY = 1e-3

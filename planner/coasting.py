@@ -24,8 +24,8 @@ EQUALITY_TOLERANCE = 1e-6
 SOLVER_MARGIN = 1e-7
 """Share of a tolerance by which a statement is stricter than the check: solvers relax bounds by 1e-8."""
 
-HEADING_MARGIN = 1e-6
-"""Radians, for the same reason; enough for headings of some tens of full turns."""
+HEADING_MARGIN = 3e-8
+"""Share of a heading, or radians where that is below one, for the same reason."""
 
 Times = tuple[float, ...]
 
@@ -126,7 +126,8 @@ def solve(
     low, high = ([0.0, 0.0], [0.0, 0.0]) if exact else ([-inf], [(1 - SOLVER_MARGIN) ** 2])
     if heading:
         nearest = _nearest_turn(motion.end(mission.start, start_times).heading, mission)
-        half_width = max(mission.heading_tolerance - HEADING_MARGIN, 0.0)
+        margin = HEADING_MARGIN * max(1.0, abs(nearest) + mission.heading_tolerance)
+        half_width = max(mission.heading_tolerance - margin, 0.0)
         low, high = [*low, nearest - half_width], [*high, nearest + half_width]
     answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
     times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())

@@ -64,18 +64,22 @@ class Committed:
         library: the primitives.
         gamma: uncertainty level, from 0 (nominal) to 1 (the errors of the library).
         max_nodes: boxes of coasting times that each search may examine.
+        deadline: seconds after which the best plan so far is given, with a bound.
 
     Raises:
         GammaError: the level is outside [0, 1].
         NegativeDurationError: the level turns a maneuver's duration negative.
     """
 
-    def __init__(self, library: Library, gamma: float, *, max_nodes: int | None = None) -> None:
+    def __init__(
+        self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> None:
         refuse_gamma(gamma)
         for level in (-gamma, gamma):
             refuse_negative_durations(library, level)
         self._library, self._gamma = library, gamma
         self._hash = library_hash(library)
+        self._deadline = deadline
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
         self._nominal, self._worst_case = Nominal(library), WorstCase(library, gamma)
 
@@ -88,7 +92,7 @@ class Committed:
         began = perf_counter()
         if self._gamma == 0:
             return _committed(self._nominal.plan(mission), mission)
-        case = self._prepared(mission)
+        case = self._prepared(mission, began + self._deadline)
         start = self._feasible(case)
         if start.found is not None and start.value <= Task.of(mission, self._gamma).tolerance:
             seconds = sum(start.found.times) + float(case.fixed[case.walks.index(start.walk)])
@@ -104,7 +108,7 @@ class Committed:
         nominal = self._nominal.plan(mission)
         return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
 
-    def _prepared(self, mission: Mission) -> _Case:
+    def _prepared(self, mission: Mission, until: float) -> _Case:
         every = walks(
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
@@ -113,7 +117,7 @@ class Committed:
         slope = np.array([sum(step.error.duration for step in path) for path in paths])
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = Task.of(mission, self._gamma)
-        search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes)
+        search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
         coasting = self._coasting(mission, every, nominal_fixed, slope)
         return _Case(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
 

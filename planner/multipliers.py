@@ -14,6 +14,9 @@ UNBOUNDED = 10.0
 FLAT = 1e-3
 """Seconds a second; a coasting time that is worth more is taken at one end of its interval."""
 
+TILT = 1e-5
+"""Radians by which a line is left behind that may be followed for ever."""
+
 Vectors = Complex[np.ndarray, "boxes"]
 Trial = tuple[float, Vectors, Each]
 """kappa, the vector, and seconds a radian that turning is worth."""
@@ -66,9 +69,10 @@ class Refuter:
             yield from _two_free(velocity)
         yield 0.0, normal, none
         for place in range(velocity.shape[1]):
-            across = 1j * _unit(velocity[:, place])
-            yield 0.0, across, none
-            yield 0.0, -across, none
+            ahead = _unit(velocity[:, place])
+            tilt = 0.0 if bounded else TILT * ahead
+            yield 0.0, 1j * ahead + tilt, none
+            yield 0.0, -1j * ahead + tilt, none
         if problems.heading is not None:
             if bounded:
                 yield from _three_free(velocity, problems.rate)

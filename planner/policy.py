@@ -11,6 +11,7 @@ from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Policy, Scenario
 
+from .branch_and_bound import proved_best
 from .check import problems
 from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
@@ -25,8 +26,8 @@ FREEDOM = (
 )
 
 NOT_PROVED = (
-    "not proved optimal: walks were left out by bounds or as unpromising, and coasting times were sought "
-    "from finitely many starts"
+    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
+    "are better did not end"
 )
 
 
@@ -92,7 +93,11 @@ class LibraryPlanner:
     def _answer(self, mission: Mission) -> Answer:
         if self._exact.can(mission):
             return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-        return search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+        began = perf_counter()
+        found = search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
+        if self._max_nodes is not None:
+            return found
+        return proved_best(found, self._library, mission, self._gammas, until=began + self._deadline)
 
     def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
         return tabulate(self._library, self._gammas, start_trim, max_trims, goal_trim)

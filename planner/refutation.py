@@ -29,6 +29,9 @@ from flight.se2 import rotate
 from .coasting import EQUALITY_TOLERANCE, wants_heading
 from .kinematics import Motion
 
+ROUNDING = 1e-12
+"""Seconds (for kappa 0: metres) a second."""
+
 Boxes = Float[np.ndarray, "boxes trims"]
 Each = Float[np.ndarray, "boxes"]
 
@@ -162,25 +165,39 @@ def bound(problems: Problems, low: Boxes, high: Boxes, by: Multipliers) -> Each:
     for place in range(low.shape[1]):
         turns = problems.rate[:, place] != 0
         x, first, last = by.shares[:, place], low[:, place], high[:, place]
-        rate = np.where(turns, problems.rate[:, place], 1.0)
-        worth = np.where(turns, (by.kappa - x) / rate, 0.0)
-        way = way + problems.displacement[:, place]
-        least = least_wave(slope - worth, m * (way - problems.centre[:, place]), *before)
-        speed = m * problems.velocity[:, place]
         after = ends[0][:, place], ends[1][:, place]
-        steady = by.kappa + least_wave(0 * x, speed, *after)
-        fast = by.kappa - least_wave(0 * x, -speed, *after)
+        way = way + problems.displacement[:, place]
+        gained = np.zeros(len(low))
+        if turns.any():
+            worth = (by.kappa - x) / np.where(turns, problems.rate[:, place], 1.0)
+            least = least_wave(slope - worth, m * (way - problems.centre[:, place]), *before)
+            gained = np.where(turns, least + np.minimum(x * first, x * np.where(turns, last, first)), gained)
+            slope = np.where(turns, worth, slope)
+        if not turns.all():
+            speed = m * problems.velocity[:, place]
+            still = np.zeros(len(low))
+            steady = by.kappa + least_wave(still, speed, *after)
+            fast = by.kappa - least_wave(still, -speed, *after)
+            gained = np.where(turns, gained, by.kappa * x + _aside((first, last), x, (steady, fast)))
         with np.errstate(invalid="ignore"):
-            aside = np.minimum(
-                np.where(steady < 0, (last - x) * steady, 0.0), np.where(fast > 0, (first - x) * fast, 0.0)
-            )
-            held = np.where(x < 0, last * x, first * x)
-        total = total + np.where(turns, least + held, by.kappa * x + aside)
+            total = total + gained
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
-        slope = np.where(turns, worth, slope)
         before = after
-    found: Each = total + least_wave(slope, m * way, *before)
+    last = least_wave(slope, m * way, *before)
+    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    with np.errstate(invalid="ignore"):
+        found: Each = np.where(last == np.inf, np.inf, total + last)
     return found
+
+
+def _aside(times: tuple[Each, Each], x: Each, worth: tuple[Each, Each]) -> Each:
+    """Returns the least of a straight time less x, times what a second of it is worth; both between two."""
+    (first, last), (steady, fast) = times, worth
+    with np.errstate(invalid="ignore"):
+        late, early = (last - x) * steady, (first - x) * fast
+    least: Each = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
+    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 
 def headings(problems: Problems, low: Boxes, high: Boxes) -> tuple[Boxes, Boxes]:

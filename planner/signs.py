@@ -1,13 +1,15 @@
 """How far a single gamma can be trusted: every primitive with a sign of its own (thesis, appendix B).
 
 The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk takes its own,
-from -g, 0 and g: 3^(n_T + n_M) scenarios. Where one of them takes longer than every single gamma, or ends
-further from the goal, it is a counter-example. These are corners: through turns they are no bound on what
-lies between.
+from -g, 0 and g: 3^(n_T + n_M) scenarios; or each scalar of them does. Where a scenario takes longer than
+every single gamma, or ends further from the goal, it is a counter-example. These are corners: through turns
+they are no bound on what lies between, which comes from an enclosure of the whole box of errors.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
+from math import inf
 
 import numpy as np
 from jaxtyping import Float
@@ -15,13 +17,17 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
-from flight.se2 import rotate
 
+from .coasting import wants_heading
+from .error_bounds import MOST_TIME_BOXES, Bounded, goal_of, worst_miss_bound, worst_time_bound
+from .error_box import Each, ErrorPath, error_path
 from .kernel.exact import least_costs_of_each
-from .kernel.tables import Table, fold
 
 MOST_PRIMITIVES = 11
-"""Of a walk; more scenarios than 3 to this power are not enumerated."""
+"""Of a walk; more scenarios than 3 to this power are not listed."""
+
+MOST_ENUMERATED = 9
+"""Error variables of which every corner is tried; with more, corners are climbed."""
 
 
 class TooManyScenariosError(FlightError):
@@ -89,33 +95,12 @@ def all_signs(
         TooManyScenariosError: the walk is too long.
         NoKernelError: there is no C compiler.
     """
-    primitives = 2 * len(sequence) - 1
-    if primitives > MOST_PRIMITIVES:
-        raise TooManyScenariosError(primitives)
-    signs = np.array(list(product((-1, 0, 1), repeat=primitives)))
-    trims = [library.trim(trim) for trim in sequence]
-    maneuvers = library.maneuvers_along(sequence)
-    # Trims at the even places, maneuvers at the odd ones.
-    twists = [[trim.at(one) for trim in trims] for one in (-gamma, 0.0, gamma)]
-    outcomes = [[maneuver.at(one) for maneuver in maneuvers] for one in (-gamma, 0.0, gamma)]
-    which, step = signs[:, 0::2] + 1, signs[:, 1::2] + 1
-    at, edge = np.arange(len(trims)), np.arange(len(maneuvers))
-    velocity = np.array([[complex(one.forward, one.side) for one in row] for row in twists])[which, at]
-    rate = np.array([[one.yaw_rate for one in row] for row in twists])[which, at]
-    moved = np.array([[complex(one.displacement.x, one.displacement.y) for one in row] for row in outcomes])
-    turn = np.array([[one.displacement.heading for one in row] for row in outcomes])[step, edge]
-    durations = np.array([[one.duration for one in row] for row in outcomes])[step, edge]
-    displacement = moved[step, edge]
-    table = fold(
-        np.tile(np.array(sequence), (len(signs), 1)),
-        velocity=velocity,
-        rate=rate,
-        displacement=displacement,
-        turn=turn,
-        fixed=durations.sum(axis=1),
-    )
-    costs = least_costs_of_each(table, mission)
-    misses = _misses(mission, np.array(coasting_times), table)
+    path = error_path(library, sequence, gamma, "primitive")
+    if len(path.names) > MOST_PRIMITIVES:
+        raise TooManyScenariosError(len(path.names))
+    signs = np.array(list(product((-1, 0, 1), repeat=len(path.names))))
+    costs = least_costs_of_each(path.table(signs), mission)
+    misses = _misses(path, mission, coasting_times, signs)
     scenarios = tuple(
         Scenario(tuple(row), cost, miss)
         for row, cost, miss in zip(signs.tolist(), costs.tolist(), misses.tolist(), strict=True)
@@ -130,18 +115,128 @@ def all_signs(
     )
 
 
-def _misses(mission: Mission, times: Float[np.ndarray, "trims"], table: Table) -> Float[np.ndarray, "rows"]:
-    """Returns how far from the goal each scenario ends with these coasting times, in metres."""
-    rate, velocity, _, displacement = table.arrays[:4]
-    position = np.zeros(len(rate), dtype=complex)
-    heading = np.zeros(len(rate))
-    for place, time in enumerate(times.tolist()):
-        position = position + np.exp(1j * heading) * displacement[:, place]
-        half = 0.5 * rate[:, place] * time
-        chord = velocity[:, place] * time * np.sinc(half / np.pi)
-        position = position + np.exp(1j * (heading + half)) * chord
-        heading = heading + 2 * half
-    start = mission.start
-    north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
-    misses: Float[np.ndarray, "rows"] = np.abs(position - complex(north, east))
+@dataclass(frozen=True, slots=True)
+class Extreme:
+    """One choice of the error variables, and what it comes to in seconds or metres."""
+
+    errors: tuple[float, ...]
+    value: float
+
+
+@dataclass(frozen=True, slots=True)
+class Trust:
+    """How far a single gamma can be trusted: the worst with one sign for all, at corners, and at most.
+
+    Attributes:
+        names: of the error variables.
+        scenarios: corners that there are.
+        all_tried: whether every corner was looked at, or those that a climb led to.
+        slowest_single: the slowest with one value -1, 0 or 1 for all, coasting times chosen for it; seconds.
+        furthest_single: with the plan's coasting times, the furthest from the goal; metres.
+        slowest: the slowest corner found.
+        furthest: the furthest corner found.
+        slowest_bound: what no errors in the whole box exceed, and the slowest found in it.
+        furthest_bound: likewise for the miss.
+    """
+
+    names: tuple[str, ...]
+    scenarios: int
+    all_tried: bool
+    slowest_single: Extreme
+    furthest_single: Extreme
+    slowest: Extreme
+    furthest: Extreme
+    slowest_bound: Bounded
+    furthest_bound: Bounded
+
+
+def trust(
+    library: Library,
+    mission: Mission,
+    sequence: tuple[int, ...],
+    coasting_times: tuple[float, ...],
+    *,
+    gamma: float = 1.0,
+    each: Each = "primitive",
+    most_boxes: int = MOST_TIME_BOXES,
+) -> Trust:
+    """Returns the worst that errors of their own do to a plan: with one gamma, at corners, and at most.
+
+    Args:
+        library: the primitives.
+        mission: from where to where.
+        sequence: trims of the walk.
+        coasting_times: seconds, committed before the errors are known.
+        gamma: what the error variables, from -1 to 1, scale.
+        each: what has an error variable of its own.
+        most_boxes: of errors, that the bound of the time may look at.
+
+    Raises:
+        NoKernelError: there is no C compiler.
+    """
+    path = error_path(library, sequence, gamma, each)
+    count = len(path.names)
+    one_sign = np.array([[sign] * count for sign in (-1.0, 0.0, 1.0)])
+
+    def seconds(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
+        return least_costs_of_each(path.table(errors), mission)
+
+    def metres(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
+        return _misses(path, mission, coasting_times, errors)
+
+    enumerated = count <= MOST_ENUMERATED
+    corners = np.array(list(product((-1.0, 0.0, 1.0), repeat=count))) if enumerated else one_sign
+    search = _largest if enumerated else _climbed
+    slowest, furthest = search(seconds, corners), search(metres, corners)
+    known = Bounded(slowest.value, slowest.errors, inf, 0)
+    bounded = mission.tolerance > 0 and not wants_heading(mission) and slowest.value < inf
+    return Trust(
+        names=path.names,
+        scenarios=3**count,
+        all_tried=enumerated,
+        slowest_single=_largest(seconds, one_sign),
+        furthest_single=_largest(metres, one_sign),
+        slowest=slowest,
+        furthest=furthest,
+        slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if bounded else known,
+        furthest_bound=worst_miss_bound(path, mission, coasting_times),
+    )
+
+
+def _largest(
+    value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
+    choices: Float[np.ndarray, "n variables"],
+) -> Extreme:
+    values = value(choices)
+    best = int(values.argmax())
+    return Extreme(tuple(choices[best].tolist()), float(values[best]))
+
+
+def _climbed(
+    value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
+    starts: Float[np.ndarray, "n variables"],
+) -> Extreme:
+    """Returns the largest value at corners that changing one variable at a time leads to."""
+    best = Extreme((), -inf)
+    for start in starts:
+        here, known = start, float(value(start[None])[0])
+        while True:
+            steps = np.repeat(here[None], 3 * len(here), axis=0)
+            for place in range(len(here)):
+                steps[3 * place : 3 * place + 3, place] = (-1.0, 0.0, 1.0)
+            next_ = _largest(value, steps)
+            if next_.value <= known:
+                break
+            here, known = np.array(next_.errors), next_.value
+        if known > best.value:
+            best = Extreme(tuple(here.tolist()), known)
+    return best
+
+
+def _misses(
+    path: ErrorPath, mission: Mission, times: tuple[float, ...], errors: Float[np.ndarray, "n variables"]
+) -> Float[np.ndarray, "n"]:
+    """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
+    ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
+    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_of(mission))
     return misses

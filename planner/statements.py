@@ -198,8 +198,9 @@ class Question:
         if heading:
             assert mission.goal_heading is not None
             wanted = ends[1].heading + wrap_angle(mission.goal_heading - ends[1].heading)
-            low += [wanted - mission.heading_tolerance] * levels
-            high += [wanted + mission.heading_tolerance] * levels
+            width = max(mission.heading_tolerance, EQUALITY_TOLERANCE)
+            low += [wanted - width] * levels
+            high += [wanted + width] * levels
         if kind == "tolerance":
             guess.append(1.0)
         run = _solver(kind, len(start), levels, heading=heading)

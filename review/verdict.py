@@ -33,8 +33,7 @@ def tiles_of(summary: Summary) -> list[Content]:
         note = "no planning failed" if not failed else f"{failed} plannings found none"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
-        names = ", ".join(summary.faults)
-        tiles.append(_tile("faults", str(len(summary.faults)), names, "bad"))
+        tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
     if summary.tracking is not None:
         # The furthest off in units of 1 m/s and 0.1 rad/s, of the order of one another in flight.
         worst = max(summary.tracking, key=lambda one: abs(one.worst) * (10 if "rad" in one.unit else 1))

@@ -16,10 +16,12 @@ import casadi as ca
 import numpy as np
 
 from flight.errors import FlightError
-from flight.machine_code import NoMachineCodeError, shared_library
+from flight.machine_code import IEEE_FLAGS, NoMachineCodeError, shared_library
 
 # Random arguments of several sizes that machine code must answer as the interpreter does.
 _PROBES = 8
+# Thousands of lines without a branch: more effort takes half as long again and makes nothing faster.
+_FLAGS = ("-O1", *IEEE_FLAGS)
 
 
 class Backend(StrEnum):
@@ -69,7 +71,7 @@ def realise(function: ca.Function, backend: Backend) -> ca.Function:
         writer.add(function)
         # Ends with a separator, or it would be part of the name.
         writer.generate(folder + os.sep)
-        path = shared_library([source])
+        path = shared_library([source], flags=_FLAGS)
     try:
         machine_code = ca.external(name, str(path))
     except RuntimeError as error:

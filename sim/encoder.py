@@ -49,6 +49,10 @@ def film_encoder(path: Path, *, width: int, height: int, rate: int) -> Iterator[
             except BrokenPipeError:
                 # It has ended, and said why.
                 encoder.wait()
+            except BaseException:
+                encoder.kill()
+                encoder.wait()
+                raise
         if encoder.returncode:
             said.seek(0)
             lines = said.read().decode(errors="replace").strip().splitlines()

@@ -4,7 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict
 
-from flight.errors import FlightError, FlightLostError
+from flight.errors import FlightLostError, NoManeuverEndError
 from flight.library import Library
 from flight.library_file import library_text
 from flight.log import (
@@ -40,16 +40,6 @@ from .streams import Stream, random_stream
 from .wind import DrydenWind, wind_class
 
 
-class NoManeuverEndError(FlightError):
-    """A library was to be flown that does not say when a maneuver has ended."""
-
-    def __init__(self, library: Library) -> None:
-        super().__init__(
-            f"library {library.name!r} cannot be flown: its conditions have no maneuver_end "
-            "(a band for each trim, dwell, timeout)"
-        )
-
-
 class SimulatedHelicopter:
     """A helicopter in simulated air that holds trims and performs maneuvers (a `Vehicle`).
 
@@ -77,7 +67,7 @@ class SimulatedHelicopter:
         backend: Backend | None = None,
     ) -> None:
         if library.conditions.maneuver_end is None:
-            raise NoManeuverEndError(library)
+            raise NoManeuverEndError(library.name)
         parameters = parameters or read_parameters()
         self._backend = backend = backend or best_backend()
         self._rule = library.conditions.maneuver_end

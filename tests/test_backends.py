@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from flight import machine_code
+from flight.fault import parse_fault
 from flight.fingerprint import fingerprint
 from flight.library import Library
 from flight.log import TRUTH, FlightLog
@@ -30,12 +31,15 @@ def library() -> Library:
 
 
 def fly(backend: Backend | None, *, ideal: bool = False) -> FlightLog:
-    gust = {"start": 2.0, "duration": 1.0, "east": 3.0}
-    flight = FlightSpecification.model_validate(
-        {
-            **{"seed": 3, "wind": "gtmax", "gusts": (gust,), "ideal_navigation": ideal},
-            **{"start_trim": 1, "trims": (1, 3, 7), "coasting_times": (4.0, 3.0, 5.0)},
-        }
+    words = ["wind gust 2 1 0 3 0", "pedal slow 5 3 0.5"] + ([] if ideal else ["gps dropout 6 2"])
+    flight = FlightSpecification(
+        seed=3,
+        wind="gtmax",
+        ideal_navigation=ideal,
+        faults=tuple(map(parse_fault, words)),
+        start_trim=1,
+        trims=(1, 3, 7),
+        coasting_times=(4.0, 3.0, 5.0),
     )
     helicopter = SimulatedHelicopter(flight, library(), backend=backend)
     fly_sequence(helicopter, flight.sequence, library=library())

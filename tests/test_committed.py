@@ -261,3 +261,15 @@ def test_the_verb_plans_and_checks(tmp_path: Path, capsys: pytest.CaptureFixture
     assert run(["plan", "check", str(path), "--mission", str(mission)]) in {1, 2}
     assert "at_smallest_tolerance" in capsys.readouterr().out
     assert run([*asked, "--certify"]) == 2
+
+
+def test_a_search_that_is_stopped_early_says_so_and_its_bound_holds() -> None:
+    plan, library, mission = case()
+    early = Committed(library, 0.4, max_nodes=300).plan(mission)
+    assert early.status in {"feasible", "unknown"}
+    if early.found:
+        assert early.lower_bound is not None
+        assert early.lower_bound <= plan.cost <= early.cost
+    late = Committed(library, 0.4, deadline=0.0).plan(mission)
+    assert late.status in {"feasible", "unknown"}
+    assert problems(late, library, mission) == ()

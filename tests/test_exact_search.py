@@ -13,12 +13,14 @@ from flight.library_file import read_library
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.se2 import SE2
-from planner.coasting import reaches
+from planner.branch_and_bound import RESOLUTION, proved_best
+from planner.coasting import reaches, solve
 from planner.kernel import build
-from planner.kernel.exact import ExactSearch
+from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.tables import tables
 from planner.kinematics import motion
 from planner.nominal import Nominal
-from planner.search import search
+from planner.search import Answer, search
 from planner.walk_table import tabulate
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
@@ -103,20 +105,65 @@ def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
         assert there.cost <= motion(library, plan.sequence, 0.0).fixed_time + 1e-9
 
 
-def test_without_a_compiler_the_plan_is_the_same_but_not_called_optimal(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    mission = Mission("fallback", SE2.identity(), 1, (30.0, 12.0), 0.0)
+@needs_kernel
+@pytest.mark.parametrize("seed", range(9))
+def test_without_a_compiler_the_answer_is_the_same(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    rng = np.random.default_rng(100 + seed)
+    library = shipped()[seed % 3]
+    mission = random_mission(rng, library, max_trims=3)
 
     def plan() -> Plan:
-        return WorstCase(thesis_kinematic(), 0.5).plan(mission)
+        return WorstCase(library, 0.5).plan(mission)
 
     known = plan()
     monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
     fallback = plan()
-    assert fallback.status == "feasible"
-    assert fallback.cost == pytest.approx(known.cost, abs=1e-6)
-    assert fallback.sequence == known.sequence
+    assert fallback.status == known.status
+    if known.found:
+        assert fallback.cost == pytest.approx(known.cost, abs=2 * RESOLUTION)
+
+
+@needs_kernel
+def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> None:
+    # The root lies 8e-6 rad before the end of its curve, beyond the last sample.
+    mission = Mission(
+        "long straight", SE2(-9.6283, -16.0214, -0.8197), 1, (49.5143, -34.1173), 6.18, goal_trim=3
+    )
+    table = tables(shipped()[0], (0.3,), 1, 4, 3)[-1]
+    costs = dict(zip(map(tuple, table.walks.tolist()), least_costs_of_each(table, mission), strict=True))
+    walk = (1, 4, 1, 3)
+    numbers = motion(shipped()[0], walk, 0.3)
+    times = solve(numbers, mission, (0.0, 4.6, 50.0, 0.0))
+    assert times is not None
+    assert costs[walk] == pytest.approx(numbers.cost(times), abs=1e-5)
+
+
+def test_without_a_compiler_a_bad_start_is_improved_until_nothing_is_better() -> None:
+    library, mission = thesis_kinematic(), Mission("improved", SE2.identity(), 1, (30.0, 12.0), 0.0)
+    slow = Answer((), (), (), 0.0)
+    found = proved_best(slow, library, mission, (0.0, -0.5, 0.5))
+    known = WorstCase(library, 0.5).plan(mission)
+    assert found.exhausted
+    assert max(found.costs) == pytest.approx(known.cost, abs=2 * RESOLUTION)
+
+
+@pytest.mark.parametrize("compiled", [pytest.param(True, marks=needs_kernel), False])
+def test_a_deadline_gives_the_best_so_far_with_a_bound(
+    compiled: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    library = shipped()[0]
+    mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8 if compiled else 4)
+    if not compiled:
+        monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+    planner = WorstCase(library, 0.5, deadline=0.02)
+    planner.plan(mission)
+    stopped = planner.plan(mission)
+    assert stopped.status in {"feasible", "unknown"}
+    assert "not proved" in stopped.reason or "no coasting times" in stopped.reason
+    assert stopped.lower_bound is not None
+    assert stopped.lower_bound < stopped.cost
+    if compiled:
+        assert stopped.solve_time < 0.5
 
 
 @needs_kernel

@@ -19,6 +19,7 @@ from flight.log_file import log_bytes, publish_log, read_log
 from maneuver.app import run
 from maneuver.campaign_flights import campaign_library
 from maneuver.files import find_campaign
+from review.summary import summarise
 from sim.fault_schedule import Window, window
 from sim.fly import SimulatedHelicopter
 from sim.parameters import read_parameters
@@ -119,6 +120,8 @@ def test_a_fault_is_told_in_a_sentence() -> None:
         "fault 1: gps bias (0.3 m -0.4 m 0 m) until 3.50 s; "
         "how far the reading is from that of the sound gps: 0.5 m"
     ]
+    assert summarise(flown("gps bias")).faults == (f"2.50 s: {told[0].removeprefix('fault 1: ')}",)
+    assert summarise(sound()).faults == ()
     assert not [event for event in events_of_flight(sound()) if event.source == "fault"]
 
 

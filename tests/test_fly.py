@@ -10,7 +10,7 @@ import pytest
 
 import libraries
 from flight.conditions import Conditions
-from flight.errors import AlreadyExistsError, FlightLostError
+from flight.errors import AlreadyExistsError, FlightLostError, NoManeuverEndError
 from flight.library import Library
 from flight.library_file import read_library
 from flight.log import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND, FlightLog, PrimitiveKind, primitives_flown
@@ -21,7 +21,7 @@ from flight.sequence import Sequence
 from flight.vehicle import Vehicle
 from maneuver.workers import worker_pool
 from sim.campaign import fly_campaign, fly_sequence, fly_specification
-from sim.fly import NoManeuverEndError, SimulatedHelicopter
+from sim.fly import SimulatedHelicopter
 from sim.replay import AnotherVehicleError, replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.streams import Stream, random_stream

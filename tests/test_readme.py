@@ -33,7 +33,7 @@ def test_every_command_of_the_readme_runs(tmp_path: Path) -> None:
         )
         assert done.returncode == 0, (arguments, done.stdout, done.stderr)
         assert done.stdout, arguments
-        assert done.stderr == "", arguments
+        assert all(line.startswith("outside the domain of ") for line in done.stderr.splitlines()), arguments
 
 
 def test_every_file_that_the_readme_links_exists() -> None:

@@ -55,8 +55,11 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
     path = tmp_path / "plan.json"
     mission = read_mission(missions.FOLDER / "gtmax-2.toml")
     path.write_text(plan_text(WorstCase(thesis_gtmax(), 0.5).plan(mission)))
-    assert run(["plan", "signs", str(path), "--json"]) == 1
+    assert run(["plan", "signs", str(path), "--boxes", "300", "--json"]) == 1
     found = json.loads(capsys.readouterr().out)
-    assert found["slowest"]["cost"] > found["slowest with one sign for all"]["cost"]
-    assert run(["plan", "signs", str(path)]) == 1
-    assert "scenarios" in capsys.readouterr().out
+    assert found["slowest"]["value"] > found["slowest_single"]["value"]
+    assert found["slowest_bound"]["bound"] >= found["slowest"]["value"]
+    assert run(["plan", "signs", str(path), "--boxes", "5"]) == 1
+    shown = capsys.readouterr().out
+    assert "all 2,187 corners" in shown
+    assert "no bound" in shown

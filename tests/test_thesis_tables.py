@@ -2,7 +2,10 @@
 
 import pytest
 
+from maneuver.app import run
 from maneuver.thesis import PRINTED, PrintedCost, compare, examples, sequence_counts
+from maneuver.thesis_closed_loop import PRINTED as FLOWN
+from maneuver.thesis_closed_loop import closed_loops, pattern
 from planner.kernel.build import kernel
 from tools.thesis_libraries import thesis_gtmax
 
@@ -29,9 +32,27 @@ def test_tables_19_to_26_are_shown_with_the_reason_why_they_differ() -> None:
     assert "start trim is not printed" in row.verdict
 
 
+def test_the_closed_loop_of_tables_17_and_22_reaches_the_goal() -> None:
+    chosen = tuple(row for row in FLOWN if row.table in {17, 22})
+    flights = list(closed_loops(chosen))
+    assert [row.printed_reached for row in flights] == [True, True, False, True]
+    without_errors = flights[0]
+    assert without_errors.minus == without_errors.plus
+    assert without_errors.plus == pytest.approx(11.81, abs=0.01)
+    assert "worst-case: 2 of 2 printed, 4 of 4 ours" in pattern(flights)
+
+
+def test_the_page_prints_every_table_as_markdown_too(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["thesis", "--markdown", "--no-closed-loop"]) == 0
+    page = capsys.readouterr().out
+    assert "| 13 | kinematic-1, worst case, gamma 0.3 | 21.07064123 | 21.070642 | 1-2-5-2 | same |" in page
+    assert {len(line.split("|")) for line in page.splitlines() if line.startswith("|")} == {8}
+
+
 @pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 def test_the_small_examples_are_reproduced_but_for_what_is_misprinted() -> None:
     verdicts = {(row.table, row.what): row.verdict for row in examples()}
     assert "differs" not in verdicts.values()
     assert sum(verdict == "same" for (table, _), verdict in verdicts.items() if table == 33) == 24
     assert sum(verdict == "same" for (table, _), verdict in verdicts.items() if table == 4) == 5
+    assert {table for table, _ in verdicts} == {4, 27, 29, 30, 31, 32, 33}

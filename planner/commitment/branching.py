@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from math import inf
+from time import perf_counter
 
 import numpy as np
 from jaxtyping import Float
@@ -57,6 +58,7 @@ class Branching:
         fixed: seconds that each takes without coasting, at the level where that is most.
         task: what is asked.
         most_nodes: boxes that may be examined.
+        until: when to stop, by `time.perf_counter`.
     """
 
     def __init__(
@@ -67,9 +69,10 @@ class Branching:
         task: Task,
         *,
         most_nodes: int,
+        until: float = inf,
     ) -> None:
         self.walks, self.fixed, self.task = walks, fixed, task
-        self._library, self._most_nodes = library, most_nodes
+        self._library, self._most_nodes, self._until = library, most_nodes, until
         self._levels = [-task.gamma, 0.0, task.gamma]
         self._descents = [Descent(library, walk, task) for walk in walks]
         self._known: dict[int, list[Descended]] = {}
@@ -127,6 +130,8 @@ class Branching:
         if best.found is not None:
             self._learn(row_of[best.walk], best.found)
         while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
+            if perf_counter() > self._until:
+                break
             keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
             keep = keys <= best.value - gap
             open_, keys = open_.take(keep), keys[keep]

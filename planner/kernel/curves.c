@@ -239,6 +239,31 @@ static void follow(const Problem *p, unsigned choice, Samples *s, int i, int k)
     dip(p, signs, s->angles[i], s->angles[k], sign);
 }
 
+/* The end of a curve at which a straight coast runs exactly along alpha: there, and so near that no sample is
+ * between, its time is what closes the way. (So it is where a turn leads into a straight line at equal speed.) */
+static void at_the_end(const Problem *p, unsigned choice)
+{
+    int last = -1;
+    for (int j = 0; j <= p->free; j++)
+        if (p->stretch[j].straight >= 0 && p->stretch[j].limit <= p->most * (1 + 1e-12)) {
+            if (last >= 0) return;
+            last = j;
+        }
+    if (last < 0 || (choice >> last) & 1) return;
+    Point point = {.u = p->most};
+    double way = -p->row->tolerance;
+    for (int j = 0; j <= p->free; j++)
+        if (j != last) {
+            const Stretch *s = &p->stretch[j];
+            way += creal(add(s, point.u, root_of(point.u / s->limit, (choice >> j) & 1 ? 1.0 : -1.0), &point, j));
+        }
+    const Stretch *s = &p->stretch[last];
+    point.chi[last] = -conj(s->w) / s->speed;
+    point.straight[s->straight] = (way + creal(point.chi[last] * s->A)) / s->speed;
+    point.alpha = conj(point.chi[p->free]);
+    take(p, &point);
+}
+
 /* Every choice of signs. Two equations can hold no more than two directions in which the cost curves down: each
  * plain stretch with the sign + has one, each with a straight coast has one. */
 static void all_curves(Problem *p)
@@ -269,7 +294,9 @@ static void all_curves(Problem *p)
     for (unsigned choice = 0; choice < 2u << p->free; choice++) {
         int curved = straight;
         for (int j = 0; j < p->free; j++) curved += ((choice >> j) & 1) && p->stretch[j].straight < 0;
-        if (curved <= 2) follow(p, choice, &samples, 0, samples.count - 1);
+        if (curved > 2) continue;
+        follow(p, choice, &samples, 0, samples.count - 1);
+        at_the_end(p, choice);
     }
 }
 

@@ -391,7 +391,12 @@ int search(const Task *task, const Table *tables, Answer *answer)
             if (entries[i].bound >= answer->cost) break;
             if ((tables[entries[i].table].trims > SHORT) != longer) continue;
             if (over(task, answer, began)) { answer->complete = 0; answer->bound = entries[0].bound; }
-            else try_walk(&middle, tables, &entries[i], 0, equations, answer);
+            else {
+                double before = answer->cost;
+                try_walk(&middle, tables, &entries[i], 0, equations, answer);
+                /* A walk that has become the best is worth solving to the end at once. */
+                if (answer->cost < before) try_walk(task, tables, &entries[i], 0, MOST, answer);
+            }
         }
     for (long i = 0; i < used && answer->complete; i++) {
         if (entries[i].bound >= answer->cost) break;

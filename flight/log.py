@@ -42,6 +42,9 @@ MISSION_ATTACHMENT = "mission.json"
 VEHICLE_ATTACHMENT = "vehicle.json"
 """Every number of the vehicle that flew, with the changes that were made to it."""
 
+IMPORT_ATTACHMENT = "import.json"
+"""Where a log that another program wrote came from: its file, its SHA-256, what it says of itself."""
+
 MODEL_ATTACHMENT = "model.xml"
 """The vehicle's shape, as MuJoCo's MJCF: x forward, y left, z up."""
 
@@ -174,7 +177,7 @@ class FlightHeader:
     """What was flown, by what: enough, with the attachments, to repeat the flight.
 
     Attributes:
-        kind: `sequence`, `campaign` or `mission`.
+        kind: `sequence`, `campaign`, `mission` or `import`.
         name: of the sequence, campaign or mission.
         vehicle: what flew.
         model_hash: SHA-256 of the vehicle's parameters and model.

@@ -33,8 +33,8 @@ def summary_content(summary: Summary) -> dict[str, Any]:
 def report(summary: Summary) -> Group:
     """Returns the summary for people."""
     parts: list[Table | Padding | Text] = [_facts(summary)]
-    parts.append(_heading("Flown"))
-    parts.append(_primitives(summary))
+    if summary.trims or summary.maneuvers:
+        parts += [_heading("Flown"), _primitives(summary)]
     if summary.tracking is not None:
         parts += [_heading("Truth minus command"), _tracking(summary)]
     if summary.bounds is not None and summary.bounds.departures:
@@ -81,7 +81,8 @@ def _facts(summary: Summary) -> Table:
     table.add_column(style="bold")
     table.add_column()
     table.add_row(summary.kind, summary.name)
-    table.add_row("vehicle", f"{summary.vehicle}, wind class {summary.wind}, seed {summary.seed}")
+    flown = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
+    table.add_row("vehicle", f"{summary.vehicle}{flown}")
     table.add_row("flight", f"{summary.duration:.2f} s, {summary.distance:.1f} m over the ground")
     table.add_row("outcome", summary.outcome)
     if summary.arrival is not None:

@@ -89,7 +89,8 @@ def _joined(names: Sequence[str]) -> str:
 
 def _heading(flights: Sequence[Reviewed]) -> tuple[str, str, str]:
     summary = flights[0].summary
-    air = f"{summary.vehicle}, wind class {summary.wind}, seed {summary.seed}, {summary.duration:.1f} s"
+    known = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
+    air = f"{summary.vehicle}{known}, {summary.duration:.1f} s"
     if len(flights) == 1:
         return f"{summary.kind.capitalize()} {summary.name}", "flight review", air
     names = " and ".join(part.label for part in flights)

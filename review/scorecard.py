@@ -25,7 +25,7 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("primitives", lambda one: str(sum(part.count for part in (*one.trims, *one.maneuvers)))),
         ("left their bounds", _bounds),
         ("time-outs", lambda one: str(one.timeouts)),
-        ("faults", lambda one: ", ".join(one.faults) or NOT_KNOWN),
+        ("faults", lambda one: str(len(one.faults)) if one.faults else NOT_KNOWN),
         *((f"{WORDS[field]}: truth minus command", _tracking(field)) for field in WORDS),
         ("navigation: position", _navigation),
     ]

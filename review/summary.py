@@ -97,10 +97,10 @@ class Summary:
         tracking: one for each velocity that a trim fixes; None without command or truth.
         navigation: None without estimate or truth.
         bounds: None without library, truth or primitives.
+        faults: what went wrong on purpose, when and how far, a sentence each.
         plans: how many plannings found something to fly; None where the log carries no plans.
         failures: how many plannings found nothing, so that the vehicle flew on with what it had.
         promise: seconds that the first plan promised; None without one.
-        faults: what went wrong on purpose, when and how far, a sentence each.
         arrival: None without a mission.
     """
 
@@ -121,7 +121,6 @@ class Summary:
     plans: int | None
     failures: int
     promise: float | None
-    faults: tuple[str, ...]
     arrival: Arrival | None
 
 
@@ -157,10 +156,10 @@ def summarise(log: FlightLog) -> Summary:
         tracking=_tracking(log) if true and COMMAND.name in log.series else None,
         navigation=_navigation(log) if true and ESTIMATE.name in log.series else None,
         bounds=bounds_kept(log) if true and PRIMITIVE.name in log.series else None,
+        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
         promise=plans[0].cost if plans else None,
-        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
         arrival=arrival(log, goal) if true and goal is not None else None,
     )
 

@@ -25,16 +25,15 @@ def tiles_of(summary: Summary) -> list[Content]:
             # What its primitives' bounds are is what a campaign is flown for.
             note, tone = f"of {summary.bounds.library}, before identification", "plain"
         tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
-    tiles.append(
-        _tile("time-outs", str(summary.timeouts), "of maneuvers", "bad" if summary.timeouts else "good")
-    )
+    if summary.trims or summary.maneuvers:
+        tone = "bad" if summary.timeouts else "good"
+        tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
         note = "no planning failed" if not failed else f"{failed} plannings found none"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
-        names = ", ".join(summary.faults)
-        tiles.append(_tile("faults", str(len(summary.faults)), names, "bad"))
+        tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
     if summary.tracking is not None:
         # The furthest off in units of 1 m/s and 0.1 rad/s, of the order of one another in flight.
         worst = max(summary.tracking, key=lambda one: abs(one.worst) * (10 if "rad" in one.unit else 1))

@@ -1,7 +1,11 @@
-"""Makes the pictures of docs/review.md anew: `python -m tools.gallery`; flies, reviews, opens in Chromium."""
+"""Makes the pictures of docs/review.md anew: `python -m tools.gallery`; flies, reviews, opens in Chromium.
+
+That of an imported log is made where the log is named: `python -m tools.gallery sample_px4_events.ulg`.
+"""
 
 import os
 import shlex
+import shutil
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,6 +24,9 @@ FLIGHTS = {
     "fault": 'fly --sequence figure-eight --fault "gps dropout 20 15" --out fault.mcap',
 }
 """What is flown for the gallery, as typed after `maneuver`."""
+
+IMPORT = "import sample_px4_events.ulg"
+IMPORTED = "sample_px4_events.mcap"
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,6 +68,7 @@ SHOTS = (
     _Shot("review-identification.png", "flights/gtmax-0000.mcap", "gtmax-0000.html", dark=True),
     _Shot("review-fault.png", "fault.mcap", "fault.html", (_TO_NAVIGATION,), height=820),
     _Shot("review-compare.png", "nominal.mcap worst-case.mcap", "nominal-and-worst-case.html"),
+    _Shot("review-imported.png", IMPORTED, "sample_px4_events.html", (_TO_PLOTS,), height=820),
     _Shot("review-campaign.png", "flights --pages 3", "index.html", height=560),
 )
 
@@ -74,10 +82,14 @@ def main() -> int:
         folder = Path(name)
         for line in FLIGHTS.values():
             _maneuver(line, folder)
-        for review in dict.fromkeys(shot.review for shot in SHOTS):
+        shots = [shot for shot in SHOTS if shot.review != IMPORTED or len(sys.argv) > 1]
+        if len(sys.argv) > 1:
+            shutil.copy(sys.argv[1], folder / "sample_px4_events.ulg")
+            _maneuver(IMPORT, folder)
+        for review in dict.fromkeys(shot.review for shot in shots):
             _maneuver(f"review {review} --html --force --out pages", folder)
         with browser(folder / "profile") as tab:
-            for shot in SHOTS:
+            for shot in shots:
                 _take(tab, shot, folder / "pages" / shot.page)
     return 0
 
@@ -109,7 +121,7 @@ def _take(tab: Tab, shot: _Shot, page: Path) -> None:
 def commands() -> Sequence[str]:
     """Returns every command of the gallery, as typed."""
     reviews = dict.fromkeys(f"review {shot.review} --html" for shot in SHOTS)
-    return [f"maneuver {line}" for line in (*FLIGHTS.values(), *reviews)]
+    return [f"maneuver {line}" for line in (*FLIGHTS.values(), IMPORT, *reviews)]
 
 
 if __name__ == "__main__":

@@ -47,6 +47,7 @@ ATTACHMENTS = (
     (log.LIBRARY_ATTACHMENT, "the library flown with; carries the maneuver-end rule"),
     (log.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
     (log.VEHICLE_ATTACHMENT, "every number of the vehicle that flew"),
+    (log.IMPORT_ATTACHMENT, "where a log that another program wrote came from"),
     (log.MODEL_ATTACHMENT, "its shape, as MuJoCo's MJCF: x forward, y left, z up"),
     (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
     (log.FAULTS_ATTACHMENT, "what goes wrong: where, what, start and duration in s, sizes; absent in most"),

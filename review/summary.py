@@ -118,6 +118,7 @@ class Summary:
     tracking: tuple[TrackingError, ...] | None
     navigation: NavigationError | None
     bounds: Bounds | None
+    faults: tuple[str, ...]
     plans: int | None
     failures: int
     promise: float | None

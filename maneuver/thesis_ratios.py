@@ -33,7 +33,7 @@ _MIRROR = "the printed row is far above its mirror image, row 19 or 16; ours lie
 WHY = {
     **{("trim", trim, "yaw_rate"): _YAW_RATE for trim in (1, 5, 6, 7)},
     **{("maneuver", row, "duration"): _DURATION for row in (*range(1, 7), *range(11, 19), 21, 22)},
-    **{("maneuver", row, "forward"): _FORWARD_WITH_DURATION for row in range(3, 9)},
+    **{("maneuver", row, "forward"): _FORWARD_WITH_DURATION for row in (*range(3, 9), 20)},
     **{("maneuver", row, "forward"): _SMALL_FORWARD for row in (9, 10, 11, 12)},
     **{("maneuver", row, "heading_change"): _SMALL_HEADING for row in (11, 12, 17, 18)},
     **{("maneuver", row, "side"): _MIRROR for row in (13, 21)},

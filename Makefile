@@ -29,7 +29,7 @@ demo: install
 	$(BIN)/maneuver demo --out demo --force
 
 test: install
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: install
 	$(BIN)/ruff format --check $(SOURCES)

@@ -10,7 +10,9 @@ the earlier part first:
 """
 
 from dataclasses import dataclass
-from math import isfinite
+
+LARGEST_NUMBER = 1e60
+"""Of a multiplier: its square is still a number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +121,6 @@ def _node(token: str) -> Cut | Leaf:
 
 def _number(text: str) -> float:
     value = float(text)
-    if not isfinite(value):
+    if not abs(value) <= LARGEST_NUMBER:
         raise ValueError(text)
     return value

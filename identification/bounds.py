@@ -30,6 +30,9 @@ def joint_coverage(samples: int, *, support: int, confidence: float, discarded: 
     Returns:
         The share in [0, 1]; 0 where there are too few samples to claim anything.
     """
+    if discarded:
+        # With one number the factor is 1 and would not pay for chance; counted as two it does.
+        support = max(support, 2)
     counted = support + discarded
     if samples < counted:
         return 0.0

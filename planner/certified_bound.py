@@ -257,4 +257,6 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
         inside = (size.high > 0) & (around.high >= span.low) & (around.low <= span.high)
         least = np.where(inside, np.minimum(least, (around * a - depth).low), least)
     low = (interval(least) - blur).low
+    # Numbers too large to be squared tell nothing of where the least is.
+    low = np.where(np.isfinite(length) & np.isfinite(doubt), low, -inf)
     return Interval(low, low)

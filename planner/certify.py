@@ -288,7 +288,9 @@ def _reaches(problems: Problems, times: Boxes, target: float) -> tuple[Bool[np.n
         rows = [velocity.real, velocity.imag] + ([] if problems.heading is None else [problems.rate])
         matrix = np.stack(rows, axis=1)
         wrong = np.stack([miss.real, miss.imag] + ([] if problems.heading is None else [off]), axis=1)
-        square = matrix @ matrix.transpose(0, 2, 1) + 1e-12 * np.eye(matrix.shape[1])
+        square = matrix @ matrix.transpose(0, 2, 1)
+        size = np.trace(square, axis1=1, axis2=2)[:, None, None]
+        square = square + 1e-12 * (1.0 + size) * np.eye(matrix.shape[1])
         step = matrix.transpose(0, 2, 1) @ np.linalg.solve(square, wrong[..., None])
         times = np.maximum(times - step[..., 0], 0.0)
     _, end, turned = problems.flown(times)

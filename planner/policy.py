@@ -32,6 +32,15 @@ NOT_PROVED = (
 )
 
 
+SLOW = 1e-4
+"""Yaw rate in rad/s below which the search takes a turn for all but straight."""
+
+SLOW_TURNS = (
+    "no walk leads to the goal in less than a turn; a trim turns so slowly that plans which circle in it "
+    "for an hour were not looked for"
+)
+
+
 class Planner(Protocol):
     """Something that answers missions with plans."""
 
@@ -78,6 +87,9 @@ class LibraryPlanner:
         self._max_nodes = max_nodes
         self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
+        self._turns_slowly = any(
+            0 < abs(trim.at(level).yaw_rate) <= SLOW for trim in library.trims for level in gammas
+        )
         self._tables = cache(self._tabulate)
         self._tails = cache(partial(way_to_rest, library))
 
@@ -116,6 +128,8 @@ class LibraryPlanner:
             lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
         )
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
+        if not isfinite(answer.lower_bound) and self._turns_slowly:
+            return replace(plan, reason=SLOW_TURNS)
         if not isfinite(answer.lower_bound):
             return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
         if not answer.walk:

@@ -75,7 +75,8 @@ class _Loop:
         self._lost = False
 
     def fly(self) -> Flown:
-        # The promise is for the goal as it is judged; the plans flown first are for a wider one.
+        # The promise is for the part of the tolerance that plans aim at in the end; those flown first may aim
+        # at a wider one.
         thinking = self._settings.latency.configured
         steps, _ = self._left.window(thinking)
         promise = self._planner.plan(self._asked(steps, share=0.0))

@@ -12,7 +12,6 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from flight.se2 import rotate
-from planner.candidates import ROUNDING
 from planner.coasting import wants_heading
 from planner.search import Answer
 
@@ -23,6 +22,12 @@ MOST = 12
 """Trims in a walk, and uncertainty levels, that the kernel has room for."""
 
 NO_LIMIT = 2**62
+
+EQUALITY = 1e-6
+"""Metres, radians: a tolerance up to this means equality."""
+
+INSIDE = 1e-9
+"""Metres, radians: how far inside a tolerance the kernel aims; twice what it forgives."""
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
@@ -144,12 +149,17 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     return _Task(
         north,
         east,
-        mission.tolerance * (1 - ROUNDING),
+        _aimed(mission.tolerance),
         (mission.goal_heading or 0.0) - start.heading,
-        mission.heading_tolerance * (1 - ROUNDING),
+        _aimed(mission.heading_tolerance),
         seconds,
         int(wants_heading(mission)),
         levels,
         tables,
         most_nodes,
     )
+
+
+def _aimed(tolerance: float) -> float:
+    """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
+    return max(tolerance - INSIDE, 0.0) if tolerance > EQUALITY else 0.0

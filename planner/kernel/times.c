@@ -29,6 +29,7 @@
 #define STRAIGHT 1e-4     /* rad/s; slower turns are found as straight lines and corrected on the true curve */
 #define INTERVALS 16      /* samples along a curve of candidates */
 #define SMALL 1e-9        /* s; shorter times are 0 */
+#define INSIDE 5e-10      /* m, rad; candidates aim that much and more inside what is allowed */
 
 typedef double complex cplx;
 
@@ -212,9 +213,9 @@ static void keep(Row *row, double *times)
     }
     if (!(cost < row->best)) return;
     cplx end = motion(row, times, 0, &turn);
-    if (!(cabs(end - row->goal) <= MAX(row->tolerance * (1 + 5e-10), 2e-7))) return;
+    if (!(cabs(end - row->goal) <= MAX(row->tolerance + INSIDE, 2e-7))) return;
     if (row->wants_heading
-        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance * (1 + 5e-10), 2e-7)))
+        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance + INSIDE, 2e-7)))
         return;
     row->best = cost;
     memcpy(row->times, times, sizeof(double) * row->trims);

@@ -125,9 +125,10 @@ class Fault(FileModel):
             raise ValueError(f"expected {kind.words!r}, got {len(self.size)} sizes")
         for value, size in zip(self.size, kind.sizes, strict=True):
             if not size.low <= value <= size.high:
+                unit = "" if size.unit == "-" else f" {size.unit}"
                 raise ValueError(
-                    f"{self.where} {self.what}: {size.name} must lie in [{size.low:g}, {size.high:g}] "
-                    f"{size.unit}, got {value:g}"
+                    f"{self.where} {self.what}: {size.name} must lie in [{size.low:g}, {size.high:g}]{unit}, "
+                    f"got {value:g}"
                 )
         if kind.ends and self.duration is None:
             raise ValueError(f"{self.where} {self.what}: expected a duration in s, got none")

@@ -7,7 +7,7 @@ import numpy as np
 from scipy.stats import binom
 
 from flight.library import Library
-from flight.log import FlightLog
+from flight.log import PRIMITIVE, FlightLog
 from identification.segmentation import CoastSegment, ManeuverSegment, segment
 
 
@@ -33,11 +33,14 @@ class Performance:
 def performances(log: FlightLog) -> tuple[Performance, ...]:
     """Returns every primitive of a flight, judged by its true motion and the library it was flown with.
 
-    A number without an error in the library claims nothing, and is left out.
+    A number without an error in the library claims nothing, and is left out; a flight that never left the
+    ground for want of a plan has none.
 
     Raises:
         FlightError: the log lacks a topic, the library or its maneuver-end rule.
     """
+    if PRIMITIVE.name not in log.series:
+        return ()
     library, cut = log.library(), segment(log)
     flown = [_of_maneuver(part, library) for part in cut.maneuvers]
     flown += [_of_coast(part, library) for part in cut.coasts]

@@ -6,7 +6,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from flight.errors import BadFileError, FlightError
-from flight.log_file import LARGEST_LOG, publish_bytes
+from flight.log_file import LARGEST_LOG, MAGIC, publish_bytes
 from flight.log_recovery import Salvage, holds, recovered_bytes, salvage
 
 from .files import refuse_existing
@@ -41,9 +41,11 @@ def recover(
     refuse_existing(out, force=force)
     if out.resolve() == log.resolve():
         raise FlightError(f"--out {out} is the damaged log itself; expected another name")
-    found = salvage(_content(log))
+    damaged = _content(log)
+    found = salvage(damaged)
     if not found.messages:
-        print(f"nothing to save: {_losses(found)}")
+        what = "no whole chunk of messages" if damaged.startswith(MAGIC) else "no beginning of an MCAP file"
+        print(f"nothing to save: {log} has {what} in its {len(damaged)} bytes")
         return NOTHING_TO_SAVE
     content = recovered_bytes(found)
     if not holds(content, found):

@@ -14,6 +14,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from flight.errors import FlightError
 from flight.library import Library
 from sim.figure import Figure
 from sim.specification import FlightSpecification
@@ -23,6 +24,10 @@ from .files import find_campaign, find_library
 from .workers import default_workers, worker_pool
 
 CHECK_FAILED = 1
+TOPICS = (
+    *("trim", "power", "ground", "modes", "shape", "response", "limits"),
+    *("margins", "delay", "adaptation", "wind", "navigation", "numerics"),
+)
 _CAMPAIGN = "gtmax"
 # Flights in which no limit may be met; not those of the shipped library.
 _LIMITS_SEED, _LIMITS_FLIGHTS = 2, 4
@@ -50,6 +55,9 @@ def verify(
         spectrum: also draw the gusts' spectra beside the standard's to this file.
         json: print one JSON document.
     """
+    unknown = sorted(set(topics) - set(TOPICS))
+    if unknown:
+        raise FlightError(f"no topic {', '.join(unknown)}; there are {', '.join(TOPICS)}")
     if spectrum is not None:
         _draw(spectrum)
     figures = list(measure(topics))

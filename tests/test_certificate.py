@@ -146,7 +146,9 @@ def test_a_tree_survives_its_text() -> None:
         assert write_tree(read_tree(one.tree)) == one.tree
 
 
-@pytest.mark.parametrize("token", ["2<", "<3", "2:1,1;0", "1:1;0", "1:nan,0;0", "1:1,1", "x", "1:1,1;"])
+@pytest.mark.parametrize(
+    "token", ["2<", "<3", "2:1,1;0", "1:1;0", "1:nan,0;0", "0:-1.9e153,1;1", "1:1,1", "x", "1:1,1;"]
+)
 def test_a_torn_tree_is_refused(token: str) -> None:
     with pytest.raises(ValueError, match="expected a node such as"):
         read_tree(f"0<1.0 {token}")

@@ -1,6 +1,7 @@
 """The exact search in compiled code: never worse than the other search, and the same wherever it runs."""
 
 from dataclasses import replace
+from itertools import pairwise
 from math import cos, pi, sin
 from pathlib import Path
 
@@ -155,7 +156,7 @@ def test_a_deadline_gives_the_best_so_far_with_a_bound(
     mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8 if compiled else 4)
     if not compiled:
         monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
-    planner = WorstCase(library, 0.5, deadline=0.02)
+    planner = WorstCase(library, 0.5, deadline=0.002)
     planner.plan(mission)
     stopped = planner.plan(mission)
     assert stopped.status in {"feasible", "unknown"}
@@ -187,3 +188,18 @@ def test_a_machine_without_a_compiler_has_no_kernel(tmp_path: Path, monkeypatch:
     assert build.kernel() is None
     monkeypatch.undo()
     build.kernel.cache_clear()
+
+
+@needs_kernel
+@pytest.mark.parametrize("seed", range(6))
+def test_a_wider_tolerance_never_costs_time_however_small_both_are(seed: int) -> None:
+    rng, library = np.random.default_rng([77, seed]), shipped()[seed % 3]
+    planner = Nominal(library)
+    for _ in range(15):
+        mission = random_mission(rng, library, 4)
+        costs = [
+            planner.plan(replace(mission, tolerance=tolerance)).cost
+            for tolerance in (0.0, 1e-6, 3e-6, 1e-5, 1e-4, 1e-2)
+        ]
+        for narrow, wide in pairwise(costs):
+            assert wide <= narrow + 1e-6, mission

@@ -43,10 +43,6 @@ def test_the_command_says_each_figure_with_its_bar(capsys: pytest.CaptureFixture
     assert "0 missed their bar" in capsys.readouterr().out
 
 
-def test_a_topic_without_figures_is_no_yes() -> None:
-    assert run(("verify", "--topics", "nonsense")) == 1
-
-
 def test_the_ground_carries_a_part_of_the_rotor() -> None:
     hover = Twist(0.0, 0.0, 0.0)
     powers = [EquilibriumFinder(PARAMETERS, height=z).find(hover).power for z in (1.0, 2.0, 4.0, 30.0)]
@@ -61,3 +57,10 @@ def test_the_spectra_are_drawn(tmp_path: Path) -> None:
     path = tmp_path / "spectrum.png"
     assert run(("verify", "--topics", "wind", "--spectrum", str(path), "--json")) == 0
     assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_topic_that_is_not_there_is_refused_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["verify", "--topics", "trim", "wnd"]) == 2
+    said = capsys.readouterr().err
+    assert "no topic wnd; there are trim, power" in said
+    assert said.count("\n") == 1

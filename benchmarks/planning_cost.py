@@ -11,6 +11,7 @@ from time import process_time
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.ticker import FormatStrFormatter, LogLocator, NullFormatter
 
 from flight.library import Library
 from planner.kernel.exact import ExactSearch
@@ -19,7 +20,7 @@ from review import palette
 from .planning_missions import random_mission, shipped_libraries, synthetic_library
 
 DEPTHS = (2, 4, 5, 6, 7, 8)
-TRIMS = (7, 20, 40, 70)
+TRIMS = (10, 20, 40, 70)
 LEVELS = (1, 3, 5, 7, 11)
 GAMMA = 0.5
 
@@ -78,6 +79,9 @@ def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
         axes.plot(x, 1e3 * middle, "o-", color=colour, markersize=3, linewidth=1.4, label=name)
         axes.fill_between(x, 1e3 * middle, 1e3 * most, color=colour, alpha=0.15, linewidth=0)
     axes.set_yscale("log")
+    axes.yaxis.set_major_locator(LogLocator(subs=(1, 3)))
+    axes.yaxis.set_major_formatter(FormatStrFormatter("%g"))
+    axes.yaxis.set_minor_formatter(NullFormatter())
     axes.set_xlabel(what, fontsize=palette.TEXT_SIZE)
     axes.legend(frameon=False, fontsize=palette.SMALL_TEXT)
 

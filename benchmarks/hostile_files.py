@@ -93,7 +93,7 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
             "log",
             whole,
             ".mcap",
-            _command("review", "--html", "--force"),
+            _reviewed,
             lambda _, chance: changed_log(flown, chance),
             True,
         ),
@@ -103,6 +103,10 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
 
 def _command(*words: str) -> Callable[[Path], int]:
     return lambda path: run([*words, str(path)])
+
+
+def _reviewed(path: Path) -> int:
+    return run(["review", str(path), "--html", "--out", str(path.parent / "review"), "--force"])
 
 
 def _reading(read: Callable[[Path], object]) -> Callable[[Path], int]:

@@ -13,6 +13,21 @@ def warn_of_walk(library: Library, trims: Sequence[int], coasting_times: Sequenc
     _say(library, walk_departures(library, trims, coasting_times))
 
 
+def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequence[float]]]) -> None:
+    """Warns where flights left the domain of their library: of one by name, of more how many.
+
+    Args:
+        library: planned and flown with.
+        walks: trims of each flight, and the seconds that each was held.
+    """
+    found = [walk_departures(library, trims, held) for trims, held in walks]
+    if len(found) == 1:
+        _say(library, found[0])
+    elif any(found):
+        outside = sum(bool(one) for one in found)
+        _say(library, [f"{outside} of {len(found)} flights held trims, or left them, as never flown"])
+
+
 def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None) -> None:
     """Warns by name where the simulated helicopter would leave a library's domain.
 

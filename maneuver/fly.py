@@ -18,11 +18,11 @@ from sim.specification import Departure, specify_sequence
 
 from .campaign_flights import fly_whole_campaign
 from .campaign_size import campaign_size
-from .domain import warn_of_flight, warn_of_walk
+from .domain import warn_of_flight, warn_of_walk, warn_of_walks
 from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
 from .films import make_film, refuse_film
 from .latencies import latency_of
-from .mission_flights import MissionTask, fly_mission
+from .mission_flights import MissionTask, fly_mission, walk_flown
 from .numbers import Count, Seed
 from .policies import FlownPolicy
 from .workers import default_workers, worker_pool
@@ -217,7 +217,10 @@ def _fly_mission(
         force=order.force,
     )
     warn_of_flight(library, wind=task.wind)
-    flown = asdict(fly_mission(task))
+    done = fly_mission(task)
+    if done.legs:
+        warn_of_walks(library, [walk_flown(done.legs)])
+    flown = asdict(done)
     result = {key: value for key, value in flown.items() if key not in NOT_SAID}
     return (0 if flown["reached"] else LOST), {**result, "log": str(path)}
 

@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
@@ -124,6 +124,18 @@ class MissionResult:
     planning_times: tuple[float, ...] = ()
     performances: tuple[Performance, ...] = ()
     legs: tuple[LegFlown, ...] = ()
+
+
+def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
+    """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
+    trims, held = [legs[0].trim], [0.0]
+    for leg in legs:
+        if leg.to_trim is None:
+            held[-1] += leg.duration
+        else:
+            trims.append(leg.to_trim)
+            held.append(0.0)
+    return trims, held
 
 
 def mission_seed(seed: int, mission: str, number: int) -> int:

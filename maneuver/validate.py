@@ -15,12 +15,12 @@ from flight.mission import Mission
 from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
-from .domain import warn_of_flight
+from .domain import warn_of_flight, warn_of_walks
 from .files import find_library, find_mission, refuse_existing
 from .flight_store import fly_all
 from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
 from .latencies import latency_of
-from .mission_flights import MissionResult
+from .mission_flights import MissionResult, walk_flown
 from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES, FlownPolicy
 from .random_missions import random_missions
@@ -162,6 +162,8 @@ def validate(
             warn_of_flight(flown_with, wind=name)
     with worker_pool(workers or default_workers()) as executor:
         results = fly_all(grid.tasks(), folder=out, logs=logs, executor=executor, force=force)
+    helicopter = [one for one in results if one.plant == "helicopter" and one.legs]
+    warn_of_walks(flown_with, [walk_flown(one.legs) for one in helicopter])
     card = Scorecard(
         command=_command(),
         library=flown_with.name,

@@ -34,7 +34,8 @@ def trends_picture(
     """
     figure = palette.page(16.0, 9.0)
     figure.suptitle(title, x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 4, fontweight="bold")
-    grid = figure.add_gridspec(2, 3)
+    turning = any(map(any, heading_changes))
+    grid = figure.add_gridspec(2, 3 if turning else 2)
     first = figure.add_subplot(grid[:, 0])
     _line(first, speed_errors, palette.TRUE)
     _label(first, "Forward error over speed (Figure 7)", "forward speed, m/s", "largest deviation, %")
@@ -51,6 +52,8 @@ def trends_picture(
         ("and its error", "speed at entry, m/s", "largest deviation, %"),
         ("faster", "slower"),
     )
+    if not turning:
+        return figure
     _pair(
         figure.add_subplot(grid[0, 2]),
         heading_changes,

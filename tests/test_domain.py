@@ -26,6 +26,8 @@ LIBRARY = replace(
         entry_trims=(1, 2, 3),
     ),
 )
+from maneuver.domain import warn_of_walks
+from maneuver.mission_flights import LegFlown, walk_flown
 
 
 def test_inside_the_domain_nothing_is_said() -> None:
@@ -86,3 +88,16 @@ def test_planning_outside_the_domain_warns_and_plans(
     output = capsys.readouterr()
     assert "outside the domain of mine: trims 3" in output.err
     assert "optimal" in output.out
+
+
+def test_what_a_closed_loop_flew_is_held_against_the_domain(capsys: pytest.CaptureFixture[str]) -> None:
+    held = LegFlown(trim=2, to_trim=None, start=0.0, duration=0.4, track=())
+    left = LegFlown(trim=2, to_trim=3, start=0.8, duration=4.0, track=())
+    walk = walk_flown([held, held, left, LegFlown(3, None, 4.8, 0.5, ()), LegFlown(3, 1, 5.3, 4.0, ())])
+    assert walk == ([2, 3, 1], [0.8, 0.5, 0.0])
+    warn_of_walks(LIBRARY, [walk])
+    assert "trims 3 are held for less than" in capsys.readouterr().err
+    warn_of_walks(LIBRARY, [walk, ([1, 2, 1], [2.0, 8.0, 3.0])])
+    assert "1 of 2 flights" in capsys.readouterr().err
+    warn_of_walks(LIBRARY, [([1, 2, 1], [2.0, 8.0, 3.0])])
+    assert capsys.readouterr().err == ""

@@ -10,7 +10,8 @@ from flight.domain import air_departures, vehicle_departures, walk_departures
 from flight.library_file import library_text, read_library
 from libraries import FOLDER
 from maneuver.app import run
-from maneuver.domain import warn_of_flight
+from maneuver.domain import warn_of_flight, warn_of_walks
+from maneuver.mission_flights import LegFlown, walk_flown
 
 BOOK = read_library(FOLDER / "thesis-gtmax.json")
 LIBRARY = replace(
@@ -26,8 +27,6 @@ LIBRARY = replace(
         entry_trims=(1, 2, 3),
     ),
 )
-from maneuver.domain import warn_of_walks
-from maneuver.mission_flights import LegFlown, walk_flown
 
 
 def test_inside_the_domain_nothing_is_said() -> None:

@@ -19,8 +19,8 @@ from flight.mission import Mission
 from flight.se2 import SE2, Twist, rotate
 from flight.trim import Trim
 
+from .answer import Times
 from .answering_times import ErrorCell
-from .coasting import Times
 from .corners import furthest_corner
 from .error_box import ErrorPath, enclose
 from .nominal import Nominal

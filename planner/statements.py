@@ -19,9 +19,11 @@ from flight.library import Library
 from flight.mission import Mission
 from flight.se2 import wrap_angle
 
-from .coasting import EQUALITY_TOLERANCE, Times, wants_heading
-from .kinematics import Motion, motion, symbolic_motion
+from .answer import Times
+from .arrival import EQUALITY_TOLERANCE, wants_heading
+from .kinematics import Motion, motion
 from .sequences import Walk
+from .symbolic_motion import symbolic_motion
 
 FINE = 2001
 """Levels of the grid on which a committed solution is looked at."""

@@ -17,14 +17,11 @@ from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
 from flight.plan import Plan, PlanContradictionError, plan_text, read_plan
-from planner.certified import certified
 from planner.check import problems
-from planner.committed import Committed
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.price_of_robustness import PriceOfRobustness
 from planner.worst_case import WorstCase
-from review.plan_picture import plan_picture
 
 from .domain import warn_of_walk
 from .files import find_library, find_mission, refuse_existing
@@ -119,12 +116,16 @@ def plan(
         primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
     ).plan(task)
     if certify:
+        from planner.certified import certified
+
         answer = certified(answer, primitives, task)
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
         publish_bytes(plan_text(answer).encode(), out, force=force)
     if picture is not None and answer.found:
+        from review.plan_picture import plan_picture
+
         publish_bytes(png(plan_picture(answer, primitives, task)), picture, force=force)
     if json:
         sys.stdout.write(plan_text(answer))
@@ -235,6 +236,8 @@ def _planner(
     if policy == "price-of-robustness":
         return PriceOfRobustness(library, alpha)
     if policy == "committed":
+        from planner.committed import Committed
+
         return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline)
     return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 

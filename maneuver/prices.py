@@ -5,9 +5,8 @@ import json as json_module
 import sys
 from math import isfinite
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from matplotlib.figure import Figure
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
@@ -16,7 +15,9 @@ from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
 from planner.price_of_robustness import Price, prices
-from review.price_picture import price_picture
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 NO_PLAN = 1
 
@@ -30,6 +31,8 @@ def show_prices(
     if out is not None:
         publish_bytes(document.encode(), out, force=force)
     if picture is not None and curve:
+        from review.price_picture import price_picture
+
         drawn = price_picture(mission.name, [(point.gamma, point.cost) for point in curve])
         publish_bytes(png(drawn), picture, force=force)
     if json:
@@ -41,7 +44,7 @@ def show_prices(
     return 0 if curve else NO_PLAN
 
 
-def png(figure: Figure) -> bytes:
+def png(figure: "Figure") -> bytes:
     """Returns a figure as a PNG file's bytes, the same for the same figure."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})

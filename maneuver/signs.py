@@ -91,17 +91,30 @@ def _show(found: Trust) -> None:
         "anything between, at most": (found.slowest_bound.bound, found.furthest_bound.bound),
     }
     for name, (seconds, metres) in rows.items():
-        shown = f"{seconds:.4f}" if isfinite(seconds) else "no bound" if "most" in name else "no arrival"
+        unproved = "most" in name and isfinite(found.slowest_bound.found)
+        shown = f"{seconds:.4f}" if isfinite(seconds) else "no bound" if unproved else "no arrival"
         table.add_row(name, shown, f"{metres:.3f}")
     console = Console(highlight=False)
     console.print(table)
     for what, extreme in (("slowest", found.slowest), ("furthest", found.furthest)):
-        signs = ", ".join(
-            f"{name} {'-' if error < 0 else '+'}"
-            for name, error in zip(found.names, extreme.errors, strict=True)
-            if error
-        )
-        console.print(f"{what} corner: {signs or 'no errors'}", soft_wrap=True)
+        console.print(f"{what} corner: {_errors(found.names, extreme.errors)}", soft_wrap=True)
+    worst = found.slowest_bound
+    if not isfinite(worst.found):
+        lost = _errors(found.names, worst.errors)
+        console.print(f"no time is enough: with {lost} this sequence never arrives", soft_wrap=True)
+    elif not isfinite(worst.bound):
+        words = f"not in {worst.boxes:,} boxes" if worst.boxes else "not for exact goals or wanted headings"
+        console.print(f"the time between corners is not bounded: {words}; slower errors may exist")
+
+
+def _errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
+    """Returns which errors there are, in shares of the largest where these are no corners."""
+    told = (
+        f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
+        for name, error in zip(names, errors, strict=True)
+        if error
+    )
+    return ", ".join(told) or "no errors"
 
 
 def _plain(value: Any) -> Any:

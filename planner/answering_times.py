@@ -10,7 +10,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Float
 
-from .coasting import Times
+from .answer import Times
 from .corners import furthest_corner
 from .error_box import Enclosure, ErrorPath, enclose
 

@@ -6,8 +6,8 @@ from jaxtyping import Float
 from flight.mission import Mission
 from flight.se2 import wrap_angle
 
+from .arrival import EQUALITY_TOLERANCE, wants_heading
 from .batch import Batch
-from .coasting import EQUALITY_TOLERANCE, wants_heading
 
 
 def least_costs(batch: Batch, mission: Mission) -> Float[np.ndarray, "rows"]:

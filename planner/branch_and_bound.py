@@ -10,10 +10,11 @@ from math import inf
 from flight.library import Library
 from flight.mission import Mission
 
+from .answer import Answer, Times
+from .arrival import reaches
 from .certify import Doubt, certify
-from .coasting import Times, reaches, solve
+from .coasting import solve
 from .kinematics import Motion, motion
-from .search import Answer
 
 RESOLUTION = 1e-5
 """Seconds by which another plan may be faster: what a goal met to a micrometre is worth, ten times over."""

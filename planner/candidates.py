@@ -10,7 +10,9 @@ from jaxtyping import Float
 from flight.mission import Mission
 from flight.se2 import rotate
 
-from .coasting import Times, reaches, solve, wants_heading
+from .answer import Times
+from .arrival import reaches, wants_heading
+from .coasting import solve
 from .kinematics import Motion
 from .optimality import settled
 from .sequences import Walk

@@ -8,26 +8,24 @@ for one sequence; 6.2 for one sequence and one gamma).
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from math import inf, pi
+from math import inf
 from typing import Any
 
 import casadi
 
 from flight.mission import Mission
-from flight.se2 import SE2, wrap_angle
+from flight.se2 import wrap_angle
 
-from .kinematics import Motion, symbolic_motion
-
-EQUALITY_TOLERANCE = 1e-6
-"""Metres; a goal tolerance of 0 means equality to within this."""
+from .answer import Times
+from .arrival import reaches, wants_heading
+from .kinematics import Motion
+from .symbolic_motion import symbolic_motion
 
 SOLVER_MARGIN = 1e-7
 """Share of a tolerance by which a statement is stricter than the check: solvers relax bounds by 1e-8."""
 
 HEADING_MARGIN = 3e-8
 """Share of a heading, or radians where that is below one, for the same reason."""
-
-Times = tuple[float, ...]
 
 _QUIET: dict[str, Any] = {"print_time": False, "error_on_fail": False, "show_eval_warnings": False}
 
@@ -132,21 +130,6 @@ def solve(
     answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
     times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())
     return times if reaches(motion.end(mission.start, times), mission) else None
-
-
-def reaches(end: SE2, mission: Mission) -> bool:
-    """Whether a pose meets the goal, with the heading wanted there."""
-    if not end.distance_to(mission.goal) <= max(mission.tolerance, EQUALITY_TOLERANCE):
-        return False
-    if mission.goal_heading is None:
-        return True
-    off = abs(wrap_angle(end.heading - mission.goal_heading))
-    return off <= max(mission.heading_tolerance, EQUALITY_TOLERANCE)
-
-
-def wants_heading(mission: Mission) -> bool:
-    """Whether the heading at the goal is constrained."""
-    return mission.goal_heading is not None and mission.heading_tolerance < pi
 
 
 def _nearest_turn(heading: float, mission: Mission) -> float:

@@ -17,8 +17,8 @@ from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
 
+from .arrival import EQUALITY_TOLERANCE
 from .check import problems
-from .coasting import EQUALITY_TOLERANCE
 from .commitment.branching import Best, Branching
 from .commitment.task import Task
 from .commitment.whole_interval import ROUNDING

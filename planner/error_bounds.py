@@ -8,7 +8,7 @@ errors so that the end stays at the goal; what the proportion leaves is kept ins
 
 from dataclasses import dataclass, replace
 from heapq import heappop, heappush
-from math import inf
+from math import inf, isnan, nan
 
 import numpy as np
 from jaxtyping import Float
@@ -16,11 +16,12 @@ from jaxtyping import Float
 from flight.library import Library
 from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission
+from flight.plan import Plan
 from flight.se2 import SE2, Twist, rotate
 from flight.trim import Trim
 
+from .answer import Times
 from .answering_times import ErrorCell
-from .coasting import Times
 from .corners import furthest_corner
 from .error_box import ErrorPath, enclose
 from .nominal import Nominal
@@ -120,6 +121,8 @@ def worst_time_bound(
 ) -> Bounded:
     """Returns the largest least time in seconds: the coasting times are chosen when the errors are known.
 
+    It is infinite where errors are found with which the walk never arrives.
+
     Args:
         path: the walk.
         mission: from where to where, with a tolerance above 0 and no heading.
@@ -137,6 +140,8 @@ def worst_time_bound(
         if exact > known.found:
             known = Bounded(exact, tuple(box.middle.tolist()), inf, boxes)
         if exact == inf:
+            return known
+        if isnan(exact):
             return replace(known, bound=inf, boxes=boxes)
         cost = min(cost, box.cost)
         width = box.width.copy()
@@ -152,25 +157,26 @@ def worst_time_bound(
 
 
 def _answered(path: ErrorPath, mission: Mission, box: _Box) -> tuple[float, float, int]:
-    """Returns seconds that suffice for a box, those needed at its middle, and where to cut it."""
-    exact = least_times(path, mission, box.middle)
-    if exact is None:
-        return inf, inf, 0
+    """Returns seconds that suffice for a box, those its middle needs (nan if unknown), where to cut it."""
+    plan = _nominal(path, mission, box.middle)
+    if not plan.found:
+        return inf, inf if plan.status == "infeasible" else nan, 0
+    exact = plan.coasting_times
     needed = path.fixed[0] + float(box.middle @ path.fixed[1]) + sum(exact)
     cell = ErrorCell(path, goal_of(mission), mission.tolerance, box.middle, box.width)
     best, lacking = cell.served(exact)
     for share in INSIDE:
         aim = mission.tolerance - share * lacking
-        times = least_times(path, replace(mission, tolerance=aim), box.middle) if aim > 0 else None
-        if times is not None:
-            best = min(best, cell.served(times)[0])
+        nearer = _nominal(path, replace(mission, tolerance=aim), box.middle) if aim > 0 else None
+        if nearer is not None and nearer.found:
+            best = min(best, cell.served(nearer.coasting_times)[0])
         if best < inf:
             break
     return best, needed, int(cell.stray(exact).influence[0].argmax())
 
 
-def least_times(path: ErrorPath, mission: Mission, errors: Float[np.ndarray, "variables"]) -> Times | None:
-    """Returns the least coasting times in seconds for some errors; None where the walk cannot arrive."""
+def _nominal(path: ErrorPath, mission: Mission, errors: Float[np.ndarray, "variables"]) -> Plan:
+    """Returns the plan with the least coasting times for some errors, if the walk can arrive."""
     numbers = path.at(errors[None])
     last = len(path.walk)
     trims = tuple(
@@ -185,5 +191,4 @@ def least_times(path: ErrorPath, mission: Mission, errors: Float[np.ndarray, "va
         for place, (d, turn) in enumerate(steps, start=1)
     )
     library = Library("one walk", "", "", trims, joints)
-    plan = Nominal(library).plan(replace(mission, start_trim=1, goal_trim=last, max_trims=last))
-    return plan.coasting_times if plan.found else None
+    return Nominal(library).plan(replace(mission, start_trim=1, goal_trim=last, max_trims=last))

@@ -194,12 +194,12 @@ def sinc(angle: Interval) -> Interval:
     near = np.where(angle.contains(0.0), 0.0, np.minimum(np.abs(angle.low), np.abs(angle.high)))
     far = angle.magnitude
     most, least = _sinc(near), _sinc(far)
-    # Beyond pi, between the hyperbolas.
-    with np.errstate(divide="ignore"):
-        limit = _up(1 / np.maximum(near, 1.0))
+    # Beyond the first fall, a quotient where there is one; -0.25 is below its least value.
+    quotient = sin(Interval(near, far)) / Interval(np.maximum(near, 1.0), np.maximum(far, 1.0))
+    risen = _up(1 / np.maximum(near, np.pi))
     beyond = far >= np.pi
-    high = np.where(beyond, np.maximum(np.where(near < np.pi, most.high, limit), limit), most.high)
-    low = np.where(beyond, np.where(near > np.pi, -limit, -0.25), least.low)
+    high = np.where(beyond, np.where(near >= 1, quotient.high, np.maximum(most.high, risen)), most.high)
+    low = np.where(beyond, np.where(near >= 1, quotient.low, -0.25), least.low)
     return Interval(low, np.minimum(high, 1.0))
 
 

@@ -4,20 +4,21 @@ from dataclasses import replace
 from functools import cache, partial
 from math import inf, isfinite
 from time import perf_counter
-from typing import Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from flight.library import Library
 from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Policy, Scenario
 
-from .branch_and_bound import proved_best
+from .answer import Answer
 from .check import problems
 from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
-from .search import Answer, search
 from .tail import way_to_rest
-from .walk_table import WalkTable, tabulate
+
+if TYPE_CHECKING:
+    from .without_kernel import SearchWithoutKernel
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
@@ -90,7 +91,7 @@ class LibraryPlanner:
         self._turns_slowly = any(
             0 < abs(trim.at(level).yaw_rate) <= SLOW for trim in library.trims for level in gammas
         )
-        self._tables = cache(self._tabulate)
+        self._without_kernel = cache(partial(_without_kernel, library, gammas))
         self._tails = cache(partial(way_to_rest, library))
 
     def plan(self, mission: Mission) -> Plan:
@@ -107,14 +108,7 @@ class LibraryPlanner:
     def _answer(self, mission: Mission) -> Answer:
         if self._exact.can(mission):
             return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-        began = perf_counter()
-        found = search(self._tables(mission.start_trim, mission.max_trims, mission.goal_trim), mission)
-        if self._max_nodes is not None:
-            return found
-        return proved_best(found, self._library, mission, self._gammas, until=began + self._deadline)
-
-    def _tabulate(self, start_trim: int, max_trims: int, goal_trim: int | None) -> tuple[WalkTable, ...]:
-        return tabulate(self._library, self._gammas, start_trim, max_trims, goal_trim)
+        return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
 
     def _assembled(self, answer: Answer, mission: Mission) -> Plan:
         plan = Plan(
@@ -168,3 +162,10 @@ class LibraryPlanner:
             maneuvers=(),
             scenarios=(),
         )
+
+
+def _without_kernel(library: Library, gammas: tuple[float, ...]) -> "SearchWithoutKernel":
+    # It needs CasADi, which takes long to load.
+    from .without_kernel import SearchWithoutKernel
+
+    return SearchWithoutKernel(library, gammas)

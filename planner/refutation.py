@@ -26,7 +26,7 @@ from jaxtyping import Complex, Float, Int
 from flight.mission import Mission
 from flight.se2 import rotate
 
-from .coasting import EQUALITY_TOLERANCE, wants_heading
+from .arrival import EQUALITY_TOLERANCE, wants_heading
 from .kinematics import Motion
 
 ROUNDING = 1e-12

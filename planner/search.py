@@ -8,37 +8,16 @@ solved by CasADi from the best starts that are no optima yet. A walk whose lower
 so far is left out. The winner is solved once more from its own coasting times.
 """
 
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
 from flight.mission import Mission
 
+from .answer import Answer, Times
 from .bounds import least_costs
 from .candidates import Candidate, candidates, polished, solved
-from .coasting import Times
-from .sequences import Walk
 from .walk_table import WalkTable
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """The best walk found, with its coasting times at every level; no walk where none was found.
-
-    Attributes:
-        walk: trim ids; empty where none was found.
-        times: seconds, one tuple for each level.
-        costs: seconds, one for each level.
-        lower_bound: seconds that no plan undercuts; infinite where it is proved that there is none.
-        exhausted: whether every walk was searched exactly, or excluded by a bound.
-    """
-
-    walk: Walk
-    times: tuple[Times, ...]
-    costs: tuple[float, ...]
-    lower_bound: float
-    exhausted: bool = False
 
 
 def search(tables: tuple[WalkTable, ...], mission: Mission) -> Answer:

@@ -18,7 +18,7 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 
-from .coasting import wants_heading
+from .arrival import wants_heading
 from .error_bounds import MOST_TIME_BOXES, Bounded, goal_of, worst_miss_bound, worst_time_bound
 from .error_box import Each, ErrorPath, error_path
 from .kernel.exact import least_costs_of_each

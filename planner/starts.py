@@ -11,8 +11,8 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
+from .arrival import EQUALITY_TOLERANCE
 from .batch import Batch
-from .coasting import EQUALITY_TOLERANCE
 from .two_times import Times, close, meet_disc
 
 GRID = 16

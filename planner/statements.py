@@ -3,7 +3,8 @@
 The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and
 the largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every
 level (Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
-exchange: the level of a fine grid that misses most joins the statement until none misses.
+exchange: the level of a fine grid that misses most joins the statement until none misses. The price of
+robustness is stated in `price_statement`.
 """
 
 from collections.abc import Sequence
@@ -19,9 +20,11 @@ from flight.library import Library
 from flight.mission import Mission
 from flight.se2 import wrap_angle
 
-from .coasting import EQUALITY_TOLERANCE, Times, wants_heading
-from .kinematics import Motion, motion, symbolic_motion
+from .answer import Times
+from .arrival import EQUALITY_TOLERANCE, wants_heading
+from .kinematics import Motion, motion
 from .sequences import Walk
+from .symbolic_motion import symbolic_motion
 
 FINE = 2001
 """Levels of the grid on which a committed solution is looked at."""
@@ -32,7 +35,7 @@ ROUNDS = 10
 VIOLATED = 1e-6
 """Metres by which a level may miss more than it should."""
 
-_OPTIONS: dict[str, Any] = {
+OPTIONS: dict[str, Any] = {
     "print_time": False,
     "error_on_fail": False,
     "show_eval_warnings": False,
@@ -60,10 +63,10 @@ def state_worst_case(trims: int, levels: int) -> Statement:
     The variables are the times, level after level, and the worst cost; each level's constraints are its miss
     and how far its cost is below the worst.
     """
-    end, numbers = _ends(trims, levels)
+    end, numbers = ends_of(trims, levels)
     times, worst = casadi.SX.sym("times", trims, levels), casadi.SX.sym("worst")
     fixed, mission = casadi.SX.sym("fixed", levels), casadi.SX.sym("mission", 6)
-    misses = [_miss(end(times[:, level], numbers[level], mission[:3]), mission) for level in range(levels)]
+    misses = [miss_of(end(times[:, level], numbers[level], mission[:3]), mission) for level in range(levels)]
     spare = [worst - casadi.sum1(times[:, level]) - fixed[level] for level in range(levels)]
     problem = {
         "x": casadi.vertcat(casadi.vec(times), worst),
@@ -79,10 +82,10 @@ def state_committed(trims: int, levels: int, *, heading: bool) -> Statement:
 
     The last constraint is the sum of the times.
     """
-    end, numbers = _ends(trims, levels)
+    end, numbers = ends_of(trims, levels)
     times, mission = casadi.SX.sym("times", trims), casadi.SX.sym("mission", 6)
     ends = [end(times, numbers[level], mission[:3]) for level in range(levels)]
-    misses = [_miss(one, mission) for one in ends]
+    misses = [miss_of(one, mission) for one in ends]
     headings = [one[2] for one in ends] if heading else []
     problem = {
         "x": times,
@@ -99,11 +102,11 @@ def state_smallest_tolerance(trims: int, levels: int, *, heading: bool) -> State
     The variables are the times and the tolerance in units of the one given; the last constraint is the sum of
     the times.
     """
-    end, numbers = _ends(trims, levels)
+    end, numbers = ends_of(trims, levels)
     times, mission = casadi.SX.sym("times", trims), casadi.SX.sym("mission", 6)
     share = casadi.SX.sym("share")
     ends = [end(times, numbers[level], mission[:3]) for level in range(levels)]
-    misses = [1 + _miss(one, mission) - share**2 for one in ends]
+    misses = [1 + miss_of(one, mission) - share**2 for one in ends]
     headings = [one[2] for one in ends] if heading else []
     problem = {
         "x": casadi.vertcat(times, share),
@@ -127,7 +130,9 @@ def worst_case(
         start: seconds, one for each trim, for every level.
     """
     motions = [motion(library, walk, gamma) for gamma in gammas]
-    numbers = [value for one in motions for value in _numbers(one)] + _mission(mission, mission.tolerance)
+    numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(
+        mission, mission.tolerance
+    )
     run = _solver("worst", len(walk), len(gammas), heading=False)
     levels = len(gammas)
     guess = [*(list(start) * levels), sum(start) + max(one.fixed_time for one in motions)]
@@ -193,7 +198,7 @@ class Question:
         heading, ends = wants_heading(mission), [one.end(mission.start, start) for one in motions]
         miss = max(end.distance_to(mission.goal) for end in ends)
         unit = max(miss, EQUALITY_TOLERANCE) if kind == "tolerance" else mission.tolerance
-        numbers = [value for one in motions for value in _numbers(one)] + _mission(mission, unit)
+        numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(mission, unit)
         low, high, guess = [-inf] * levels, [0.0] * levels, list(start)
         if heading:
             assert mission.goal_heading is not None
@@ -219,10 +224,10 @@ def _solver(kind: str, trims: int, levels: int, *, heading: bool) -> casadi.Func
         statement = state_committed(trims, levels, heading=heading)
     else:
         statement = state_smallest_tolerance(trims, levels, heading=heading)
-    return casadi.nlpsol(f"{kind}_{trims}_{levels}", "ipopt", statement.problem, _OPTIONS)
+    return casadi.nlpsol(f"{kind}_{trims}_{levels}", "ipopt", statement.problem, OPTIONS)
 
 
-def _ends(trims: int, levels: int) -> tuple[casadi.Function, list[casadi.SX]]:
+def ends_of(trims: int, levels: int) -> tuple[casadi.Function, list[casadi.SX]]:
     """Returns the end as a function of times, numbers of the walk and start; and numbers for every level."""
     walk = symbolic_motion(trims)
     numbers = casadi.vertcat(casadi.vec(walk.velocities), casadi.vec(walk.displacements))
@@ -230,18 +235,21 @@ def _ends(trims: int, levels: int) -> tuple[casadi.Function, list[casadi.SX]]:
     return end, [casadi.SX.sym(f"numbers_{level}", numbers.numel()) for level in range(levels)]
 
 
-def _miss(end: casadi.SX, mission: casadi.SX) -> casadi.SX:
+def miss_of(end: casadi.SX, mission: casadi.SX) -> casadi.SX:
+    """Returns the square of a miss in tolerances, less 1."""
     off = end[:2] - mission[3:5]
     return casadi.dot(off, off) / mission[5] ** 2 - 1
 
 
-def _numbers(one: Motion) -> list[float]:
+def numbers_of(one: Motion) -> list[float]:
+    """Returns the numbers of a walk in the order of `ends_of`."""
     return [
         *(value for v in one.velocities for value in (v.forward, v.side, v.yaw_rate)),
         *(value for d in one.displacements for value in (d.x, d.y, d.heading)),
     ]
 
 
-def _mission(mission: Mission, unit: float) -> list[float]:
+def numbers_of_mission(mission: Mission, unit: float) -> list[float]:
+    """Returns start and goal, and what misses are measured in, metres."""
     start = mission.start
     return [start.x, start.y, start.heading, *mission.goal, unit]

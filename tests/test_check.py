@@ -132,6 +132,16 @@ def test_every_small_lie_about_times_is_found() -> None:
         assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
 
 
+def _turned(leaf: str) -> str:
+    """A leaf whose multipliers point the other way."""
+    if ":" not in leaf:
+        return leaf
+    kappa, numbers = leaf.split(":")
+    vector, shares = numbers.split(";")
+    north, east = (-float(part) for part in vector.split(","))
+    return f"{kappa}:{north:g},{east:g};{shares}"
+
+
 def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
     """The plan with a certificate that proves nothing any more."""
     certificate = plan.certificate
@@ -151,9 +161,14 @@ def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
         replace(one, tree=one.tree.replace(":", ";")),
         replace(one, gamma=one.gamma + 0.25),
         replace(one, sequence=(*one.sequence, 9)),
+        replace(one, tree=" ".join(_turned(token) for token in tokens)),
         every[place - 1],
         None,
     )
+    if rng.random() < 0.1:
+        # A proof about shorter walks is none about those that were asked for.
+        short = tuple(kept for kept in every if len(kept.sequence) < certificate.max_trims)
+        return replace(plan, certificate=replace(certificate, max_trims=1, refutations=short))
     lie = wrong[int(rng.integers(len(wrong)))]
     told = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
     return replace(plan, certificate=replace(certificate, refutations=tuple(told)))
@@ -198,6 +213,13 @@ def test_a_thousand_broken_plans_are_all_rejected() -> None:
         if not problems(lie, library, mission, known_hash=known)
     ]
     assert passed == []
+
+
+def test_three_hundred_broken_proofs_are_all_rejected() -> None:
+    plan, library, mission = proved_case()
+    rng = np.random.default_rng(3)
+    lies = (broken_proof(plan, rng) for _ in range(300))
+    assert all(problems(lie, library, mission, known_hash=plan.library_hash) for lie in lies)
 
 
 def test_the_verb_tells_good_from_broken_by_its_exit_code(

@@ -10,8 +10,9 @@ from hypothesis import strategies as st
 
 from flight.mission import Mission
 from flight.se2 import SE2, Twist
+from planner.arrival import reaches
 from planner.batch import Batch
-from planner.coasting import reaches, solve, state
+from planner.coasting import solve, state
 from planner.kinematics import Motion, motion
 from planner.optimality import settled
 from planner.starts import Goal, closed_forms

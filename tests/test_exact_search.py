@@ -2,26 +2,29 @@
 
 from dataclasses import replace
 from itertools import pairwise
-from math import cos, pi, sin
+from math import cos, inf, pi, sin
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import libraries
+from benchmarks.planning_missions import synthetic_library
 from flight.library import Library
 from flight.library_file import read_library
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.se2 import SE2
+from planner.answer import Answer
+from planner.arrival import reaches
 from planner.branch_and_bound import RESOLUTION, proved_best
-from planner.coasting import reaches, solve
+from planner.coasting import solve
 from planner.kernel import build
 from planner.kernel.exact import ExactSearch, least_costs_of_each
 from planner.kernel.tables import tables
 from planner.kinematics import motion
 from planner.nominal import Nominal
-from planner.search import Answer, search
+from planner.search import search
 from planner.walk_table import tabulate
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
@@ -53,6 +56,26 @@ def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -
         return mission
     width = float(rng.choice([0.0, 0.1, 0.5]))
     return replace(mission, goal_heading=float(rng.uniform(-pi, pi)), heading_tolerance=width)
+
+
+@needs_kernel
+@pytest.mark.parametrize("seed", range(40))
+def test_bounds_leave_out_no_walk_that_is_best(seed: int) -> None:
+    """`least_costs_of_each` solves every walk on its own, before there is a plan that could exclude one."""
+    rng = np.random.default_rng(seed)
+    library = (*shipped(), synthetic_library(12, 60, seed=seed))[seed % 4]
+    mission = random_mission(rng, library, 4)
+    if seed % 3 == 0:
+        width = float(rng.choice([0.0, 0.1, 0.5]))
+        mission = replace(mission, goal_heading=float(rng.uniform(-pi, pi)), heading_tolerance=width)
+    gammas = (0.0, -0.5, 0.5)
+    levels = [tables(library, (gamma,), mission.start_trim, mission.max_trims, None) for gamma in gammas]
+    worst = [
+        np.max([least_costs_of_each(table, mission) for table in same], axis=0).min()
+        for same in zip(*levels, strict=True)
+    ]
+    found = max(ExactSearch(library, gammas).answer(mission).costs, default=inf)
+    assert found == pytest.approx(min(worst), abs=1e-9)
 
 
 @needs_kernel

@@ -14,7 +14,8 @@ from flight.maneuver import Maneuver, ManeuverError
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.batch import Batch
-from planner.kinematics import Motion, NegativeDurationError, motion, symbolic_motion
+from planner.kinematics import Motion, NegativeDurationError, motion
+from planner.symbolic_motion import symbolic_motion
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 TWIN_AGREEMENT = 1e-10

@@ -6,17 +6,38 @@ from pathlib import Path
 import pytest
 
 import missions
+from flight.library import Library
+from flight.library_file import library_text
 from flight.mission import Mission, read_mission
 from flight.plan import plan_text
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
+from flight.trim import Trim
 from maneuver.app import run
 from maneuver.thesis_examples import TABLE_33, simple_example
 from planner.kernel.build import kernel
+from planner.nominal import Nominal
 from planner.signs import TooManyScenariosError, all_signs
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 pytestmark = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+
+
+AHEAD = """
+name = "ahead"
+
+[start]
+position = [0.0, 0.0]
+heading = 0.0
+trim = 1
+
+[goal]
+position = [50.0, 0.0]
+tolerance = 1.0
+
+[planner]
+max_trims = 1
+"""
 
 
 def test_table_33_is_reproduced_but_for_its_misprints() -> None:
@@ -63,3 +84,23 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
     shown = capsys.readouterr().out
     assert "all 2,187 corners" in shown
     assert "no bound" in shown
+
+
+@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+def test_errors_that_no_coasting_time_answers_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A straight line that may drift 2 m aside on its 50 m reaches a goal of 1 m only without that error."""
+    sliding = Trim(1, "ahead", Twist(5.0, 0.0, 0.0), Twist(0.1, 0.2, 0.0))
+    library = Library("sliding", "one straight trim", "", (sliding,), ())
+    (tmp_path / "sliding.json").write_text(library_text(library))
+    mission = tmp_path / "ahead.toml"
+    mission.write_text(AHEAD)
+    plan = Nominal(library).plan(read_mission(mission))
+    (tmp_path / "plan.json").write_text(plan_text(plan))
+    words = ["--library", str(tmp_path / "sliding.json"), "--mission", str(mission)]
+    assert run(["plan", "signs", str(tmp_path / "plan.json"), *words]) == 0
+    shown = capsys.readouterr().out
+    assert "no arrival" in shown
+    assert "with trim 1 - this sequence never arrives" in shown
+    assert "no bound" not in shown

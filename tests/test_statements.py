@@ -8,6 +8,9 @@ import pytest
 
 from flight.mission import Mission
 from flight.se2 import SE2
+from planner.nominal import Nominal
+from planner.price_of_robustness import PriceOfRobustness
+from planner.price_statement import largest_level, state_price
 from planner.sequences import walks
 from planner.statements import state_committed, state_smallest_tolerance, state_worst_case, worst_case
 from planner.worst_case import WorstCase
@@ -16,9 +19,13 @@ from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 AGREEMENT = 1e-4
 """Seconds by which IPOPT may be faster."""
 
+LEVEL = 1e-4
+"""By how much the largest level of IPOPT and of the planner may differ."""
+
 STATEMENTS = {
     "worst case": state_worst_case(3, 3),
     "committed": state_committed(3, 3, heading=True),
+    "price of robustness": state_price(3),
     "smallest tolerance": state_smallest_tolerance(3, 2, heading=False),
 }
 
@@ -57,3 +64,23 @@ def test_ipopt_on_the_joint_problem_finds_no_faster_worst_case(seed: int) -> Non
             assert cost >= plan.cost - AGREEMENT
             reached += cost < np.inf
     assert reached or not plan.found
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_ipopt_finds_no_larger_level_at_the_price_and_confirms_that_of_the_plan(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    library, alpha = (thesis_gtmax(), thesis_kinematic())[seed % 2], float(rng.uniform(1.05, 1.5))
+    nominal = None
+    while nominal is None or not nominal.found:
+        angle, distance = rng.uniform(-pi, pi), rng.uniform(10, 40)
+        goal = float(distance * cos(angle)), float(distance * sin(angle))
+        mission = Mission("random", SE2.identity(), 1 + seed, goal, tolerance=1.0, max_trims=2)
+        nominal = Nominal(library).plan(mission)
+    plan = PriceOfRobustness(library, alpha).plan(mission)
+    limit, levels = alpha * nominal.cost, []
+    for walk in walks(library, mission.start_trim, max_trims=2):
+        starts = [([rng.exponential(6.0, len(walk)).tolist()] * 3, 0.1) for _ in range(3)]
+        if walk == plan.sequence and len(plan.scenarios) == 3:
+            starts.append(([one.coasting_times for one in plan.scenarios], plan.gamma))
+        levels += [largest_level(library, walk, mission, limit, start) for start in starts]
+    assert max(levels) == pytest.approx(plan.gamma, abs=LEVEL)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from flight.mission import Mission
 from flight.se2 import rotate
-from planner.coasting import EQUALITY_TOLERANCE, wants_heading
+from planner.arrival import EQUALITY_TOLERANCE, wants_heading
 
 
 @dataclass(frozen=True, slots=True)

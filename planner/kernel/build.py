@@ -6,11 +6,12 @@ from pathlib import Path
 
 from flight.machine_code import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-SOURCES = ("times.c", "curves.c", "search.c")
+SOURCES = ("times.c", "curves.c", "closed_forms.c", "bounds.c", "duality.c", "sets.c", "search.c")
 """Each includes the one before it."""
 
-# No fused multiply-adds: the same source gives the same plans on every machine of a kind.
-FLAGS = ("-O2", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
+# No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of
+# optimising would take as long again to compile, and make a tenth.
+FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
 
 
 @cache

@@ -12,8 +12,8 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from flight.se2 import rotate
-from planner.coasting import wants_heading
-from planner.search import Answer
+from planner.answer import Answer
+from planner.arrival import wants_heading
 
 from .build import kernel
 from .tables import CTable, Table, tables

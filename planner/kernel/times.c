@@ -49,6 +49,7 @@ typedef struct {
     double heading_tolerance;
     const double *bearing_D, *bearing_W, *size_D, *speed;  /* D and W, polar */
     double best;                 /* s; only faster ones are kept */
+    cplx worth;                  /* s/m; near the multiplier of the best times */
     double times[MOST];
 } Row;
 

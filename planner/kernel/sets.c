@@ -1,0 +1,151 @@
+/* Which sets of times may be not 0 in a walk, and the best of their candidates. */
+#include "duality.c"
+
+/* Candidates of one set of times, the heading at the end free or bound to a limit. */
+static void examine(Row *row, Active *on)
+{
+    Problem p = {.row = row, .on = on, .last = 1};
+    cplx A[MOST + 1] = {0};
+    double inverse[MOST + 2] = {0}, rate[MOST + 2] = {0};
+    int straight[MOST + 1][2], straights[MOST + 1] = {0}, stretch = 0, next = 0, count = 0;
+    for (int k = 0; k < row->trims; k++) {
+        A[stretch] += row->D[k];
+        if (next >= on->count || on->place[next] != k) continue;
+        next++;
+        if (fabs(row->rate[k]) > STRAIGHT) {
+            A[stretch] -= row->C[k];
+            A[++stretch] = row->C[k];
+            rate[stretch] = row->rate[k];
+            inverse[stretch] = 1 / row->rate[k];
+        } else {
+            if (straights[stretch] == 2) return;
+            straight[stretch][straights[stretch]++] = k;
+            count++;
+        }
+    }
+    int last = on->bound_heading ? stretch : -1, doubled = -1;
+    if (on->bound_heading && !stretch) return;
+    p.rest = row->goal;
+    if (last >= 0) { p.last = turned(on->target); p.last_rate = rate[last]; }
+    for (int j = 0; j <= stretch; j++) {
+        cplx factor = j == last ? p.last : 1;
+        if (j == 0 || j == last) {
+            p.rest -= factor * A[j];
+            for (int i = 0; i < straights[j]; i++) {
+                if (p.fixed == 2) return;
+                p.fixed_place[p.fixed] = straight[j][i];
+                p.fixed_velocity[p.fixed++] = factor * row->W[straight[j][i]];
+            }
+            continue;
+        }
+        Stretch *s = &p.stretch[p.free];
+        s->A = A[j];
+        s->rate = rate[j];
+        s->a = inverse[j] - (j < stretch ? inverse[j + 1] : 0);
+        s->size = cabs(A[j]);
+        s->straight = s->other = -1;
+        s->limit = s->a != 0 ? s->size / fabs(s->a) : INFINITY;
+        if (straights[j]) {
+            s->straight = straight[j][0];
+            s->w = row->W[s->straight];
+            s->limit = s->speed = cabs(s->w);
+        }
+        if (straights[j] == 2) {
+            if (doubled >= 0) return;
+            doubled = p.free;
+            s->other = straight[j][1];
+            s->w_other = row->W[s->other];
+        }
+        p.free++;
+    }
+    int equations = row->tolerance > 0 ? 1 : 2, unknown = p.free + count;
+    if (unknown == 1 && equations == 2) { in_line(&p); return; }
+    if (unknown < equations) return;
+    if (unknown == equations) determined(&p);
+    else if (doubled >= 0) { if (p.fixed < 2) given_u(&p, doubled); }
+    else if (p.fixed == 2) given_u(&p, -1);
+    else all_curves(&p);
+}
+
+static void both_headings(Row *row, Active *on)
+{
+    on->bound_heading = 0;
+    if (!row->wants_heading || row->heading_tolerance > 0) examine(row, on);
+    else if (!on->turns) examine(row, on);
+    if (!row->wants_heading || !on->turns) return;
+    on->bound_heading = 1;
+    for (int side = -1; side <= 1; side += 2) {
+        on->target = row->heading + side * row->heading_tolerance;
+        if (on->count == 1 && row->tolerance > 0) {
+            double rate = row->rate[on->place[0]], angle = remainder(on->target, 2 * M_PI);
+            double times[MOST] = {0}, time = angle / rate;
+            times[on->place[0]] = time < 0 ? time + 2 * M_PI / fabs(rate) : time;
+            keep(row, times);
+        }
+        examine(row, on);
+        if (row->heading_tolerance == 0) break;
+    }
+}
+
+/* Whether a set of times has more straight coasts than `examine` has equations for: three between two turns (or
+ * before the first), twice two between turns, or more than two stretches between turns with one. */
+static int too_straight(const Row *row, unsigned mask)
+{
+    int here = 0, first = 1, doubled = 0, stretches = 0;
+    for (int k = 0; k < row->trims; k++) {
+        if (!((mask >> k) & 1)) continue;
+        if (fabs(row->rate[k]) > STRAIGHT) { here = 0; first = 0; continue; }
+        here++;
+        if (here > 2) return 1;
+        if (!first) { stretches += here == 1; doubled += here == 2; }
+    }
+    return stretches > 2 || doubled > 1;
+}
+
+/* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
+ * left of them without one of the times; 2 for those with too many straight coasts. */
+static void exclude(const Row *row, unsigned useful, double distance, char *out)
+{
+    cplx worth = row->worth;
+    for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
+        Active on;
+        out[mask] = 0;
+        for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
+            out[mask] = out[mask | (rest & -rest)] == 1;
+        if (out[mask]) continue;
+        if (!row->wants_heading && too_straight(row, mask)) { out[mask] = 2; continue; }
+        choose(row, &on, mask);
+        out[mask] = row->fixed + least_time(row, &on, distance) >= row->best
+            || out_of_reach(row, &on, row->best - row->fixed)
+            || refuted(row, mask, ROUNDS / 2, &worth);
+    }
+}
+
+/* The best times of a row, with at most so many that are not 0. */
+static void solve(Row *row, int most)
+{
+    double distance = to_cover(row);
+    unsigned useful = 0;
+    for (int k = 0; k < row->trims; k++)
+        if (row->W[k] != 0 || row->rate[k] != 0) useful |= 1u << k;
+    double nothing[MOST] = {0};
+    keep(row, nothing);
+    char out[1 << MOST];
+    double known = INFINITY;
+    int every = most >= row->trims && row->best < INFINITY;
+    if (every) {
+        exclude(row, useful, distance, out);
+        known = row->best;
+    }
+    for (int size = 1; size <= most && size <= row->trims; size++)
+        for (unsigned mask = 1; mask < 1u << row->trims; mask++) {
+            if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
+            Active on;
+            choose(row, &on, mask);
+            if (row->best < known) {
+                if (row->fixed + least_time(row, &on, distance) >= row->best) continue;
+                if (row->best < INFINITY && out_of_reach(row, &on, row->best - row->fixed)) continue;
+            }
+            both_headings(row, &on);
+        }
+}

@@ -14,11 +14,10 @@ from flight.library import Library
 from flight.maneuver_end import Band, ManeuverEnd
 from flight.se2 import Twist
 from flight.trim import Trim
+from flight.units import FOOT
 
 from .kinematic_library import kinematic_maneuver
 
-# International foot, exact by definition.
-FOOT = 0.3048
 SPEED_STEP = 8 * FOOT
 """Of the thesis's Figure 8, m/s."""
 FASTEST = 10

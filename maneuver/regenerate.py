@@ -15,7 +15,8 @@ from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
 from .campaign_flights import fly_whole_campaign
-from .campaign_size import campaign_size, forecast
+from .campaign_forecast import forecast
+from .campaign_size import campaign_size
 from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
 from .evidence import gather_evidence
 from .files import find_campaign, refuse_existing
@@ -79,13 +80,16 @@ def regenerate(
     if logs is not None:
         refuse_existing(logs, force=force)
     air, processes = wind or plan.wind, workers or default_workers()
-    if not json:
-        ahead = forecast(plan, wind=air, seed=seed, flights=size.flights, workers=processes)
-        print(f"{size.said()}\n{ahead.said()}", flush=True)
-    began = perf_counter()
     with ExitStack() as stack:
         folder = logs or Path(stack.enter_context(TemporaryDirectory(prefix="maneuver-")))
         executor = stack.enter_context(worker_pool(processes))
+        if not json:
+            print(size.said(), flush=True)
+            ahead = forecast(
+                plan, wind=air, seed=seed, flights=size.flights, workers=processes, executor=executor
+            )
+            print(ahead.said(), flush=True)
+        began = perf_counter()
         flown = fly_whole_campaign(
             plan,
             seed=seed,

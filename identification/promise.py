@@ -140,8 +140,10 @@ def count_inside(
 def _boxed(library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]) -> tuple[Box, Samples]:
     if isinstance(part, Maneuver):
         return maneuver_box(part), maneuver_samples(flights, part.id)
-    averaged = library.conditions.trim_error_kind == "averaged" and part.averaged
-    hull = averaged_hull(part.averaged[0].shortest) if averaged else instantaneous_hull
+    bins = [trim.averaged[0].shortest for trim in library.trims if trim.averaged]
+    averaged = library.conditions.trim_error_kind == "averaged" and bins
+    # A grown trim has no bins of its own; the shortest coast flown is the library's.
+    hull = averaged_hull(min(bins)) if averaged else instantaneous_hull
     return trim_box(part), trim_samples(flights, part.id, hull=hull)
 
 

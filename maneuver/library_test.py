@@ -124,7 +124,12 @@ def _new(
     """Returns what is drawn of a grown library, and new flights."""
     if not library.interpolated:
         return NOTHING, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
-    count = flights or flights_claimed(library)
+    claimed = flights_claimed(library)
+    count = flights or claimed
+    if count > claimed:
+        raise FlightError(
+            f"--flights: the claim of {library.name} is for {claimed} flights each, got {count}"
+        )
     ordered = _coasting_range(library)
     return sampled_flights(library, ordered, most=sample, seed=seed, flights=count, wind=wind)
 

@@ -259,6 +259,8 @@ def test_the_command_judges_logs_of_a_grown_library(
         publish_log(log, tmp_path / f"{number}.mcap", force=False)
     path = tmp_path / "grown.json"
     path.write_text(library_text(library))
+    assert run(("library", "test", str(path), "--flights", "13")) == 2
+    assert "the claim of grown is for 12 flights each, got 13" in capsys.readouterr().err
     assert run(("library", "test", str(path), "--logs", str(tmp_path), "--json")) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["refuted"] is False

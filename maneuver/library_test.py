@@ -20,7 +20,7 @@ from flight.library import Library
 from flight.library_file import library_hash
 from identification.flight_evidence import FlightEvidence, StateJudged, evidence
 from identification.grown_schedule import Drawn
-from identification.promise import Trial, promise_trials
+from identification.promise import NoClaimError, Trial, promise_trials
 from sim.campaign import fly_specification
 from sim.specification import DEFAULT_ALTITUDE, FlightSpecification
 
@@ -88,6 +88,9 @@ def keep_promise(
         json: print the trials as JSON.
     """
     found = find_library(library)
+    measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
+    if not (found.interpolated or measured):
+        raise NoClaimError(found.name)
     of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:

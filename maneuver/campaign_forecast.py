@@ -19,6 +19,7 @@ from sim.specification import FlightSpecification
 
 from .campaign_flights import MEASURING, campaign_library, specify_campaign
 from .evidence import evidence_of
+from .workers import worker_pool
 
 # Each worker is measured by one flight, and one more for every so many that it has to fly; three at most.
 _FLIGHTS_PER_ROUND, _MOST_ROUNDS = 30, 3
@@ -30,7 +31,7 @@ class Forecast:
 
     Attributes:
         flight_hours: of all flights.
-        minutes: on this machine, from when this is said.
+        minutes: on this machine.
         measured: flights that it is judged from.
         speed: flight time over the time that it took with all workers busy: flying, logging, identifying.
     """
@@ -48,14 +49,8 @@ class Forecast:
         )
 
 
-def forecast(
-    campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int, executor: Executor
-) -> Forecast:
-    """Flies as many flights at once as there are workers, none of them the campaign's, and judges the whole.
-
-    Each worker first flies a short one, which pays for what is built once in each: the campaign that follows
-    with the same workers does not pay again. What is measured is what happens to every flight: it is flown,
-    written, read again, cut, handed back and identified, while the other workers do the same.
+def forecast(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
+    """Flies a few flights, none of them the campaign's, and judges the whole from them.
 
     Args:
         campaign: what is to be flown.
@@ -63,7 +58,38 @@ def forecast(
         seed: of the campaign.
         flights: how many.
         workers: processes that share them.
-        executor: lends these processes.
+    """
+    began = perf_counter()
+    with worker_pool(workers) as executor:
+        return forecast_by(
+            executor, campaign, wind=wind, seed=seed, flights=flights, workers=workers, began=began
+        )
+
+
+def forecast_by(
+    executor: Executor,
+    campaign: Campaign,
+    *,
+    wind: str,
+    seed: int,
+    flights: int,
+    workers: int,
+    began: float,
+) -> Forecast:
+    """Returns the forecast from as many flights at once as there are workers.
+
+    Each worker first flies a short one, which pays for what is built once in each, as the campaign will pay
+    again. What is measured then is what happens to every flight: it is flown, written, read again, cut,
+    handed back and identified, while the other workers do the same.
+
+    Args:
+        executor: lends the workers.
+        campaign: what is to be flown.
+        wind: wind class.
+        seed: of the campaign.
+        flights: how many.
+        workers: processes that share them.
+        began: when the executor was asked for them, by `perf_counter`.
     """
     library = campaign_library(campaign, wind)
     rounds = min(_MOST_ROUNDS, 1 + flights // (_FLIGHTS_PER_ROUND * workers))
@@ -72,15 +98,18 @@ def forecast(
     )
     fly = partial(_flown_and_cut, library=library)
     list(executor.map(fly, [_shortened(one) for one in specifications[:workers]]))
-    began = perf_counter()
+    ready = perf_counter()
     cut = list(executor.map(fly, specifications))
     # So few flights may not show each maneuver to its end; the time that was taken counts all the same.
     with suppress(NeverFlownError):
         identify(cut, name=campaign.name)
-    took, flown = perf_counter() - began, sum(flight.duration for flight in cut)
+    took, flown = perf_counter() - ready, sum(flight.duration for flight in cut)
     share = flights / len(cut)
     return Forecast(
-        flight_hours=share * flown / 3600, minutes=share * took / 60, measured=len(cut), speed=flown / took
+        flight_hours=share * flown / 3600,
+        minutes=(ready - began + share * took) / 60,
+        measured=len(cut),
+        speed=flown / took,
     )
 
 

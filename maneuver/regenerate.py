@@ -80,16 +80,13 @@ def regenerate(
     if logs is not None:
         refuse_existing(logs, force=force)
     air, processes = wind or plan.wind, workers or default_workers()
+    if not json:
+        ahead = forecast(plan, wind=air, seed=seed, flights=size.flights, workers=processes)
+        print(f"{size.said()}\n{ahead.said()}", flush=True)
+    began = perf_counter()
     with ExitStack() as stack:
         folder = logs or Path(stack.enter_context(TemporaryDirectory(prefix="maneuver-")))
         executor = stack.enter_context(worker_pool(processes))
-        if not json:
-            print(size.said(), flush=True)
-            ahead = forecast(
-                plan, wind=air, seed=seed, flights=size.flights, workers=processes, executor=executor
-            )
-            print(ahead.said(), flush=True)
-        began = perf_counter()
         flown = fly_whole_campaign(
             plan,
             seed=seed,

@@ -9,6 +9,7 @@ from typing import Any
 from .conditions import Conditions
 from .errors import FlightError, NoManeuverError, UnknownTrimError
 from .maneuver import Maneuver
+from .statistics import Interpolated
 from .trim import Trim
 
 
@@ -82,6 +83,12 @@ class Library:
         for maneuver in self.maneuvers:
             edges[maneuver.from_trim][maneuver.to_trim] = maneuver
         return edges
+
+    @property
+    def interpolated(self) -> tuple[Interpolated, ...]:
+        """What is claimed of each primitive whose errors were interpolated; empty where all were flown."""
+        claims = [trim.interpolated for trim in self.trims] + [row.interpolated for row in self.maneuvers]
+        return tuple(claim for claim in claims if claim is not None)
 
     def trim(self, trim_id: int) -> Trim:
         """Returns the trim with this id.

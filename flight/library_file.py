@@ -12,12 +12,14 @@ from .file_model import FileModel, parse_json, read_text
 from .library import Library
 from .maneuver import Maneuver, ManeuverError
 from .se2 import SE2
-from .statistics import Statistics
+from .statistics import Interpolated, Statistics
 from .statistics_file import (
     AveragedErrorPart,
+    InterpolatedPart,
     StatisticsPart,
     VelocityPart,
     averaged_error_content,
+    interpolated_content,
     statistics_content,
     velocity_content,
 )
@@ -35,6 +37,7 @@ class _Trim(FileModel):
     averaged: list[AveragedErrorPart] | None = Field(
         default=None, description="errors averaged over a coast, by its duration"
     )
+    interpolated: InterpolatedPart | None = None
 
 
 class _Displacement(FileModel):
@@ -59,6 +62,7 @@ class _Maneuver(FileModel):
     error: _ManeuverError = Field(description="signed; gamma scales it")
     statistics: StatisticsPart | None = None
     notes: str | None = None
+    interpolated: InterpolatedPart | None = None
 
 
 def _known_schema(schema: str) -> str:
@@ -136,6 +140,7 @@ def _to_trim(content: _Trim) -> Trim:
         error=content.error.twist(),
         statistics=_to_statistics(content.statistics),
         averaged=tuple(part.averaged_error() for part in content.averaged or ()),
+        interpolated=_to_claim(content.interpolated),
     )
 
 
@@ -149,11 +154,16 @@ def _to_maneuver(content: _Maneuver) -> Maneuver:
         error=ManeuverError(**content.error.model_dump()),
         statistics=_to_statistics(content.statistics),
         notes=content.notes or "",
+        interpolated=_to_claim(content.interpolated),
     )
 
 
 def _to_statistics(content: StatisticsPart | None) -> Statistics | None:
     return None if content is None else content.statistics()
+
+
+def _to_claim(content: InterpolatedPart | None) -> Interpolated | None:
+    return None if content is None else content.interpolated()
 
 
 def _from_library(library: Library) -> LibraryFile:
@@ -178,6 +188,7 @@ def _trim_content(trim: Trim) -> dict[str, Any]:
         "error": velocity_content(trim.error),
         "statistics": statistics_content(trim.statistics),
         "averaged": [averaged_error_content(part) for part in trim.averaged] or None,
+        "interpolated": interpolated_content(trim.interpolated),
     }
 
 
@@ -198,4 +209,5 @@ def _maneuver_content(maneuver: Maneuver) -> dict[str, Any]:
         },
         "statistics": statistics_content(maneuver.statistics),
         "notes": maneuver.notes or None,
+        "interpolated": interpolated_content(maneuver.interpolated),
     }

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from math import isfinite
 
 from .se2 import SE2
-from .statistics import Statistics
+from .statistics import Interpolated, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +46,7 @@ class Maneuver:
         error: signed errors; gamma scales them.
         statistics: how the errors were found, where they were measured.
         notes: what a reader should know, such as a suspect row of a printed table.
+        interpolated: what is claimed of its errors, where they were interpolated between flown maneuvers.
     """
 
     id: int
@@ -56,6 +57,7 @@ class Maneuver:
     error: ManeuverError
     statistics: Statistics | None = None
     notes: str = ""
+    interpolated: Interpolated | None = None
 
     def __post_init__(self) -> None:
         """Refuses a duration that is not a time."""

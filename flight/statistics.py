@@ -58,6 +58,30 @@ class Statistics:
 
 
 @dataclass(frozen=True, slots=True)
+class Interpolated:
+    """What may be claimed of a primitive whose errors were interpolated between flown ones.
+
+    It is claimed of the kind as a whole: of the trims, or of the maneuvers, that were interpolated, a share
+    of at least `coverage` holds `flights` flights with all numbers inside the bounds at once.
+
+    Attributes:
+        left_out: flown primitives of the kind, each of which was left out in turn.
+        exceeding: how many of them the bounds that the others gave did not hold.
+        flights: that each of them was flown in.
+        factor: by which interpolated deviations were inflated, so that no more exceed.
+        coverage: share of the interpolated primitives that hold so many flights.
+        confidence: confidence of that share.
+    """
+
+    left_out: int
+    exceeding: int
+    flights: int
+    factor: float
+    coverage: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
 class AveragedError:
     """The error of a trim's velocity averaged over a coast of some duration.
 

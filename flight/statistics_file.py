@@ -1,12 +1,13 @@
 """Statistics as they stand in a library file."""
 
+from dataclasses import asdict
 from typing import Any
 
 from pydantic import Field, FiniteFloat, PositiveInt
 
 from .file_model import FileModel
 from .se2 import Twist
-from .statistics import AveragedError, Centre, ScalarStatistics, Statistics
+from .statistics import AveragedError, Centre, Interpolated, ScalarStatistics, Statistics
 
 
 class VelocityPart(FileModel):
@@ -53,6 +54,21 @@ class StatisticsPart(FileModel):
         )
 
 
+class InterpolatedPart(FileModel):
+    """What is claimed of the primitives of a kind whose errors were interpolated between flown ones."""
+
+    left_out: PositiveInt = Field(description="flown primitives, each left out in turn")
+    exceeding: int = Field(ge=0, description="of them, those that the others' bounds did not hold")
+    flights: PositiveInt = Field(description="that each of them was flown in")
+    factor: FiniteFloat = Field(ge=0, description="by which interpolated deviations were inflated")
+    coverage: FiniteFloat = Field(ge=0, le=1, description="share of primitives that hold so many flights")
+    confidence: FiniteFloat = Field(ge=0, le=1)
+
+    def interpolated(self) -> Interpolated:
+        """Returns the claim that the file states."""
+        return Interpolated(**self.model_dump())
+
+
 class AveragedErrorPart(FileModel):
     """The error of a trim averaged over coasts of some duration."""
 
@@ -81,6 +97,11 @@ def averaged_error_content(part: AveragedError) -> dict[str, Any]:
         "samples": part.samples,
         "coverage": part.coverage,
     }
+
+
+def interpolated_content(claim: Interpolated | None) -> dict[str, Any] | None:
+    """Returns the content of a file for the claim of interpolated primitives."""
+    return None if claim is None else asdict(claim)
 
 
 def statistics_content(statistics: Statistics | None) -> dict[str, Any] | None:

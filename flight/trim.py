@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from .se2 import Twist
-from .statistics import AveragedError, Statistics
+from .statistics import AveragedError, Interpolated, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,6 +17,7 @@ class Trim:
         error: the signed error of the velocity; gamma scales it.
         statistics: how the error was found, where it was measured.
         averaged: errors averaged over a coast, by its duration, where they were measured.
+        interpolated: what is claimed of its error, where that was interpolated between flown trims.
     """
 
     id: int
@@ -25,6 +26,7 @@ class Trim:
     error: Twist
     statistics: Statistics | None = None
     averaged: tuple[AveragedError, ...] = ()
+    interpolated: Interpolated | None = None
 
     def at(self, gamma: float) -> Twist:
         """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""

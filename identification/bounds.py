@@ -40,6 +40,31 @@ def joint_coverage(samples: int, *, support: int, confidence: float, discarded: 
     return 1.0 - float(beta.isf(doubt, counted, samples - counted + 1))
 
 
+def held_share(count: int, *, exceeding: int, confidence: float) -> float:
+    """Returns the share of a population that lies at or below an order statistic, at a confidence.
+
+    Of `count` independent draws the limit is the largest but `exceeding`; how many exceed it was fixed before
+    they were seen. The share above it then follows a Beta(exceeding + 1, count - exceeding) law whatever the
+    population's, if that is continuous (Wilks, Ann. Math. Statist. 12, 1941), and covers more if it is not.
+
+    Args:
+        count: draws.
+        exceeding: draws above the limit, fewer than all.
+        confidence: probability, over the draws, with which the share holds.
+    """
+    if not 0 <= exceeding < count:
+        return 0.0
+    return 1.0 - float(beta.isf(1.0 - confidence, exceeding + 1, count - exceeding))
+
+
+def most_exceeding(count: int, *, coverage: float, confidence: float) -> int:
+    """Returns how many of so many draws may exceed the limit and a coverage be claimed; 0 where none may."""
+    exceeding = 0
+    while held_share(count, exceeding=exceeding + 1, confidence=confidence) >= coverage:
+        exceeding += 1
+    return exceeding
+
+
 def samples_needed(coverage: float, *, support: int, confidence: float, discarded: int = 0) -> int:
     """Returns the fewest samples of which a box covers a share of future ones, at a confidence.
 

@@ -76,7 +76,7 @@ def promise_trials(
         InconsistentLogsError: a flight is one of those that the library was found from, or was flown with
             other trims, maneuvers or another rule.
     """
-    _refuse_inconsistent(library, flights)
+    refuse_inconsistent(library, flights)
     claims = [
         (kind, part, part.statistics.coverage)
         for kind, parts in (("trim", library.trims), ("maneuver", library.maneuvers))
@@ -85,7 +85,7 @@ def promise_trials(
     ]
     if not claims:
         raise NoClaimError(library.name)
-    counted = [(kind, part.id, claim, *_count(library, part, flights)) for kind, part, claim in claims]
+    counted = [(kind, part.id, claim, *count_inside(library, part, flights)) for kind, part, claim in claims]
     doubts = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
     return tuple(
         Trial(
@@ -95,7 +95,7 @@ def promise_trials(
             flights=count,
             inside=inside,
             unsettled=unsettled,
-            **_interval(inside, count),
+            **interval(inside, count),
             doubt=doubt,
             refuted=doubt < level,
         )
@@ -129,7 +129,7 @@ def maneuver_box(row: Maneuver) -> Box:
     return Box(centre, size, len(centre))
 
 
-def _count(
+def count_inside(
     library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]
 ) -> tuple[int, int, int]:
     """Returns how many flights show a primitive, in how many it stayed inside, in how many it was lost."""
@@ -140,19 +140,28 @@ def _count(
 def _boxed(library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]) -> tuple[Box, Samples]:
     if isinstance(part, Maneuver):
         return maneuver_box(part), maneuver_samples(flights, part.id)
-    averaged = library.conditions.trim_error_kind == "averaged" and part.averaged
-    hull = averaged_hull(part.averaged[0].shortest) if averaged else instantaneous_hull
+    bins = [trim.averaged[0].shortest for trim in library.trims if trim.averaged]
+    averaged = library.conditions.trim_error_kind == "averaged" and bins
+    # A grown trim has no bins of its own; the shortest coast flown is the library's.
+    hull = averaged_hull(min(bins)) if averaged else instantaneous_hull
     return trim_box(part), trim_samples(flights, part.id, hull=hull)
 
 
-def _interval(inside: int, count: int) -> dict[str, float]:
+def interval(inside: int, count: int) -> dict[str, float]:
+    """Returns the ends, `low` and `high`, of the exact (Clopper-Pearson) 95 % interval of a share."""
     if not count:
         return {"low": 0.0, "high": 1.0}
     found = binomtest(inside, count).proportion_ci(INTERVAL_CONFIDENCE, method="exact")
     return {"low": float(found.low), "high": float(found.high)}
 
 
-def _refuse_inconsistent(library: Library, flights: Sequence[FlightEvidence]) -> None:
+def refuse_inconsistent(library: Library, flights: Sequence[FlightEvidence]) -> None:
+    """Refuses flights that cannot judge a library.
+
+    Raises:
+        InconsistentLogsError: a flight is one of those that the library was found from, comes twice, or was
+            flown with other trims, maneuvers or another rule.
+    """
     known = set(library.provenance.get("logs_by_seed", {}).values())
     seen: dict[str, str] = {}
     for flight in flights:

@@ -1,10 +1,12 @@
 """Interpolation between scattered points, with its own leave-one-out errors in closed form.
 
 A radial spline with the kernel -r over a linear trend, smoothed; scipy's `RBFInterpolator` with
-`kernel="linear", degree=1` gives the same values. Leaving each point out costs no further solution: the error
-at a point is its coefficient over the diagonal of the inverse (Rippa, Adv. Comput. Math. 11, 1999).
+`kernel="linear", degree=1` gives the same values. Leaving points out costs no further spline: their errors
+solve a small system: the inverse's rows and columns of those points, their coefficients on the right (for
+one point Rippa, Adv. Comput. Math. 11, 1999; for several it follows alike from a partitioned inverse).
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -22,7 +24,7 @@ class Spline:
     Attributes:
         points: where values are known; each coordinate scaled so that 1 means alike.
         coefficients: of the kernel at every point, then of the linear trend.
-        left_out: value less prediction at each point, with that point left out.
+        left_out: value less prediction at each point, with that point left out and those that go with it.
         smoothing: that was chosen.
     """
 
@@ -32,8 +34,20 @@ class Spline:
     smoothing: float
 
     @classmethod
-    def fit(cls, points: Float[np.ndarray, "n d"], values: Float[np.ndarray, "n"]) -> Self:
-        """Returns the interpolation whose smoothing makes the leave-one-out errors least.
+    def fit(
+        cls,
+        points: Float[np.ndarray, "n d"],
+        values: Float[np.ndarray, "n"],
+        *,
+        together: Sequence[Sequence[int]] | None = None,
+    ) -> Self:
+        """Returns the interpolation whose smoothing makes the errors at points left out least.
+
+        Args:
+            points: where values are known; each coordinate scaled so that 1 means alike.
+            values: at the points.
+            together: for each point the rows that are left out with it, its own among them; each alone where
+                None.
 
         Raises:
             ValueError: too few points for a linear trend and a point left out, or they lie in a plane.
@@ -45,7 +59,7 @@ class Spline:
         for smoothing in SMOOTHINGS:
             inverse = np.linalg.inv(_system(points, smoothing))
             coefficients = inverse[:, :count] @ values
-            left_out = coefficients[:count] / np.diag(inverse)[:count]
+            left_out = _left_out(inverse[:count, :count], coefficients[:count], together)
             if best is None or (left_out**2).sum() < (best.left_out**2).sum():
                 best = cls(points, coefficients, left_out, smoothing)
         assert best is not None
@@ -57,6 +71,21 @@ class Spline:
         rows = np.hstack([kernel, np.ones((len(points), 1)), points])
         values: Float[np.ndarray, "m"] = rows @ self.coefficients
         return values
+
+
+def _left_out(
+    inverse: Float[np.ndarray, "n n"],
+    coefficients: Float[np.ndarray, "n"],
+    together: Sequence[Sequence[int]] | None,
+) -> Float[np.ndarray, "n"]:
+    if together is None:
+        alone: Float[np.ndarray, "n"] = coefficients / np.diag(inverse)
+        return alone
+    errors = [
+        np.linalg.solve(inverse[np.ix_(rows, rows)], coefficients[rows])[rows.index(place)]
+        for place, rows in enumerate(map(list, together))
+    ]
+    return np.array(errors)
 
 
 def _system(points: Float[np.ndarray, "n d"], smoothing: float) -> Float[np.ndarray, "m m"]:

@@ -25,7 +25,7 @@ _SCALES = np.array([0.2, 0.3, 0.3, 0.05])
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class Step:
     """A maneuver to be computed: velocities left and reached, the band around the latter."""
 
     left: Twist
@@ -42,32 +42,39 @@ class Baseline:
     dwell: float
     timeout: float
 
-    def maneuver(self, edge: Edge) -> tuple[float, float, float, float]:
+    def maneuver(self, step: Step) -> tuple[float, float, float, float]:
         """Returns duration in s, displacement forward and to the right in m, heading change in rad."""
         time = np.arange(0.0, self.timeout, _STEP)
-        speed_off = (edge.left.forward - edge.reached.forward) * self.forward.left_over(time)
-        rate_off = (edge.left.yaw_rate - edge.reached.yaw_rate) * self.yaw_rate.left_over(time)
-        outside = (np.abs(speed_off) > edge.band.forward) | (np.abs(rate_off) > edge.band.yaw_rate)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(time)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(time)
+        outside = (np.abs(speed_off) > step.band.forward) | (np.abs(rate_off) > step.band.yaw_rate)
         last = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
         count = min(last + round(self.dwell / _STEP), len(time) - 1)
-        speed = edge.reached.forward + 0.5 * (speed_off[1 : count + 1] + speed_off[:count])
-        rate = edge.reached.yaw_rate + 0.5 * (rate_off[1 : count + 1] + rate_off[:count])
+        speed = step.reached.forward + 0.5 * (speed_off[1 : count + 1] + speed_off[:count])
+        rate = step.reached.yaw_rate + 0.5 * (rate_off[1 : count + 1] + rate_off[:count])
         heading = np.concatenate([[0.0], np.cumsum(rate) * _STEP])
         middle = 0.5 * (heading[1:] + heading[:-1])
         forward, side = speed * np.cos(middle) * _STEP, speed * np.sin(middle) * _STEP
         return count * _STEP, float(forward.sum()), float(side.sum()), float(heading[-1])
 
-    def maneuvers(self, edges: Sequence[Edge]) -> Float[np.ndarray, "n 4"]:
-        """Returns a row for each edge, as `maneuver` gives it."""
-        return np.array([self.maneuver(edge) for edge in edges])
+    def tail(self, step: Step) -> tuple[float, float]:
+        """Returns the most that is left of a step after its end: forward speed, m/s, and yaw rate, rad/s."""
+        later = np.arange(self.maneuver(step)[0], self.timeout, _STEP)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(later)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(later)
+        return float(np.abs(speed_off).max(initial=0.0)), float(np.abs(rate_off).max(initial=0.0))
+
+    def maneuvers(self, steps: Sequence[Step]) -> Float[np.ndarray, "n 4"]:
+        """Returns a row for each step, as `maneuver` gives it."""
+        return np.array([self.maneuver(step) for step in steps])
 
 
-def fitted_baseline(library: Library, edges: Sequence[Edge], flown: Float[np.ndarray, "n 4"]) -> Baseline:
+def fitted_baseline(library: Library, steps: Sequence[Step], flown: Float[np.ndarray, "n 4"]) -> Baseline:
     """Returns the responses that come nearest to all flown maneuvers together.
 
     Args:
         library: for the rule.
-        edges: the maneuvers flown.
+        steps: the maneuvers flown.
         flown: what they did: duration, forward, side, heading change.
     """
     rule = library.conditions.maneuver_end
@@ -79,7 +86,7 @@ def fitted_baseline(library: Library, edges: Sequence[Edge], flown: Float[np.nda
         return Baseline(*responses, dwell=rule.dwell, timeout=rule.timeout)
 
     def misfit(numbers: Float[np.ndarray, "4"]) -> Float[np.ndarray, "m"]:
-        off = (baseline(numbers).maneuvers(edges) - flown) / _SCALES
+        off = (baseline(numbers).maneuvers(steps) - flown) / _SCALES
         return np.asarray(off.ravel())
 
     bounds = ([0.2, 0.4, 0.2, 0.4], [8.0, 0.98, 8.0, 0.98])

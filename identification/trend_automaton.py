@@ -13,11 +13,10 @@ from flight.library import Library
 from flight.maneuver_end import Band, ManeuverEnd
 from flight.se2 import Twist
 from flight.trim import Trim
+from flight.units import FOOT
 
 from .kinematic_library import kinematic_maneuver
 
-# International foot, exact by definition.
-FOOT = 0.3048
 SPEED_STEP = 8 * FOOT
 """Of the thesis's Figure 8, m/s."""
 FASTEST = 10
@@ -110,13 +109,14 @@ def _name(speed: float, yaw_rate: float) -> str:
 def _band(velocity: Twist) -> Band:
     """Returns the half widths around a trim, wider than its scatter in wind class `gtmax`.
 
-    Turns are held less firmly; and the faster the flight, the more a gust turns the nose and, with it, the
+    No wider than that, because a coast begins with whatever step is left inside the band. Turns are held less
+    firmly; and the faster the flight, the more a gust turns the nose and, with it, the
     velocity.
     """
     turning = abs(velocity.yaw_rate * velocity.forward)
     fast = max(0.0, velocity.forward - 8.0)
     return Band(
-        forward=round(0.35 + 0.1 * turning + 0.01 * fast, 4),
+        forward=round(0.3 + 0.05 * turning + 0.01 * fast, 4),
         side=round(0.45 + 0.08 * turning + 0.05 * fast, 4),
-        yaw_rate=round(0.08 + 0.15 * abs(velocity.yaw_rate) + 0.01 * fast, 4),
+        yaw_rate=round(0.07 + 0.06 * abs(velocity.yaw_rate) + 0.01 * fast, 4),
     )

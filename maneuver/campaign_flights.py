@@ -1,5 +1,6 @@
 """Campaigns, flown: what `fly`, `regenerate` and `demo` share."""
 
+from collections.abc import Iterable
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -9,6 +10,7 @@ import numpy as np
 from flight.campaign import Campaign
 from flight.conditions import Conditions
 from flight.library import Library
+from flight.sequence import Sequence
 from identification.flight_evidence import NOMINAL
 from identification.schedule import schedule
 from sim.campaign import FlightFlown, fly_campaign
@@ -38,6 +40,7 @@ class Role:
 BOUNDING = Role("campaign", "", 100, 101)
 CENTRING = Role(NOMINAL, "-nominal", 103, 104)
 TESTING = Role("test", "-test", 105, 106)
+GROWN_TESTING = Role("test", "-grown", 109, 110)
 MEASURING = Role("measured", "-measured", 107, 108)
 
 
@@ -77,12 +80,19 @@ def specify_campaign(
         coasting_range=campaign.coasting_range,
         wind=wind,
     )
+    return specify_tours(tours, campaign.name, seed=seed, altitude=campaign.altitude, role=role)
+
+
+def specify_tours(
+    tours: Iterable[Sequence], name: str, *, seed: int, altitude: float, role: Role
+) -> tuple[FlightSpecification, ...]:
+    """Returns a flight for each tour, in air that depends on the seed, the role and its number alone."""
     return tuple(
         specify_sequence(
-            replace(tour, name=f"{campaign.name}{role.suffix}-{number:04d}"),
+            replace(tour, name=f"{name}{role.suffix}-{number:04d}"),
             seed=derived_seed(seed, role.flight_stream, number),
             kind=role.kind,
-            altitude=campaign.altitude,
+            altitude=altitude,
         )
         for number, tour in enumerate(tours)
     )

@@ -1,21 +1,11 @@
 """How many flights a campaign takes, said before the first of them."""
 
 from dataclasses import dataclass
-from pathlib import Path
-from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
 
 from flight.campaign import Campaign
 from flight.errors import FlightError
-from flight.library import Library
-from flight.log_file import publish_log
 from identification.bounds import joint_coverage, samples_needed
 from identification.samples import MANEUVER_SCALARS, TRIM_SCALARS
-from sim.campaign import fly_specification
-from sim.specification import FlightSpecification
-
-from .campaign_flights import MEASURING, campaign_library, specify_campaign
-from .evidence import evidence_of
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,65 +77,3 @@ def campaign_size(
         return CampaignSize(flights or campaign.flights, nominal, confidence)
     support = CampaignSize(0, nominal, confidence).maneuver_support
     return CampaignSize(samples_needed(coverage, support=support, confidence=confidence), nominal, confidence)
-
-
-@dataclass(frozen=True, slots=True)
-class Forecast:
-    """What a campaign will take, judged from one flight of it.
-
-    Attributes:
-        flight_hours: of all flights.
-        minutes: on this machine.
-        speed: flight time over processor time of the flight measured, flying, logging and identifying.
-    """
-
-    flight_hours: float
-    minutes: float
-    speed: float
-
-    def said(self) -> str:
-        """Returns the forecast for people."""
-        return (
-            f"about {self.flight_hours:.1f} flight hours and {self.minutes:.1f} minutes here "
-            f"(one flight took 1/{self.speed:.0f} of its time)"
-        )
-
-
-def forecast(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
-    """Flies one flight that is not of the campaign, twice, and judges the whole from the second.
-
-    The first time pays for what is built once in each worker.
-
-    Args:
-        campaign: what is to be flown.
-        wind: wind class.
-        seed: of the campaign.
-        flights: how many.
-        workers: processes that share them.
-    """
-    library = campaign_library(campaign, wind)
-    (specification,) = specify_campaign(campaign, library, seed=seed, flights=1, wind=wind, role=MEASURING)
-    short = specification.model_copy(
-        update={"trims": specification.trims[:2], "coasting_times": specification.coasting_times[:2]}
-    )
-    began = perf_counter()
-    _flown_and_identified(short, library)
-    building = perf_counter() - began
-    began, worked = perf_counter(), process_time()
-    duration = _flown_and_identified(specification, library)
-    took = max(perf_counter() - began, process_time() - worked)
-    return Forecast(
-        flight_hours=flights * duration / 3600,
-        minutes=(building + took * -(-flights // workers)) / 60,
-        speed=duration / took,
-    )
-
-
-def _flown_and_identified(specification: FlightSpecification, library: Library) -> float:
-    """Returns the seconds flown of a flight that leaves nothing behind."""
-    log = fly_specification(specification, library)
-    with TemporaryDirectory(prefix="maneuver-") as folder:
-        path = Path(folder) / f"{specification.name}.mcap"
-        publish_log(log, path, force=False)
-        evidence_of(path)
-    return log.duration

@@ -12,11 +12,10 @@ from rich.table import Table
 from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
+from flight.units import FOOT
 from identification.data_sheet import worth
 
 from .files import find_library
-
-METRES_PER_FOOT = 0.3048
 
 # Metres, radians and seconds: what differs by less than rounding in a table is the same.
 SAME = 1e-12
@@ -122,7 +121,7 @@ def remarks(library: Library) -> list[str]:
 
 
 def _trims(library: Library, *, feet: bool) -> Table:
-    unit, scale = ("ft", METRES_PER_FOOT) if feet else ("m", 1.0)
+    unit, scale = ("ft", FOOT) if feet else ("m", 1.0)
     table = _table("id", "trim", f"forward, {unit}/s", f"side, {unit}/s", "yaw rate, rad/s")
     for trim in library.trims:
         velocity, error = trim.velocity, trim.error
@@ -137,7 +136,7 @@ def _trims(library: Library, *, feet: bool) -> Table:
 
 
 def _maneuvers(library: Library, *, feet: bool) -> Table:
-    unit, scale = ("ft", METRES_PER_FOOT) if feet else ("m", 1.0)
+    unit, scale = ("ft", FOOT) if feet else ("m", 1.0)
     table = _table("id", "trims", "duration, s", f"forward, {unit}", f"side, {unit}", "heading, rad")
     for row in library.maneuvers:
         moved, error = row.displacement, row.error

@@ -10,6 +10,7 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash
 from flight.log_file import publish_bytes, read_log
+from flight.units import FOOT
 from identification.data_sheet import data_sheet
 from identification.observations import Observations, observations, together
 from identification.segmentation import segment
@@ -21,7 +22,7 @@ from .files import find_library, refuse_existing
 from .identify import log_paths
 from .numbers import Count
 from .progress import shown
-from .thesis_ratios import FOOT, Ratio, comparable, ratios
+from .thesis_ratios import Ratio, comparable, ratios
 from .workers import default_workers, worker_pool
 
 THESIS = "thesis-gtmax"

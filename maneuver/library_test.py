@@ -19,7 +19,8 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash
 from identification.flight_evidence import FlightEvidence, StateJudged, evidence
-from identification.promise import Trial, promise_trials
+from identification.grown_schedule import Drawn
+from identification.promise import NoClaimError, Trial, promise_trials
 from sim.campaign import fly_specification
 from sim.specification import DEFAULT_ALTITUDE, FlightSpecification
 
@@ -27,6 +28,14 @@ from .campaign_flights import TESTING, specify_campaign
 from .domain import warn_of_flight, warn_of_logs
 from .evidence import gather_evidence
 from .files import find_library
+from .grown_test import (
+    NOTHING,
+    SAMPLE,
+    everything_grown,
+    flights_claimed,
+    judge_grown,
+    sampled_flights,
+)
 from .identify import log_paths
 from .numbers import Count, Seed
 from .progress import shown
@@ -34,12 +43,16 @@ from .workers import default_workers, worker_pool
 
 REFUTED = 1
 
+FLIGHTS = 100
+"""New flights where no other number is asked for."""
+
 
 def keep_promise(
     library: str,
     /,
     *,
-    flights: Count = 100,
+    flights: Count | None = None,
+    sample: Count = SAMPLE,
     seed: Seed = 1,
     wind: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
@@ -53,15 +66,21 @@ def keep_promise(
     95 % interval, and how improbable so few would be if the claim were true, corrected for the number of
     primitives (Holm). The exit code is 1 where a claim is refuted at 5 %.
 
+    Of a grown library a random sample of its grown maneuvers, and of the trims that they lead to, is flown,
+    and the share of them that every flight keeps is held against what the library claims of each kind.
+
     For example:
 
         maneuver library test gtmax-sim --flights 500
 
         maneuver library test mine.json --logs other-flights/ --json
 
+        maneuver library test grown.json --sample 60
+
     Args:
         library: name or path.
-        flights: how many new ones.
+        flights: how many new ones; 100 by default, of a grown library as many as its claim is for.
+        sample: trims, and maneuvers, of a grown library that are drawn.
         seed: of all their chance.
         wind: wind class; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
@@ -69,16 +88,22 @@ def keep_promise(
         json: print the trials as JSON.
     """
     found = find_library(library)
+    measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
+    if not (found.interpolated or measured):
+        raise NoClaimError(found.name)
     of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)
             warn_of_logs(found, [flight.header for flight in flown])
+            drawn = everything_grown(found)
         else:
             air = wind or found.conditions.wind
             warn_of_flight(found, wind=air)
-            specifications = new_flights(found, seed=seed, flights=flights, wind=air)
+            drawn, specifications = _new(found, sample=sample, seed=seed, flights=flights, wind=air)
             flown = list(_fly(specifications, found, of, executor))
+    if found.interpolated:
+        return REFUTED if judge_grown(found, drawn, flown, json=json) else 0
     trials = promise_trials(found, flown)
     refuted = any(trial.refuted for trial in trials)
     if json:
@@ -96,8 +121,44 @@ def keep_promise(
     return REFUTED if refuted else 0
 
 
+def _new(
+    library: Library, *, sample: int, seed: int, flights: int | None, wind: str
+) -> tuple[Drawn, tuple[FlightSpecification, ...]]:
+    """Returns what is drawn of a grown library, and new flights."""
+    if not library.interpolated:
+        return NOTHING, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
+    claimed = flights_claimed(library)
+    count = flights or claimed
+    if count > claimed:
+        raise FlightError(
+            f"--flights: the claim of {library.name} is for {claimed} flights each, got {count}"
+        )
+    ordered = _coasting_range(library)
+    return sampled_flights(library, ordered, most=sample, seed=seed, flights=count, wind=wind)
+
+
 def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tuple[FlightSpecification, ...]:
     """Returns flights by the library's own schedule, with seeds that no campaign has.
+
+    Raises:
+        FlightError: the library does not say how it was flown.
+    """
+    ordered, conditions = _coasting_range(library), library.conditions
+    assert conditions.maneuver_end is not None
+    like_before = Campaign(
+        name=library.name,
+        library=library.name,
+        wind=wind,
+        altitude=conditions.altitude or DEFAULT_ALTITUDE,
+        flights=flights,
+        coasting_range=ordered,
+        maneuver_end={wind: conditions.maneuver_end},
+    )
+    return specify_campaign(like_before, library, seed=seed, flights=flights, wind=wind, role=TESTING)
+
+
+def _coasting_range(library: Library) -> tuple[float, float]:
+    """Returns the shortest and longest coasting time that a library's flights were given, in seconds.
 
     Raises:
         FlightError: the library does not say how it was flown.
@@ -109,16 +170,7 @@ def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tupl
             f"library {library.name} states no maneuver-end rule or no coasting times: it was not identified "
             "from flights of this program, so none can be flown like them; --logs tests it with other logs"
         )
-    like_before = Campaign(
-        name=library.name,
-        library=library.name,
-        wind=wind,
-        altitude=conditions.altitude or DEFAULT_ALTITUDE,
-        flights=flights,
-        coasting_range=(ordered[0], ordered[1]),
-        maneuver_end={wind: conditions.maneuver_end},
-    )
-    return specify_campaign(like_before, library, seed=seed, flights=flights, wind=wind, role=TESTING)
+    return ordered[0], ordered[1]
 
 
 def _fly(

@@ -14,6 +14,7 @@ from rich.console import Console
 from rich.table import Table
 
 from flight.errors import FlightError
+from flight.units import FOOT
 from identification.trends import SpeedStep, Trends, TurnStep
 from identification.trends import trends as trends_of
 from review.pictures import publish_picture
@@ -21,14 +22,12 @@ from review.trends_picture import Points, trends_picture
 
 from .files import find_library, refuse_existing
 
-METRES_PER_FOOT = 0.3048
-
 
 def trends(
     library: str,
     /,
     *,
-    speed_step: float = 8 * METRES_PER_FOOT,
+    speed_step: float = 8 * FOOT,
     rate_step: float = 0.1,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -168,4 +167,4 @@ def _tables(seen: Trends) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str
 
 
 def _feet(speed: float) -> str:
-    return f"{speed / METRES_PER_FOOT:.0f}"
+    return f"{speed / FOOT:.0f}"

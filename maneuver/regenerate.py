@@ -15,7 +15,8 @@ from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
 from .campaign_flights import fly_whole_campaign
-from .campaign_size import campaign_size, forecast
+from .campaign_forecast import forecast
+from .campaign_size import campaign_size
 from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
 from .evidence import gather_evidence
 from .files import find_campaign, refuse_existing

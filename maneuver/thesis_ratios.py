@@ -5,9 +5,6 @@ from dataclasses import dataclass
 
 from flight.library import Library
 
-FOOT = 0.3048
-"""International foot in metres, exact by definition."""
-
 LEAST, MOST = 0.25, 4.0
 """Ratios between these are of the same order."""
 

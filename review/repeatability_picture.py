@@ -11,12 +11,31 @@ from matplotlib.patches import Rectangle
 
 from flight.library import Library
 from flight.maneuver import Maneuver
+from flight.trim import Trim
 
 from . import palette
 
 COLUMNS = 6
 # More maneuvers than this do not fit on a page; the first ones are shown, and the title says so.
 MOST = 48
+
+# Inches a primitive, and how many bounds a histogram reaches; what lies further is put at its end.
+LINE, FURTHEST = 0.36, 1.45
+BINS = np.linspace(-FURTHEST, FURTHEST, 59)
+
+_TRIM_NUMBERS = (
+    ("forward speed", 1.0, "m/s"),
+    ("side speed", 1.0, "m/s"),
+    ("yaw rate", degrees(1.0), "deg/s"),
+)
+_MANEUVER_NUMBERS = (
+    ("duration", 1.0, "s"),
+    ("ahead", 1.0, "m"),
+    ("to the right", 1.0, "m"),
+    ("heading change", degrees(1.0), "deg"),
+)
+
+Numbers = Float[np.ndarray, "scalars"]
 
 Tracks = Mapping[int, Sequence[Float[np.ndarray, "n 2"]]]
 Rows = Mapping[int, Float[np.ndarray, "n k"]]
@@ -56,7 +75,9 @@ def repeatability_picture(library: Library, tracks: Tracks) -> Figure:
 
 
 def deviations_picture(library: Library, trims: Rows, maneuvers: Rows) -> Figure:
-    """Returns histograms of all deviations from the library's values, with its bounds.
+    """Returns histograms of all deviations from the library's values, as shares of its bounds.
+
+    A line for each primitive, a column for each of its numbers; its bound is written beside it.
 
     Args:
         library: values and errors.
@@ -65,43 +86,69 @@ def deviations_picture(library: Library, trims: Rows, maneuvers: Rows) -> Figure
     """
     held = [trim for trim in library.trims if trim.id in trims]
     shown = [row for row in library.maneuvers if row.id in maneuvers][:MOST]
-    count = len(held) + len(shown)
-    figure = palette.page(17.0, 1.2 + 1.15 * count)
-    _title(figure, f"{library.name}: deviations in all flights, and the bounds", shown, library)
-    panels = figure.subplots(max(count, 1), 4, squeeze=False)
-    for axes, trim in zip(panels, held, strict=False):
-        errors = (trim.error.forward, trim.error.side, degrees(trim.error.yaw_rate))
-        off = trims[trim.id] * (1, 1, degrees(1))
-        for panel, column, error, unit in zip(axes, off.T, errors, ("m/s", "m/s", "deg/s"), strict=False):
-            _histogram(panel, column, abs(error), unit)
-        axes[0].set_ylabel(f"trim {trim.id}", fontsize=palette.TEXT_SIZE)
-        axes[3].set_visible(False)
-    for axes, row in zip(panels[len(held) :], shown, strict=False):
-        moved, wrong = row.displacement, row.error
-        centre = np.array([row.duration, moved.x, moved.y, moved.heading])
-        sizes = (wrong.duration, wrong.forward, wrong.side, degrees(wrong.heading_change))
-        off = (maneuvers[row.id] - centre) * (1, 1, 1, degrees(1))
-        for panel, column, size, unit in zip(axes, off.T, sizes, ("s", "m", "m", "deg"), strict=True):
-            _histogram(panel, column, abs(size), unit)
-        axes[0].set_ylabel(_name(row), fontsize=palette.TEXT_SIZE)
-    for panel, words in zip(panels[0], ("forward speed", "side speed", "yaw rate"), strict=False):
-        palette.headline(panel, words)
-    if shown:
-        names = ("duration", "ahead", "to the right", "heading change")
-        for panel, words in zip(panels[len(held)], names, strict=True):
-            palette.headline(panel, words)
+    heights = [max(len(lines), 1) + 1.6 for lines in (held, shown)]
+    figure = palette.page(17.0, 0.8 + LINE * sum(heights))
+    _title(figure, f"{library.name}: deviations in all flights, as shares of the bounds", shown, library)
+    upper, lower = figure.subfigures(2, 1, height_ratios=heights, squeeze=False)[:, 0]
+    _histograms(
+        upper.subplots(1, 4, sharey=True),
+        _TRIM_NUMBERS,
+        [(f"trim {trim.id}", trims[trim.id], _trim_bounds(trim)) for trim in held],
+    )
+    _histograms(
+        lower.subplots(1, 4, sharey=True),
+        _MANEUVER_NUMBERS,
+        [(_name(row), maneuvers[row.id] - _values(row), _maneuver_bounds(row)) for row in shown],
+    )
+    figure.supxlabel(
+        "deviation over bound, which is written beside it; between the red lines lies what the library says",
+        fontsize=palette.TEXT_SIZE + 1,
+    )
     return figure
 
 
-def _histogram(axes: Axes, values: Float[np.ndarray, "n"], bound: float, unit: str) -> None:
-    palette.dress(axes)
-    reach = 1.15 * max(bound, float(np.abs(values).max(initial=0.0)), 1e-9)
-    axes.hist(values, bins=31, range=(-reach, reach), color=palette.TRUE, alpha=0.75)
-    for side in (-bound, bound):
-        axes.axvline(side, color=palette.ALARM, linewidth=1.4)
-    axes.set_xlim(-reach, reach)
-    axes.set_yticks([])
-    axes.text(0.99, 0.9, unit, ha="right", va="top", fontsize=palette.SMALL_TEXT, transform=axes.transAxes)
+def _trim_bounds(trim: Trim) -> Numbers:
+    return np.abs([trim.error.forward, trim.error.side, trim.error.yaw_rate])
+
+
+def _values(row: Maneuver) -> Numbers:
+    return np.array([row.duration, row.displacement.x, row.displacement.y, row.displacement.heading])
+
+
+def _maneuver_bounds(row: Maneuver) -> Numbers:
+    wrong = row.error
+    return np.abs([wrong.duration, wrong.forward, wrong.side, wrong.heading_change])
+
+
+def _histograms(
+    panels: Sequence[Axes],
+    numbers: Sequence[tuple[str, float, str]],
+    lines: Sequence[tuple[str, Float[np.ndarray, "n k"], Numbers]],
+) -> None:
+    """Draws a panel for each number, in it a histogram for each primitive, the first on top."""
+    for panel in panels[len(numbers) :]:
+        panel.set_visible(False)
+    for column, (panel, (headline, scale, unit)) in enumerate(zip(panels, numbers, strict=False)):
+        palette.dress(panel)
+        palette.headline(panel, headline)
+        for place, (_, off, bounds) in enumerate(lines):
+            bound = max(float(bounds[column]), 1e-12)
+            counts, edges = np.histogram(np.clip(off[:, column] / bound, -FURTHEST, FURTHEST), bins=BINS)
+            foot, height = -float(place), 0.85 * counts / max(counts.max(), 1)
+            panel.stairs(foot + height, edges, baseline=foot, fill=True, color=palette.TRUE, alpha=0.75)
+            panel.text(
+                1.01,
+                foot + 0.35,
+                f"{scale * bound:.3g} {unit}",
+                va="center",
+                fontsize=palette.SMALL_TEXT,
+                transform=panel.get_yaxis_transform(),
+            )
+        for side in (-1.0, 1.0):
+            panel.axvline(side, color=palette.ALARM, linewidth=1.4)
+        panel.set_xlim(-FURTHEST, FURTHEST)
+        panel.set_ylim(-len(lines) + 0.9, 1.1)
+        panel.set_yticks([0.35 - place for place in range(len(lines))], [name for name, _, _ in lines])
 
 
 def _name(row: Maneuver) -> str:

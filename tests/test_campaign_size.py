@@ -1,6 +1,9 @@
 """Campaigns before they are flown: how many flights, in what air."""
 
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from math import pi
+from time import perf_counter
 
 import pytest
 from scipy.stats import kstest, uniform
@@ -15,8 +18,10 @@ from maneuver.campaign_flights import (
     campaign_library,
     specify_campaign,
 )
+from maneuver.campaign_forecast import forecast_by
 from maneuver.campaign_size import campaign_size
 from maneuver.files import find_campaign
+from sim.campaign import fly_specification
 from sim.streams import Stream, random_stream
 from sim.wind import DrydenWind, wind_class
 
@@ -73,3 +78,26 @@ def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
         for flight in specify_campaign(CAMPAIGN, LIBRARY, seed=1, flights=200, wind="gtmax", role=role)
     ]
     assert len(set(seeds)) == 800
+
+
+def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> None:
+    """The worker here is this thread; each flight of the campaign lasts about as long as the one measured."""
+    few = replace(CAMPAIGN, coasting_range=(2.0, 2.1))
+    with ThreadPoolExecutor(1) as executor:
+        ahead = forecast_by(executor, few, wind="gtmax", seed=1, flights=20, workers=1, began=perf_counter())
+        (flight,) = specify_campaign(few, LIBRARY, seed=2, flights=1, wind="gtmax")
+        lasts = fly_specification(flight, LIBRARY).duration
+    assert ahead.measured == 1
+    assert ahead.flight_hours == pytest.approx(20 * lasts / 3600, rel=0.1)
+    assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed
+    assert f"{ahead.minutes:.1f} minutes here (1 flights like these" in ahead.said()
+
+
+def test_a_long_campaign_is_judged_from_more_flights() -> None:
+    with ThreadPoolExecutor(1) as executor:
+        ahead = forecast_by(
+            executor, CAMPAIGN, wind="gtmax", seed=1, flights=60, workers=1, began=perf_counter() - 6.0
+        )
+    assert ahead.measured == 3
+    # What was spent on getting workers is spent again.
+    assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed + 0.1

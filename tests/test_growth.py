@@ -6,76 +6,22 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from jaxtyping import Float
 from scipy.interpolate import RBFInterpolator
 
 from flight.library import Library
-from flight.maneuver import Maneuver, ManeuverError
-from flight.se2 import SE2, Twist
-from flight.sign_convention import signed_maneuver_error, signed_trim_error
-from flight.statistics import ScalarStatistics, Statistics
-from flight.trim import Trim
-from identification.growth import GROWN, CannotGrowError, Growth, grow
+from flight.library_file import library_text, parse_library
+from flight.units import FOOT
+from identification.data_sheet import claim_said, data_sheet
+from identification.grown_maneuvers import GROWN
+from identification.growth import CannotGrowError, Growth, grow
 from identification.spline import Spline
-from identification.step_baseline import Baseline, Edge
-from identification.step_response import StepResponse
 from identification.trend_automaton import turns_automaton
 from identification.trends import trends
+from tests.synthetic_growth import TRUTH, flown_library, scatter, true_step
 
-FOOT = 0.3048
-TRUTH = Baseline(StepResponse(0.7, 0.75), StepResponse(1.3, 0.7), dwell=1.0, timeout=15.0)
-
-
-def scatter(velocity: Twist) -> float:
-    """How much larger deviations are than in hover: smooth over the range, and not linear."""
-    return 1 + 0.1 * velocity.forward + velocity.yaw_rate**2
-
-
-def flown_library(*, shrunken: float = 1.0) -> Library:
-    """Returns the turns automaton as a known vehicle flies it, with statistics of 12 flights."""
-    automaton = turns_automaton(wind="calm", altitude=30.0)
-    rule = automaton.conditions.maneuver_end
-    assert rule is not None
-    rng = np.random.default_rng(1)
-    trims = tuple(_flown_trim(trim, rng, shrunken) for trim in automaton.trims)
-    maneuvers = tuple(_flown(automaton, row, rng, shrunken) for row in automaton.maneuvers)
-    return replace(automaton, trims=trims, maneuvers=maneuvers)
-
-
-def _statistics(names: tuple[str, ...], means: list[float], largest: list[float]) -> Statistics:
-    rows = zip(names, means, largest, strict=True)
-    scalars = tuple(ScalarStatistics(name, mean, size / 2, size) for name, mean, size in rows)
-    return Statistics(12, 0, 0.6, 0.95, scalars)
-
-
-def _flown_trim(trim: Trim, rng: np.random.Generator, shrunken: float) -> Trim:
-    size = scatter(trim.velocity) * shrunken * rng.uniform(0.85, 1.15, 3) * (0.1, 0.1, 0.03)
-    error = signed_trim_error(Twist(*size.tolist()), trim.velocity)
-    return replace(
-        trim, error=error, statistics=_statistics(("forward", "side", "yaw_rate"), [0.0] * 3, size.tolist())
-    )
-
-
-def _flown(library: Library, row: Maneuver, rng: np.random.Generator, shrunken: float) -> Maneuver:
-    edge, size = true_edge(library, row), np.array([0.2, 0.3, 0.3, 0.05])
-    size = size * scatter(edge.reached) * shrunken
-    mean = np.array(TRUTH.maneuver(edge)) + 0.1 * size * rng.uniform(-1, 1, 4)
-    size = size * rng.uniform(0.85, 1.15, 4)
-    error = signed_maneuver_error(ManeuverError(*size.tolist()), left=edge.left, reached=edge.reached)
-    names = ("duration", "forward", "side", "heading_change")
-    return replace(
-        row,
-        duration=float(mean[0]),
-        displacement=SE2(*mean[1:].tolist()),
-        error=error,
-        statistics=_statistics(names, mean.tolist(), size.tolist()),
-    )
-
-
-def true_edge(library: Library, row: Maneuver) -> Edge:
-    rule = library.conditions.maneuver_end
-    assert rule is not None
-    left, reached = library.trim(row.from_trim), library.trim(row.to_trim)
-    return Edge(left.velocity, reached.velocity, rule.bands[row.to_trim])
+Table = Float[np.ndarray, "n k"]
+Column = Float[np.ndarray, "n"]
 
 
 @pytest.fixture(scope="module")
@@ -89,7 +35,7 @@ def held(library: Library) -> float:
     for row in library.maneuvers:
         if row.notes != GROWN:
             continue
-        edge = true_edge(library, row)
+        edge = true_step(library, row)
         truth = TRUTH.maneuver(edge)
         spread = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
         own = (row.duration, row.displacement.x, row.displacement.y, row.displacement.heading)
@@ -113,16 +59,43 @@ def test_bounds_grown_from_shrunken_ones_do_not(grown: Growth) -> None:
     assert held(small.library) < 0.5
 
 
-def test_what_was_flown_stays_as_it_is(grown: Growth) -> None:
+def test_flown_maneuvers_and_what_is_known_of_flown_trims_stay_as_they_are(grown: Growth) -> None:
     flown = flown_library()
-    assert grown.library.trims[: len(flown.trims)] == flown.trims
+    for trim, own in zip(grown.library.trims, flown.trims, strict=False):
+        assert replace(trim, error=own.error, interpolated=None) == own
     assert grown.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
 
 
-def test_grown_primitives_claim_no_coverage(grown: Growth) -> None:
+def test_a_flown_trim_that_grown_maneuvers_lead_to_is_widened_and_claims_what_grown_ones_do(
+    grown: Growth,
+) -> None:
+    entered = {row.to_trim for row in grown.library.maneuvers if row.interpolated}
+    for trim, own in zip(grown.library.trims, flown_library().trims, strict=False):
+        assert trim.id in entered
+        assert trim.interpolated == grown.trim_claim
+        for name in ("forward", "side", "yaw_rate"):
+            assert abs(getattr(trim.error, name)) >= abs(getattr(own.error, name))
+
+
+def test_grown_primitives_have_no_statistics_and_the_claim_of_their_kind(grown: Growth) -> None:
     new = [row for row in grown.library.maneuvers if row.notes == GROWN]
     assert len(new) == grown.maneuvers > 0
-    assert all(row.statistics is None for row in new)
+    assert all(row.statistics is None and row.interpolated == grown.maneuver_claim for row in new)
+    assert (grown.maneuver_claim.left_out, grown.maneuver_claim.exceeding) == (262, 7)
+    assert grown.maneuver_claim.coverage >= 0.95
+    assert grown.maneuver_claim.flights == 12
+
+
+def test_what_a_grown_library_claims_survives_its_file_and_stands_on_its_sheet(grown: Growth) -> None:
+    assert parse_library(library_text(grown.library), "text") == grown.library
+    sheet = data_sheet(grown.library)
+    for claim in (grown.trim_claim, grown.maneuver_claim):
+        assert claim_said(claim) in sheet
+
+
+def test_a_grown_library_does_not_grow_again(grown: Growth) -> None:
+    with pytest.raises(CannotGrowError, match="grown is grown already"):
+        grow(grown.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
 
 
 def test_no_grown_trim_is_outside_the_flown_range(grown: Growth) -> None:
@@ -142,6 +115,13 @@ def test_a_library_without_evidence_does_not_grow() -> None:
         grow(turns_automaton(wind="calm", altitude=30.0), speed_step=1.0, yaw_rate_step=0.1, name="none")
 
 
+def left_out(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
+    """Returns value less prediction at rows, from a spline that never saw them; by scipy."""
+    rest = [place for place in range(len(points)) if place not in rows]
+    without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smoothing)
+    return np.asarray(values[rows] - without(points[rows]))
+
+
 @given(st.integers(0, 2**32 - 1), st.integers(1, 4))
 @settings(max_examples=20, deadline=None)
 def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimensions: int) -> None:
@@ -152,9 +132,11 @@ def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimens
     smooth = spline.smoothing
     again = RBFInterpolator(points, values, kernel="linear", degree=1, smoothing=smooth)
     assert spline.at(at) == pytest.approx(again(at), abs=1e-8)
-    rest = np.arange(25) != 3
-    without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smooth)
-    assert spline.left_out[3] == pytest.approx(values[3] - without(points[3:4])[0], abs=1e-7)
+    assert spline.left_out[3] == pytest.approx(left_out(points, values, [3], smooth)[0], abs=1e-8)
+    groups = [sorted({place, (place + 1) % 25, (7 * place) % 25}) for place in range(25)]
+    spline = Spline.fit(points, values, together=groups)
+    errors = left_out(points, values, groups[4], spline.smoothing)
+    assert spline.left_out[4] == pytest.approx(errors[groups[4].index(4)], abs=1e-8)
 
 
 def test_trends_are_read_off_the_primitives_flown() -> None:

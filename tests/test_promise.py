@@ -271,3 +271,6 @@ def test_the_command_tests_a_library_with_logs(
     assert run(("library", "test", str(path), "--logs", str(folders[1]))) == 1
     assert "its claim is refuted for maneuver 1, " in capsys.readouterr().out
     assert run(("library", "test", str(path), "--logs", str(folders[0]))) == 2
+    capsys.readouterr()
+    assert run(("library", "test", "thesis-gtmax")) == 2
+    assert "thesis-gtmax: no primitive has statistics" in capsys.readouterr().err

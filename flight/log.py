@@ -183,7 +183,7 @@ class FlightHeader:
         model_hash: SHA-256 of the vehicle's parameters and model.
         seed: of every random number of the flight.
         wind: wind class.
-        code_version: version of this program.
+        code_version: version of this program; after a `+`, of its code (`flight.code_version`).
         backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`.
         outcome: `completed`, or what went wrong.
     """
@@ -197,6 +197,11 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+
+    @property
+    def release(self) -> str:
+        """Version of the program, without that of its code."""
+        return self.code_version.partition("+")[0]
 
     @property
     def arithmetic(self) -> str:

@@ -38,6 +38,7 @@ VERBS = {
     "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
+    "replay": ("maneuver.replay:replay", "Logged flights flown again from their logs, compared to the byte."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
     "library": ("maneuver.library:app", "Shows, checks, tests, compares, grows and makes libraries."),
 }

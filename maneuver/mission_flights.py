@@ -20,7 +20,9 @@ from planner.policy import Planner
 from planner.receding_horizon import fly
 from planner.remainder import Step
 from planner.worst_case import WorstCase
+from sim.backend import Backend
 from sim.fly import SimulatedHelicopter
+from sim.parameters import Parameters
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
@@ -168,12 +170,25 @@ def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
     return _close_loop(vehicle, task, planner)
 
 
-def fly_helicopter(task: MissionTask, planner: Planner | None = None) -> tuple[Flown, FlightLog]:
-    """Flies a mission by the simulated helicopter, and returns what it came to with its log."""
+def fly_helicopter(
+    task: MissionTask,
+    planner: Planner | None = None,
+    *,
+    parameters: Parameters | None = None,
+    backend: Backend | None = None,
+) -> tuple[Flown, FlightLog]:
+    """Flies a mission by the simulated helicopter, and returns what it came to with its log.
+
+    Args:
+        task: what is flown.
+        planner: that of the task where None.
+        parameters: the vehicle; that of `models/gtmax.toml` where None.
+        backend: what evaluates the vehicle's expressions; the best that there is where None.
+    """
     mission = task.mission
     task.library.trim(mission.start_trim)
     specification = mission_specification(task)
-    helicopter = SimulatedHelicopter(specification, task.library)
+    helicopter = SimulatedHelicopter(specification, task.library, parameters=parameters, backend=backend)
     flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
     return flown, replace(log, series={**log.series, DECISION.name: decision_series(flown.decisions)})

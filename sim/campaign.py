@@ -16,7 +16,7 @@ from flight.work import Done, Found, State, refuse_other_code
 from .backend import Backend
 from .flight_head import flight_header, flight_inputs
 from .fly import SimulatedHelicopter
-from .parameters import read_parameters
+from .parameters import Parameters, read_parameters
 from .specification import FlightSpecification
 
 
@@ -62,9 +62,22 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
     return tuple(legs)
 
 
-def fly_specification(specification: FlightSpecification, library: Library) -> FlightLog:
-    """Flies the sequence of a specification; a lost flight gives its log up to there."""
-    helicopter = SimulatedHelicopter(specification, library)
+def fly_specification(
+    specification: FlightSpecification,
+    library: Library,
+    *,
+    parameters: Parameters | None = None,
+    backend: Backend | None = None,
+) -> FlightLog:
+    """Flies the sequence of a specification; a lost flight gives its log up to there.
+
+    Args:
+        specification: what is flown.
+        library: flown with.
+        parameters: the vehicle; that of `models/gtmax.toml` where None.
+        backend: what evaluates expressions; the best that there is where None.
+    """
+    helicopter = SimulatedHelicopter(specification, library, parameters=parameters, backend=backend)
     try:
         fly_sequence(helicopter, specification.sequence, library=library)
     except FlightLostError:

@@ -116,13 +116,12 @@ def test_a_damaged_log_is_flown_again_and_a_half_written_one_is_cleared_away(
 @pytest.mark.parametrize("change", ["seed", "wind from", "library", "code"])
 def test_the_log_of_another_flight_is_not_taken_for_ours(
     order: CampaignOrder,
-    means: Means,
     undisturbed: dict[str, bytes],
     tmp_path: Path,
     change: str,
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    folder = tmp_path / "flights"
+    folder, means = tmp_path / "flights", Means(ThreadPoolExecutor(1))
     begin(folder, undisturbed, 1)
     asked = order
     match change:

@@ -17,7 +17,7 @@ class OtherCodeError(FlightError):
     def __init__(self, expected: str) -> None:
         super().__init__(
             f"expected every worker to have code {expected}, one has {code_version()}; "
-            "install the same version there, with the same packages"
+            "install the same version there, with the same packages, and do not change it meanwhile"
         )
 
 

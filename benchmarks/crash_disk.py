@@ -1,4 +1,4 @@
-"""A disk that notes every step, and the states that it may be in after a crash at any of them.
+"""A disk of which every step is noted, and the states that it may be in after a crash at any of them.
 
 A process that is killed leaves what it wrote: the system still has it. A machine that stops leaves what was
 synced, and of the rest whatever the disk had got to: pages of 4096 bytes, in any order and some of them in
@@ -6,8 +6,10 @@ part, and names whose folder was not synced. That is the weakest promise that fi
 stronger ones.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
+from errno import ENOSPC
 from pathlib import Path
 from random import Random
 
@@ -64,7 +66,7 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
-class _Step:
+class Step:
     """One call of the disk; what a write adds stands in `content`."""
 
     what: str
@@ -74,54 +76,59 @@ class _Step:
 
 
 class NotingDisk(Disk):
-    """Notes every step, and writes nothing; files exist in its notes alone.
+    """Does every step, and notes it.
 
     Args:
         piece: bytes that a write takes at most, so that there are steps within files.
+        full_after: steps after which nothing more can be written; None for never.
     """
 
-    def __init__(self, piece: int) -> None:
-        self.steps: list[_Step] = []
-        self._piece, self._open = piece, dict[int, Path]()
-
-    def make_folder(self, path: Path) -> None:
-        """Folders are made beforehand."""
-        raise AssertionError(f"{path} was to be there")
+    def __init__(self, piece: int, *, full_after: int | None = None) -> None:
+        self.steps: list[Step] = []
+        self._piece, self._full_after, self._open = piece, full_after, dict[int, Path]()
 
     def open(self, path: Path) -> int:
-        """Notes a file that is opened anew."""
-        number = len(self._open)
-        self._open[number] = path
-        self.steps.append(_Step("open", path))
-        return number
+        """Opens a file anew."""
+        self._need_room()
+        descriptor = super().open(path)
+        self._open[descriptor] = path
+        self.steps.append(Step("open", path))
+        return descriptor
 
     def write(self, descriptor: int, content: bytes) -> int:
-        """Notes a piece."""
-        piece = content[: self._piece]
-        self.steps.append(_Step("write", self._open[descriptor], content=piece))
-        return len(piece)
+        """Writes a piece at most."""
+        self._need_room()
+        taken = super().write(descriptor, content[: self._piece])
+        self.steps.append(Step("write", self._open[descriptor], content=content[:taken]))
+        return taken
 
     def sync(self, descriptor: int) -> None:
-        """Notes that a content lasts."""
-        self.steps.append(_Step("sync", self._open[descriptor]))
-
-    def close(self, descriptor: int) -> None:
-        """Closing promises nothing."""
+        """Makes a content last."""
+        self._need_room()
+        super().sync(descriptor)
+        self.steps.append(Step("sync", self._open[descriptor]))
 
     def rename(self, path: Path, target: Path) -> None:
-        """Notes a new name."""
-        self.steps.append(_Step("rename", path, target))
+        """Gives a new name."""
+        super().rename(path, target)
+        self.steps.append(Step("rename", path, target))
 
     def remove(self, path: Path) -> None:
-        """Notes that a name is gone."""
-        self.steps.append(_Step("remove", path))
+        """Takes a name."""
+        super().remove(path)
+        self.steps.append(Step("remove", path))
 
     def sync_folder(self, path: Path) -> None:
-        """Notes that names last."""
-        self.steps.append(_Step("sync folder", path))
+        """Makes names last."""
+        super().sync_folder(path)
+        self.steps.append(Step("sync folder", path))
+
+    def _need_room(self) -> None:
+        if self._full_after is not None and len(self.steps) >= self._full_after:
+            raise OSError(ENOSPC, "No space left on device")
 
 
-def after_crash(steps: list[_Step], loss: Loss, chance: Random) -> dict[Path, bytes]:
+def after_crash(steps: Sequence[Step], loss: Loss, chance: Random) -> dict[Path, bytes]:
     """Returns the files, by name, that a disk may hold when all stops after some steps.
 
     Args:
@@ -143,7 +150,7 @@ def after_crash(steps: list[_Step], loss: Loss, chance: Random) -> dict[Path, by
     return {path: content.synced for path, content in names.items()}
 
 
-def _take(state: _State, step: _Step) -> None:
+def _take(state: _State, step: Step) -> None:
     match step.what:
         case "open":
             if step.path in state.names:

@@ -25,10 +25,11 @@ _INPUTS = (
 def identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str, str]:
     """Returns what makes a flight this one: names and digests, the telling ones first.
 
-    Compiled or interpreted is no part of it, because both give the same bits; nor is what came of it.
+    Whether the vehicle's expressions were compiled is no part of it, because both ways give the same bits;
+    nor is what came of it.
     """
     known = {name: str(value) for name, value in asdict(header).items() if name not in {"outcome", "backend"}}
-    known["arithmetic"] = header.arithmetic
+    known |= {"arithmetic": header.arithmetic, "search": header.search_backend}
     digests = {name: sha256(attachments[name]).hexdigest() for name in _INPUTS if name in attachments}
     return {**known, **digests}
 

@@ -110,15 +110,20 @@ def publish_folder(path: Path, *, disk: Disk = DISK) -> None:
         raise CannotWriteError(path, error.strerror or str(error)) from None
 
 
-def remove_partials(folder: Path, *, disk: Disk = DISK) -> None:
-    """Removes what writers left that were killed; nobody else may be writing into the folder."""
-    for path in partials(folder):
-        disk.remove(path)
+def remove_partials(folder: Path, *, of: str = "*") -> None:
+    """Removes what writers left that were killed; nobody else may be writing these files.
+
+    Args:
+        folder: to be cleared.
+        of: names of the files that were being written, as a pattern.
+    """
+    for path in partials(folder, of=of):
+        path.unlink(missing_ok=True)
 
 
-def partials(folder: Path) -> list[Path]:
-    """Returns the files of a folder that were being written."""
-    return sorted(folder.glob(f".*{PARTIAL}"))
+def partials(folder: Path, *, of: str = "*") -> list[Path]:
+    """Returns the files of a folder that were being written, by a pattern of the names they were to have."""
+    return sorted(folder.glob(f".{of}.*{PARTIAL}"))
 
 
 def _publish(content: bytes, path: Path, disk: Disk) -> None:

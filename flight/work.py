@@ -5,7 +5,6 @@ from enum import StrEnum
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
-from .code_version import code_version
 from .errors import FlightError
 
 Result = TypeVar("Result")
@@ -14,9 +13,9 @@ Result = TypeVar("Result")
 class OtherCodeError(FlightError):
     """A process was to work that has other code than the one that asked."""
 
-    def __init__(self, expected: str) -> None:
+    def __init__(self, expected: str, here: str) -> None:
         super().__init__(
-            f"expected every worker to have code {expected}, one has {code_version()}; "
+            f"expected every worker to have code {expected}, one has {here}; "
             "install the same version there, with the same packages, and do not change it meanwhile"
         )
 
@@ -76,11 +75,11 @@ class Work(Protocol[Result]):
         """
 
 
-def refuse_other_code(expected: str) -> None:
+def refuse_other_code(expected: str, here: str) -> None:
     """Refuses to work where the code is not the one that is wanted.
 
     Raises:
         OtherCodeError: it is another.
     """
-    if code_version() != expected:
-        raise OtherCodeError(expected)
+    if here != expected:
+        raise OtherCodeError(expected, here)

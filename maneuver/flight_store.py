@@ -13,6 +13,7 @@ from flight.library_file import library_hash
 from flight.log_file import log_bytes, read_log
 from flight.log_identity import difference, identity
 from flight.work import Done, Found, State, refuse_other_code
+from planner.kernel.build import search_backend
 from sim.parameters import model_hash
 
 from .files import refuse_existing
@@ -71,7 +72,7 @@ class KeptTask:
         Raises:
             OtherCodeError: this process has other code than the one that asked.
         """
-        refuse_other_code(self.code)
+        refuse_other_code(self.code, code_here())
         result, log = fly_and_log(self.task)
         kept = _Kept(sha256=_digest(result), result=result).model_dump_json().encode()
         path = self.task.log
@@ -99,9 +100,14 @@ def _digest(result: MissionResult) -> str:
     return hashlib.sha256(_RESULT.dump_json(result)).hexdigest()
 
 
+def code_here() -> str:
+    """Returns the version of the code that flies missions here, and how it searches for plans."""
+    return f"{code_version()}, plans {search_backend()}"
+
+
 def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:
     """Returns the flight with the file that keeps it: another flight has another file."""
-    code = code_version()
+    code = code_here()
     content = {
         "code": code,
         "model": model_sha256,

@@ -15,6 +15,7 @@ from flight.log_file import publish_log
 from flight.vehicle import Leg, Vehicle
 from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
 from planner.flown import Flown
+from planner.kernel.build import search_backend
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.receding_horizon import fly
@@ -191,7 +192,8 @@ def fly_helicopter(
     helicopter = SimulatedHelicopter(specification, task.library, parameters=parameters, backend=backend)
     flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
-    return flown, replace(log, series={**log.series, DECISION.name: decision_series(flown.decisions)})
+    series = {**log.series, DECISION.name: decision_series(flown.decisions)}
+    return flown, replace(log, header=log.header.planned_by(search_backend()), series=series)
 
 
 def planner_of(

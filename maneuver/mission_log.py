@@ -7,6 +7,7 @@ from flight.log import MISSION_ATTACHMENT
 from flight.log_identity import identity
 from flight.plan import plan_content
 from planner.flown import Flown
+from planner.kernel.build import search_backend
 from sim.backend import Backend
 from sim.flight_head import flight_header, flight_inputs
 from sim.parameters import read_parameters
@@ -34,7 +35,7 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
     specification, parameters = mission_specification(task), read_parameters()
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
     inputs = flight_inputs(specification, task.library, parameters)
-    return identity(header, {**inputs, MISSION_ATTACHMENT: mission_json(task)})
+    return identity(header.planned_by(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
 
 
 def mission_json(task: MissionTask) -> bytes:

@@ -10,11 +10,12 @@ from flight.errors import BadFileError, FlightError
 from flight.file_model import first_problem
 from flight.log import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT, FlightLog
 from flight.mission import Mission
+from planner.kernel.build import search_backend
 from planner.receding_horizon import Settings
 from sim.backend import Backend
 from sim.campaign import fly_specification
 from sim.parameters import Parameters, parse_parameters
-from sim.replay import backend_named, refuse_another_vehicle
+from sim.replay import AnotherVehicleError, backend_named, refuse_another_vehicle
 from sim.specification import Departure, FlightSpecification, parse_specification
 
 from .latencies import recorded_latency
@@ -41,7 +42,7 @@ def fly_again(log: FlightLog) -> FlightLog:
                 f"this is of kind {log.header.kind!r}"
             )
     refuse_another_vehicle(log)
-    backend = backend_named(log.header.backend)
+    backend = backend_named(log.header.vehicle_backend)
     specification = parse_specification(log.attachments[SPECIFICATION_ATTACHMENT], SPECIFICATION_ATTACHMENT)
     parameters = parse_parameters(log.attachments[VEHICLE_ATTACHMENT], VEHICLE_ATTACHMENT)
     if MISSION_ATTACHMENT in log.attachments:
@@ -53,6 +54,10 @@ def _fly_mission(
     log: FlightLog, specification: FlightSpecification, parameters: Parameters, backend: Backend
 ) -> FlightLog:
     task = mission_task(log, specification)
+    if log.header.search_backend != search_backend():
+        raise AnotherVehicleError(
+            "search for plans", log.header.search_backend or "unnamed", search_backend()
+        )
     if mission_specification(task) != specification:
         raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]

@@ -12,6 +12,7 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
+from flight.publishing import remove_partials
 from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
@@ -180,6 +181,7 @@ def validate(
         blamed=_blamed(results, flown_with),
     )
     if out is not None:
+        remove_partials(out)
         for name, text in (("md", markdown(card)), ("csv", comma_separated(card))):
             publish_bytes(text.encode(), out / f"scorecard.{name}", force=True)
         publish_bytes(json_text(card, results).encode(), out / "results.json", force=True)

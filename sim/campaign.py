@@ -121,7 +121,7 @@ class CampaignFlight:
         Raises:
             OtherCodeError: this process has other code than the one that asked.
         """
-        refuse_other_code(self.code)
+        refuse_other_code(self.code, code_version())
         log = fly_specification(self.specification, self.library)
         return Done(((self.path, log_bytes(log)),), self._flown(log))
 

@@ -37,7 +37,7 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         FlightLostError: the flight ended in the ground or diverged.
     """
     refuse_another_vehicle(log)
-    backend = backend_named(log.header.backend)
+    backend = backend_named(log.header.vehicle_backend)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
     specification, parameters = parse_specification(text, SPECIFICATION_ATTACHMENT), read_parameters()
     step = specification.step

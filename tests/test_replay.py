@@ -12,6 +12,7 @@ from flight.log_file import log_bytes, publish_log, read_log
 from flight.series import Series
 from maneuver.app import run
 from maneuver.repeated_flight import fly_again
+from planner.kernel.build import search_backend
 from sim.backend import Backend
 from sim.campaign import fly_specification
 from sim.parameters import change_vehicle, read_parameters
@@ -123,11 +124,24 @@ def test_a_log_of_another_back_end_or_vehicle_is_refused_by_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     path = tmp_path / "other.mcap"
-    publish_log(replace(walk, header=replace(walk.header, **change)), path)
+    publish_log(replace(walk, header=replace(walk.header, **change)), path)  # type: ignore[arg-type]
     assert run(["replay", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert words in line
     assert next(iter(change.values())) in line
+
+
+def test_a_mission_planned_by_another_search_is_refused(
+    flown: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = read_log(flown["a mission nominally planned, with ideal sensors"])
+    here = search_backend()
+    assert log.header.search_backend == here
+    other = {"compiled": "interpreted", "interpreted": "compiled"}[here]
+    publish_log(replace(log, header=log.header.planned_by(other)), tmp_path / "other.mcap")
+    capsys.readouterr()
+    assert run(["replay", str(tmp_path / "other.mcap")]) == 2
+    assert f"expected the search for plans of the log, {other}, got {here}" in capsys.readouterr().err
 
 
 def test_a_flight_of_another_code_is_flown_again_and_that_is_said(

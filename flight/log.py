@@ -8,7 +8,7 @@ flight's start.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import IntEnum
 
 from .errors import FlightError
@@ -158,6 +158,10 @@ PRIMITIVE = Topic(
 TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT, MOTION)
 
 
+# Between the two parts of a header's back-end.
+_PLANS = ", plans "
+
+
 class PrimitiveKind(IntEnum):
     """Values of `/primitive` `kind`."""
 
@@ -183,8 +187,9 @@ class FlightHeader:
         model_hash: SHA-256 of the vehicle's parameters and model.
         seed: of every random number of the flight.
         wind: wind class.
-        code_version: version of this program.
-        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`.
+        code_version: version of this program; after a `+`, of its code (`flight.code_version`).
+        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`; where it was
+            planned in flight, how plans were searched for too: `casadi-3.8.2 compiled, plans compiled`.
         outcome: `completed`, or what went wrong.
     """
 
@@ -197,6 +202,25 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+
+    @property
+    def release(self) -> str:
+        """Version of the program, without that of its code."""
+        return self.code_version.partition("+")[0]
+
+    @property
+    def vehicle_backend(self) -> str:
+        """What evaluated the vehicle's expressions, and how."""
+        return self.backend.partition(_PLANS)[0]
+
+    @property
+    def search_backend(self) -> str:
+        """How plans were searched for; empty where none were."""
+        return self.backend.partition(_PLANS)[2]
+
+    def planned_by(self, search: str) -> "FlightHeader":
+        """Returns the header of a flight that was planned as it flew."""
+        return replace(self, backend=f"{self.vehicle_backend}{_PLANS}{search}")
 
     @property
     def arithmetic(self) -> str:

@@ -5,10 +5,9 @@ so a block of messages is a NumPy array, written and read as one piece.
 """
 
 import io
-import os
 import struct
 import zlib
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Any
@@ -22,13 +21,15 @@ from mcap.records import ChunkIndex
 from mcap.summary import Summary
 
 from .decision import DECISION
-from .errors import AlreadyExistsError, BadFileError, CannotWriteError
+from .errors import BadFileError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
 from .log_check import refuse_contradictions
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
 from .log_writer import log_bytes as log_bytes
 from .message_block import constant_fields, empty_messages, everywhere, topic_type
+from .publishing import publish_bytes as publish_bytes
+from .publishing import publish_log as publish_log
 
 MAGIC = b"\x89MCAP0\r\n"
 _RECOVER = "; `maneuver recover` saves what is whole"
@@ -36,50 +37,12 @@ _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
 
 
-def publish_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
-    """Writes a log whole or not at all: temporary file, sync, rename, sync of the folder.
-
-    Raises:
-        AlreadyExistsError: the file exists and `force` is not set.
-    """
-    publish_bytes(log_bytes(log), path, force=force)
-
-
-def publish_bytes(content: bytes, path: Path, *, force: bool = False) -> None:
-    """Writes a file whole or not at all.
-
-    Raises:
-        AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: the system says no; nothing is left behind.
-    """
-    if path.exists() and not force:
-        raise AlreadyExistsError(path)
-    try:
-        _publish(content, path)
-    except OSError as error:
-        raise CannotWriteError(path, error.strerror or str(error)) from None
-
-
-def _publish(content: bytes, path: Path) -> None:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    partial = path.with_name(f".{path.name}.{os.getpid()}.partial")
-    try:
-        with partial.open("wb") as stream:
-            stream.write(content)
-            stream.flush()
-            os.fsync(stream.fileno())
-        partial.replace(path)
-    finally:
-        partial.unlink(missing_ok=True)
-    folder = os.open(path.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
-
-
-def read_log(path: Path) -> FlightLog:
+def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION)) -> FlightLog:
     """Reads a log, every byte of it checked.
+
+    Args:
+        path: of the file.
+        topics: those that are unpacked, where the log has them; fewer are read faster.
 
     Raises:
         BadFileError: the file is missing, too large, cut short, damaged, or no flight log; one line.
@@ -93,7 +56,7 @@ def read_log(path: Path) -> FlightLog:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
     _check(content, path)
     try:
-        return _parse(content)
+        return _parse(content, topics)
     except (
         McapError,
         ValueError,
@@ -126,7 +89,7 @@ def _check(content: bytes, path: Path) -> None:
         raise BadFileError(path, f"is damaged: its summary does not match its checksum{_RECOVER}")
 
 
-def _parse(content: bytes) -> FlightLog:
+def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
     reader = SeekingReader(io.BytesIO(content), validate_crcs=True)
     summary = reader.get_summary()
     if summary is None:
@@ -138,7 +101,7 @@ def _parse(content: bytes) -> FlightLog:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
     log = FlightLog(
         header=_parse_header(metadata[HEADER_METADATA]),
-        series=_parse_series(content, summary),
+        series=_parse_series(content, summary, topics),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
     refuse_contradictions(log)
@@ -152,8 +115,8 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
     return FlightHeader(**{**metadata, "seed": int(metadata["seed"])})  # type: ignore[arg-type]
 
 
-def _parse_series(content: bytes, summary: Summary) -> dict[str, Series]:
-    by_name = {topic.name: topic for topic in (*TOPICS, DECISION)}
+def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> dict[str, Series]:
+    by_name = {topic.name: topic for topic in wanted}
     topics = {
         channel.id: by_name[channel.topic]
         for channel in summary.channels.values()

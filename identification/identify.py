@@ -144,7 +144,7 @@ def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
         if flight.sha256 in seen:
             raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
         seen[flight.sha256] = flight.name
-        for what in ("vehicle", "model_hash", "wind", "code_version", "arithmetic"):
+        for what in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
             expected, got = getattr(first.header, what), getattr(flight.header, what)
             if got != expected:
                 raise InconsistentLogsError(
@@ -185,7 +185,7 @@ def _provenance(
         "deviations_of": first.judged,
         "confidence": confidence,
         "model_hash": header.model_hash,
-        "code_version": header.code_version,
+        "code_version": header.release,
         "backend": header.arithmetic,
         **({} if campaign is None else {"campaign": dict(campaign)}),
         **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),

@@ -5,6 +5,7 @@ import signal
 import sys
 from collections.abc import Sequence
 from concurrent.futures.process import BrokenProcessPool
+from types import FrameType
 
 from cyclopts import App, CycloptsError
 from rich.console import Console
@@ -12,9 +13,13 @@ from rich.console import Console
 from flight.errors import FlightError
 from flight.version import VERSION
 
+RESUME = "files that are there are whole, and the same command goes on from there"
+
 WORKER_DIED = 1
 BAD_INPUT = 2
-INTERRUPTED = 128 + signal.SIGINT
+STOPPING = {signal.SIGINT: "interrupted", signal.SIGTERM: "asked to stop", signal.SIGHUP: "hung up on"}
+"""Signals that end a command, in words; its exit code is 128 and the signal's number."""
+
 BROKEN_PIPE = 128 + signal.SIGPIPE
 
 # Where each verb is and, for the overview, what it does; a verb's module is imported only when it is called.
@@ -33,9 +38,18 @@ VERBS = {
     "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
+    "replay": ("maneuver.replay:replay", "Logged flights flown again from their logs, compared to the byte."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
     "library": ("maneuver.library:app", "Shows, checks, tests, compares, grows and makes libraries."),
 }
+
+
+class _Stopped(KeyboardInterrupt):
+    """A signal has come."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = signal.Signals(number)
 
 
 def _one_line(error: CycloptsError) -> str:
@@ -78,9 +92,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except FlightError as error:
         return _say(str(error), BAD_INPUT)
     except BrokenProcessPool:
-        return _say("a worker process died: killed, or out of memory", WORKER_DIED)
-    except KeyboardInterrupt:
-        return _say("interrupted; files that are there are whole", INTERRUPTED)
+        return _say(f"a worker process died: killed, or out of memory; {RESUME}", WORKER_DIED)
+    except KeyboardInterrupt as stop:
+        number = stop.number if isinstance(stop, _Stopped) else signal.SIGINT
+        return _say(f"{STOPPING[number]}; {RESUME}", 128 + number)
     except BrokenPipeError:
         # Whoever read the output has gone; keep the interpreter from complaining when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -96,6 +111,17 @@ def _say(line: str, code: int) -> int:
     return code
 
 
+def _stop(number: int, _: FrameType | None) -> None:
+    """Ends the command in order; a second signal ends it at once."""
+    for each in STOPPING:
+        signal.signal(each, signal.SIG_DFL)
+    raise _Stopped(number)
+
+
 def main() -> None:
     """Entry point of the `maneuver` command."""
+    for number in STOPPING:
+        # Who started this in the background, or with nohup, has said that it shall not hear them.
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, _stop)
     sys.exit(run())

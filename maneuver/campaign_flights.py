@@ -1,7 +1,6 @@
 """Campaigns, flown: what `fly`, `regenerate` and `demo` share."""
 
 from collections.abc import Iterable
-from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -13,11 +12,12 @@ from flight.library import Library
 from flight.sequence import Sequence
 from identification.flight_evidence import NOMINAL
 from identification.schedule import schedule
-from sim.campaign import FlightFlown, fly_campaign
+from sim.campaign import CampaignFlight, FlightFlown
 from sim.specification import PLAIN, Departure, FlightSpecification, specify_sequence
 
 from .files import find_library
-from .progress import shown
+from .keeping import accept_others, complete, refuse_others
+from .means import Means
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,42 +104,73 @@ def derived_seed(seed: int, *key: int) -> int:
     return int(words[0] >> np.uint64(1))
 
 
-def fly_whole_campaign(
-    campaign: Campaign,
-    *,
-    seed: int,
-    flights: int,
-    nominal_flights: int = 0,
-    wind: str,
-    folder: Path,
-    executor: Executor,
-    force: bool,
-    departure: Departure = PLAIN,
-) -> CampaignFlown:
-    """Flies a campaign, one log a flight in the folder.
+@dataclass(frozen=True, slots=True)
+class CampaignOrder:
+    """A campaign as it is asked for.
 
-    Args:
+    Attributes:
         campaign: what is fixed before.
         seed: of all chance.
         flights: how many give the bounds.
         nominal_flights: how many others give the values of maneuvers.
         wind: wind class.
-        folder: of the logs.
-        executor: runs the flights.
-        force: overwrite logs.
         departure: how the flights differ from plain ones.
+    """
+
+    campaign: Campaign
+    seed: int
+    flights: int
+    wind: str
+    nominal_flights: int = 0
+    departure: Departure = PLAIN
+
+    def named(self) -> dict[str, object]:
+        """Returns what a library says of the campaign that it was identified from."""
+        return {
+            "name": self.campaign.name,
+            "seed": self.seed,
+            "flights": self.flights,
+            "nominal": self.nominal_flights,
+        }
+
+    def library(self) -> Library:
+        """Returns the library that the flights carry."""
+        return campaign_library(self.campaign, self.wind)
+
+    def works(self, folder: Path) -> tuple[CampaignFlight, ...]:
+        """Returns the flights with their logs in a folder.
+
+        Raises:
+            FlightError: the campaign cannot be flown as asked.
+        """
+        library = self.library()
+        return tuple(
+            CampaignFlight(
+                specification.depart(self.departure), library, folder / f"{specification.name}.mcap"
+            )
+            for role, count in ((CENTRING, self.nominal_flights), (BOUNDING, self.flights))
+            for specification in specify_campaign(
+                self.campaign, library, seed=self.seed, flights=count, wind=self.wind, role=role
+            )
+        )
+
+
+def fly_whole_campaign(
+    order: CampaignOrder, folder: Path, *, means: Means, force: bool = False
+) -> CampaignFlown:
+    """Flies what is missing of a campaign, one log a flight in the folder.
+
+    Args:
+        order: what is flown.
+        folder: of the logs.
+        means: what flies.
+        force: replace logs of other flights, and leave what else is there.
 
     Raises:
-        FlightError: the campaign cannot be flown as asked.
+        FlightError: the campaign cannot be flown as asked, or the folder holds something else.
     """
-    library = campaign_library(campaign, wind)
-    specifications = [
-        specification.depart(departure)
-        for role, count in ((CENTRING, nominal_flights), (BOUNDING, flights))
-        for specification in specify_campaign(
-            campaign, library, seed=seed, flights=count, wind=wind, role=role
-        )
-    ]
-    flown = fly_campaign(specifications, library, folder=folder, executor=executor, force=force)
-    done = list(shown(flown, total=len(specifications), what=f"flying {campaign.name}"))
-    return CampaignFlown(library, tuple(sorted(done, key=lambda flight: flight.path.name)))
+    check = accept_others if force else refuse_others
+    done = complete(
+        order.works(folder), folder, means=means, what=f"flying {order.campaign.name}", check=check
+    )
+    return CampaignFlown(order.library(), tuple(sorted(done, key=lambda flight: flight.path.name)))

@@ -21,10 +21,11 @@ from review.demo_picture import PlanFlown, demo_picture
 from review.library_picture import library_picture
 from review.pictures import publish_picture, write_pictures
 
-from .campaign_flights import fly_whole_campaign
+from .campaign_flights import CampaignOrder, fly_whole_campaign
 from .evidence import gather_evidence
 from .files import find_campaign, find_mission, refuse_existing
 from .identify import publish_library
+from .means import Means
 from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
 from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES
@@ -113,15 +114,9 @@ class _Way:
 
     def fly(self, flights: int) -> list[Path]:
         campaign = find_campaign(CAMPAIGN)
-        flown = fly_whole_campaign(
-            campaign,
-            seed=self.seed,
-            flights=flights,
-            wind=campaign.wind,
-            folder=self.out / "flights",
-            executor=self.executor,
-            force=self.force,
-        )
+        order = CampaignOrder(campaign, seed=self.seed, flights=flights, wind=campaign.wind)
+        means = Means(self.executor)
+        flown = fly_whole_campaign(order, self.out / "flights", means=means, force=self.force)
         return [flight.path for flight in flown.flights]
 
     def identify(self, logs: list[Path]) -> Library:

@@ -1,48 +1,115 @@
-"""Flights that are kept as they come, so that a long validation can be stopped and started again."""
+"""Missions that are kept as they are flown, so that a long validation can be stopped and started again."""
 
 import hashlib
 import json
-from concurrent.futures import Executor
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
+from flight.code_version import code_version
+from flight.errors import BadFileError
 from flight.library_file import library_hash
-from flight.log_file import publish_bytes
-from flight.version import VERSION
+from flight.log_file import log_bytes, read_log
+from flight.log_identity import difference, identity
+from flight.work import Done, Found, State, refuse_other_code
+from planner.kernel.build import search_backend
 from sim.parameters import model_hash
 
 from .files import refuse_existing
-from .mission_flights import MissionResult, MissionTask, fly_mission
+from .keeping import accept_others, complete, refuse_to_replace
+from .means import Means
+from .mission_flights import MissionResult, fly_and_log, fly_mission
+from .mission_log import mission_identity
+from .mission_task import MissionTask
 from .progress import shown
-
-_RESULT = TypeAdapter(MissionResult)
 
 FLIGHTS = "flights"
 """Folder of the flights that are kept."""
 
+_RESULT = TypeAdapter(MissionResult)
+
+
+class _Kept(BaseModel):
+    """What a flight came to, and the SHA-256 of that, by which a damaged file is known."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+
+    sha256: str
+    result: MissionResult
+
 
 @dataclass(frozen=True, slots=True)
 class KeptTask:
-    """A flight, and the file that keeps what it came to."""
+    """A flight, and the file that keeps what it came to (a `flight.work.Work`).
+
+    Attributes:
+        task: what is flown.
+        path: of the file; its name is a digest of all that is flown, so another flight has another file.
+        code: version that flies it.
+    """
 
     task: MissionTask
     path: Path
+    code: str
 
-    def result(self) -> MissionResult | None:
-        """Returns what is kept; None where the flight is still to be flown, or its log is missing."""
+    def found(self) -> Found[MissionResult]:
+        """Returns what is kept, if it is whole and its log, where one was wanted, is there and its own."""
+        log = self._log()
+        if log.state is State.ANOTHER or not self.path.exists():
+            return Found(log.state if log.state is State.ANOTHER else State.MISSING, why=log.why)
         try:
-            found = _RESULT.validate_json(self.path.read_bytes())
+            kept = _Kept.model_validate_json(self.path.read_bytes())
         except (OSError, ValidationError):
-            return None
-        return found if found.log is None or found.log.exists() else None
+            return Found(State.DAMAGED, why=f"{self.path} is damaged: it is no result of a flight")
+        if _digest(kept.result) != kept.sha256:
+            return Found(State.DAMAGED, why=f"{self.path} is damaged: it does not match its checksum")
+        return Found(log.state, kept.result if log.state is State.WHOLE else None, log.why)
+
+    def done(self) -> Done[MissionResult]:
+        """Flies.
+
+        Raises:
+            OtherCodeError: this process has other code than the one that asked.
+        """
+        refuse_other_code(self.code, code_here())
+        result, log = fly_and_log(self.task)
+        kept = _Kept(sha256=_digest(result), result=result).model_dump_json().encode()
+        path = self.task.log
+        logs = () if path is None or log is None else ((path, log_bytes(log)),)
+        return Done((*logs, (self.path, kept)), result)
+
+    def _log(self) -> Found[None]:
+        """Returns whether the flight's log is there; where none is wanted, all is."""
+        path = self.task.log
+        if path is None:
+            return Found(State.WHOLE)
+        if not path.exists():
+            return Found(State.MISSING)
+        try:
+            log = read_log(path, topics=())
+        except BadFileError as error:
+            return Found(State.DAMAGED, why=str(error))
+        wrong = difference(mission_identity(self.task), identity(log.header, log.attachments))
+        if wrong is not None:
+            return Found(State.ANOTHER, why=f"{path} is of another flight: {wrong}")
+        return Found(State.WHOLE)
+
+
+def _digest(result: MissionResult) -> str:
+    return hashlib.sha256(_RESULT.dump_json(result)).hexdigest()
+
+
+def code_here() -> str:
+    """Returns the version of the code that flies missions here, and how it searches for plans."""
+    return f"{code_version()}, plans {search_backend()}"
 
 
 def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:
     """Returns the flight with the file that keeps it: another flight has another file."""
+    code = code_here()
     content = {
-        "version": VERSION,
+        "code": code,
         "model": model_sha256,
         "library": library_sha256,
         "mission": asdict(task.mission),
@@ -53,10 +120,12 @@ def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: 
         "seed": task.seed,
         "settings": asdict(task.settings),
         "max_nodes": task.max_nodes,
+        "departure": asdict(task.departure),
         "log": None if task.log is None else str(task.log),
     }
-    name = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]
-    return KeptTask(task, folder / f"{name}.json")
+    words = json.dumps(content, sort_keys=True, default=str)
+    name = hashlib.sha256(words.encode()).hexdigest()[:24]
+    return KeptTask(task, folder / f"{name}.json", code)
 
 
 def keep_all(tasks: list[MissionTask], folder: Path) -> list[KeptTask]:
@@ -66,15 +135,8 @@ def keep_all(tasks: list[MissionTask], folder: Path) -> list[KeptTask]:
     return [kept(task, folder, library_sha256=hashes[id(task.library)], model_sha256=model) for task in tasks]
 
 
-def fly_and_keep(flight: KeptTask) -> MissionResult:
-    """Flies a mission once, and keeps what it came to, whole or not at all."""
-    result = fly_mission(flight.task)
-    publish_bytes(_RESULT.dump_json(result, indent=None), flight.path, force=True)
-    return result
-
-
 def fly_all(
-    tasks: list[MissionTask], *, folder: Path | None, logs: Path | None, executor: Executor, force: bool
+    tasks: list[MissionTask], *, folder: Path | None, logs: Path | None, means: Means, force: bool
 ) -> list[MissionResult]:
     """Flies what is not kept yet, and returns all flights in their order.
 
@@ -82,21 +144,20 @@ def fly_all(
         tasks: the flights.
         folder: that keeps them; None keeps nothing.
         logs: folder of their logs.
-        executor: flies them.
+        means: what flies.
         force: write into folders that hold something else.
 
     Raises:
         AlreadyExistsError: a folder holds something that is no validation, and `force` is not set.
+        FlightError: a log that would be overwritten is of another flight, and `force` is not set.
     """
     if folder is None:
         if logs is not None:
             refuse_existing(logs, force=force)
-        return list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying missions"))
+        flown = means.executor.map(fly_mission, tasks)
+        return list(shown(flown, total=len(tasks), what="flying missions"))
     if not (folder / FLIGHTS).is_dir():
         refuse_existing(folder, force=force)
     flights = keep_all(tasks, folder / FLIGHTS)
-    known = {flight.path: found for flight in flights if (found := flight.result()) is not None}
-    missing = [flight for flight in flights if flight.path not in known]
-    flown = shown(executor.map(fly_and_keep, missing), total=len(missing), what="flying missions")
-    known |= {flight.path: result for flight, result in zip(missing, flown, strict=True)}
-    return [known[flight.path] for flight in flights]
+    check = accept_others if force else refuse_to_replace
+    return complete(flights, folder / FLIGHTS, means=means, what="flying missions", check=check)

@@ -1,6 +1,7 @@
 """`maneuver fly`: a sequence, a mission or a whole campaign, flown by the simulated helicopter."""
 
 import json as json_module
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated
@@ -16,16 +17,17 @@ from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
 from sim.specification import Departure, specify_sequence
 
-from .campaign_flights import fly_whole_campaign
-from .campaign_size import campaign_size
 from .domain import warn_of_flight, warn_of_walk, warn_of_walks
-from .files import find_campaign, find_library, find_mission, find_sequence, refuse_existing
+from .files import find_library, find_mission, find_sequence, refuse_existing
 from .films import make_film, refuse_film
+from .fly_campaign import fly_a_campaign, order_campaign
+from .folder_status import show_status
+from .keeping import survey
 from .latencies import latency_of
+from .means import HERE, MeansAsked
 from .mission_flights import MissionTask, fly_mission, walk_flown
 from .numbers import Count, Seed
 from .policies import FlownPolicy
-from .workers import default_workers, worker_pool
 
 LOST = 1
 
@@ -62,7 +64,8 @@ def fly(
     flights: Count | None = None,
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     out: Path | None = None,
-    workers: Count | None = None,
+    means: MeansAsked = HERE,
+    status: Annotated[bool, Parameter(negative="")] = False,
     video: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
@@ -70,8 +73,8 @@ def fly(
     """Flies the simulated helicopter and writes flight logs; give one of --sequence, --mission, --campaign.
 
     A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
-    maneuver of its automaton once a flight. The exit code is 1 when a flight was lost or the goal was not
-    reached.
+    maneuver of its automaton once a flight; stopped in whatever way and started again, the same command flies
+    only what is missing. The exit code is 1 when a flight was lost or the goal was not reached.
 
     For example:
 
@@ -80,6 +83,10 @@ def fly(
         maneuver fly --mission gtmax-1 --policy worst-case --seed 3 --out flight.mcap
 
         maneuver fly --campaign gtmax --flights 30 --out flights
+
+        maneuver fly --campaign gtmax --flights 30 --out flights --status
+
+        maneuver fly --campaign gtmax --out flights --cluster tcp://head:8786
 
         maneuver fly --mission gtmax-2 --video chase.mp4
 
@@ -106,22 +113,22 @@ def fly(
         nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
             none where only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
-        workers: processes of a campaign; one for each processor by default.
+        means: who flies a campaign.
+        status: fly nothing; say which flights of the campaign are there. The exit code is 1 where one is not.
         video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
-        force: overwrite OUT and VIDEO.
+        force: overwrite OUT and VIDEO; of a campaign, replace logs of other flights.
         json: print what was flown as JSON.
     """
     departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
     order = _Order(library, wind, departure, seed, out, force)
     if video is not None:
-        if campaign is not None:
-            raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
-        refuse_film(video, force=force)
-    if mission is None and any(given is not None for given in (policy, gamma, latency)):
-        raise FlightError("--policy, --gamma and --latency belong to a mission: give --mission with them")
-    if campaign is None and (flights, nominal_flights, workers) != (None, None, None):
-        raise FlightError(
-            "--flights, --nominal-flights and --workers belong to a campaign: give --campaign with them"
+        _refuse_video(video, campaign, force=force)
+    if mission is None:
+        _refuse_options("a mission: give --mission", policy=policy, gamma=gamma, latency=latency)
+    if campaign is None:
+        told = {name: value for name, value in asdict(means).items() if value} | {"status": status or None}
+        _refuse_options(
+            "a campaign: give --campaign", flights=flights, nominal_flights=nominal_flights, **told
         )
     match sequence, mission, campaign:
         case str(), None, None:
@@ -135,23 +142,45 @@ def fly(
                 Latency() if latency is None else latency_of(latency),
             )
         case None, None, str():
-            code, result = _fly_campaign(
-                campaign, order, (flights, nominal_flights), workers or default_workers()
+            wanted = order_campaign(
+                campaign,
+                counts=(flights, nominal_flights),
+                wind=wind,
+                seed=seed,
+                departure=departure,
             )
+            folder = out or Path(wanted.campaign.name)
+            if status:
+                return show_status(survey(wanted.works(folder), folder), as_json=json)
+            code, result = fly_a_campaign(wanted, folder, means=means, force=force)
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
     if video is not None:
         make_film(read_log(Path(str(result["log"]))), video, force=force)
         result["video"] = str(video)
-    if json:
-        print(json_module.dumps(result))
-    else:
-        for key, value in result.items():
-            print(
-                f"{WORDS.get(key, key):<18} {_text(value)}{UNITS.get(key, '') if value is not None else ''}"
-            )
+    print(json_module.dumps(result) if json else _lines(result))
     return code
+
+
+def _lines(result: Mapping[str, object]) -> str:
+    return "\n".join(
+        f"{WORDS.get(key, key):<18} {_text(value)}{UNITS.get(key, '') if value is not None else ''}"
+        for key, value in result.items()
+    )
+
+
+def _refuse_video(path: Path, campaign: str | None, *, force: bool) -> None:
+    if campaign is not None:
+        raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
+    refuse_film(path, force=force)
+
+
+def _refuse_options(owner: str, **options: object) -> None:
+    """Refuses options that were given without what they belong to."""
+    given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value is not None]
+    if given:
+        raise FlightError(f"{', '.join(given)} belong to {owner} with it")
 
 
 def _text(value: object) -> str:
@@ -223,36 +252,3 @@ def _fly_mission(
     flown = asdict(done)
     result = {key: value for key, value in flown.items() if key not in NOT_SAID}
     return (0 if flown["reached"] else LOST), {**result, "log": str(path)}
-
-
-def _fly_campaign(
-    name: str, order: _Order, counts: tuple[int | None, int | None], workers: int
-) -> tuple[int, dict[str, object]]:
-    campaign = find_campaign(name)
-    size = campaign_size(
-        campaign, coverage=None, confidence=0.95, flights=counts[0], nominal_flights=counts[1]
-    )
-    folder = order.out or Path(campaign.name)
-    refuse_existing(folder, force=order.force)
-    with worker_pool(workers) as executor:
-        flown = fly_whole_campaign(
-            campaign,
-            seed=order.seed,
-            flights=size.bounding,
-            nominal_flights=size.nominal,
-            wind=order.wind or campaign.wind,
-            departure=order.departure,
-            folder=folder,
-            executor=executor,
-            force=order.force,
-        )
-    lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
-    result: dict[str, object] = {
-        "campaign": campaign.name,
-        "flights": len(flown.flights),
-        "flight_hours": round(flown.duration / 3600, 3),
-        "timeouts": sum(flight.timeouts for flight in flown.flights),
-        "lost": lost,
-        "logs": str(folder),
-    }
-    return (LOST if lost else 0), result

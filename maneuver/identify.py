@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash, library_text
-from flight.log_file import publish_bytes
+from flight.publishing import publish_again, remove_partials
 from identification.data_sheet import data_sheet
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
@@ -116,8 +116,10 @@ def identify(
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:
     """Writes a library and its data sheet, each whole or not at all."""
-    publish_bytes(library_text(library).encode(), path, force=force)
-    publish_bytes(data_sheet(library).encode(), path.with_suffix(".md"), force=force)
+    sheet = path.with_suffix(".md")
+    for target, text in ((path, library_text(library)), (sheet, data_sheet(library))):
+        remove_partials(target.parent, of=target.name)
+        publish_again(text.encode(), target, force=force)
 
 
 def report(library: Library, path: Path) -> str:

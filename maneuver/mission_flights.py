@@ -1,12 +1,10 @@
 """Missions flown in closed loop: what `fly`, `validate` and `demo` share."""
 
 import hashlib
-import json
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import isfinite
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 
@@ -14,21 +12,24 @@ from flight.decision import DECISION, decision_series
 from flight.library import Library
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
-from flight.mission import Mission
-from flight.plan import plan_content
 from flight.vehicle import Leg, Vehicle
 from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
 from planner.flown import Flown
+from planner.kernel.build import search_backend
 from planner.nominal import Nominal
 from planner.policy import Planner
-from planner.receding_horizon import Settings, fly
+from planner.receding_horizon import fly
 from planner.remainder import Step
 from planner.worst_case import WorstCase
+from sim.backend import Backend
 from sim.fly import SimulatedHelicopter
-from sim.specification import DEFAULT_ALTITUDE, PLAIN, Departure, FlightSpecification, pose
+from sim.parameters import Parameters
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
+from .mission_log import mission_json, mission_specification, plans_json
+from .mission_task import MissionTask as MissionTask
+from .mission_task import Plant as Plant
 from .policies import FlownPolicy
 from .timed_planner import TimedPlanner
 
@@ -36,45 +37,8 @@ from .timed_planner import TimedPlanner
 _MISSION_STREAM = 102
 _GAMMA_STREAM = 103
 
-Plant = Literal["helicopter", "random"] | float
-"""What flies: the simulated helicopter; the automaton, its primitives with errors that know nothing of one
-another; or the automaton at one true gamma."""
-
 TRACK_STEP = 0.2
 """Seconds between the points of a track that is kept for pictures."""
-
-
-@dataclass(frozen=True)
-class MissionTask:
-    """One closed-loop flight, completely.
-
-    Attributes:
-        mission: what is to be reached.
-        library: planned with, and flown with.
-        policy: which planner.
-        gamma: uncertainty level of the worst-case planner.
-        plant: what flies.
-        wind: wind class.
-        seed: of all chance.
-        settings: how the loop is closed.
-        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
-        departure: of the helicopter's flight from the plain one.
-        log: where the flight log goes; None keeps none.
-        force: overwrite the log.
-    """
-
-    mission: Mission
-    library: Library
-    policy: FlownPolicy
-    gamma: float
-    wind: str
-    seed: int
-    plant: Plant = "helicopter"
-    settings: Settings = field(default_factory=Settings)
-    max_nodes: int | None = None
-    departure: Departure = PLAIN
-    log: Path | None = None
-    force: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,17 +113,24 @@ def mission_seed(seed: int, mission: str, number: int) -> int:
 
 def fly_mission(task: MissionTask) -> MissionResult:
     """Flies a mission once, and keeps the helicopter's log where one is wanted."""
+    result, log = fly_and_log(task)
+    if log is not None and task.log is not None:
+        publish_log(log, task.log, force=task.force)
+    return result
+
+
+def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
+    """Flies a mission once, writes nothing, and returns what it came to, with the helicopter's log."""
     judged: tuple[Performance, ...] = ()
+    log: FlightLog | None = None
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
         flown, log = fly_helicopter(task, planner)
         judged = performances(log)
-        if task.log is not None:
-            publish_log(log, task.log, force=task.force)
     else:
         flown = fly_automaton(task, planner)
-    return MissionResult(
+    result = MissionResult(
         mission=task.mission.name,
         policy=task.policy,
         gamma=task.gamma,
@@ -179,6 +150,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         performances=judged,
         legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
     )
+    return result, log
 
 
 def plant_name(plant: Plant) -> str:
@@ -199,23 +171,29 @@ def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
     return _close_loop(vehicle, task, planner)
 
 
-def fly_helicopter(task: MissionTask, planner: Planner | None = None) -> tuple[Flown, FlightLog]:
-    """Flies a mission by the simulated helicopter, and returns what it came to with its log."""
+def fly_helicopter(
+    task: MissionTask,
+    planner: Planner | None = None,
+    *,
+    parameters: Parameters | None = None,
+    backend: Backend | None = None,
+) -> tuple[Flown, FlightLog]:
+    """Flies a mission by the simulated helicopter, and returns what it came to with its log.
+
+    Args:
+        task: what is flown.
+        planner: that of the task where None.
+        parameters: the vehicle; that of `models/gtmax.toml` where None.
+        backend: what evaluates the vehicle's expressions; the best that there is where None.
+    """
     mission = task.mission
     task.library.trim(mission.start_trim)
-    specification = FlightSpecification(
-        kind="mission",
-        name=mission.name,
-        seed=task.seed,
-        wind=task.wind,
-        altitude=task.library.conditions.altitude or DEFAULT_ALTITUDE,
-        start=pose(mission.start),
-        start_trim=mission.start_trim,
-    ).depart(task.departure)
-    helicopter = SimulatedHelicopter(specification, task.library)
+    specification = mission_specification(task)
+    helicopter = SimulatedHelicopter(specification, task.library, parameters=parameters, backend=backend)
     flown = _close_loop(helicopter, task, planner)
-    log = helicopter.log({MISSION_ATTACHMENT: _mission_json(task), PLANS_ATTACHMENT: _plans_json(flown)})
-    return flown, replace(log, series={**log.series, DECISION.name: decision_series(flown.decisions)})
+    log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
+    series = {**log.series, DECISION.name: decision_series(flown.decisions)}
+    return flown, replace(log, header=log.header.planned_by(search_backend()), series=series)
 
 
 def planner_of(
@@ -243,26 +221,3 @@ def _leg(step: Step, leg: Leg) -> LegFlown:
     rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
     track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
     return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
-
-
-def _mission_json(task: MissionTask) -> bytes:
-    content = {
-        **asdict(task.mission),
-        "policy": task.policy,
-        "gamma": task.gamma,
-        "max_nodes": task.max_nodes,
-        "settings": asdict(task.settings),
-    }
-    return json.dumps(content, indent=1).encode()
-
-
-def _plans_json(flown: Flown) -> bytes:
-    """Plans with the time each was asked for, and the seconds charged for it.
-
-    The time each took by the clock would not repeat; it is there only where it was measured, and charged.
-    """
-    plans = [
-        {"time": time, "latency": latency, **plan_content(replace(plan, solve_time=0.0))}
-        for time, latency, plan in zip(flown.times, flown.latencies, flown.plans, strict=True)
-    ]
-    return json.dumps(plans, indent=1).encode()

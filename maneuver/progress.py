@@ -4,17 +4,47 @@ from collections.abc import Iterable, Iterator
 from typing import TypeVar
 
 from rich.console import Console
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    Task,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
 
 Item = TypeVar("Item")
 
 
-def shown(items: Iterable[Item], *, total: int, what: str) -> Iterator[Item]:
-    """Passes items through, and shows how many have come and how long the rest will take."""
+class _Rate(ProgressColumn):
+    """How many come a minute."""
+
+    def render(self, task: Task) -> Text:
+        """Returns the rate; a dash before the second item."""
+        return Text("-/min" if task.speed is None else f"{60 * task.speed:.0f}/min", "progress.data.speed")
+
+
+def shown(items: Iterable[Item], *, total: int, what: str, done: int = 0) -> Iterator[Item]:
+    """Passes items through, and shows how many have come, how fast, and how long the rest will take.
+
+    Args:
+        items: as they come.
+        total: how many there will be.
+        what: they are.
+        done: how many were there before.
+    """
     console = Console(stderr=True)
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        _Rate(),
+        TimeRemainingColumn(),
+    )
     with Progress(*columns, console=console, transient=True, disable=not console.is_terminal) as progress:
-        task = progress.add_task(what, total=total)
+        task = progress.add_task(what, total=total, completed=done)
         for item in items:
             yield item
             progress.advance(task)

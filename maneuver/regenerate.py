@@ -1,27 +1,30 @@
 """`maneuver regenerate`: a shipped library again, from nothing."""
 
 import sys
-from contextlib import ExitStack
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from time import perf_counter
 from typing import Annotated
 
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
+from flight.library import Library
 from flight.library_file import library_text
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
-from .campaign_flights import fly_whole_campaign
+from .campaign_flights import CampaignOrder, fly_whole_campaign
 from .campaign_forecast import forecast
 from .campaign_size import campaign_size
 from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
 from .evidence import gather_evidence
-from .files import find_campaign, refuse_existing
+from .files import find_campaign
+from .folder_status import show_status
 from .identify import publish_library, report
+from .keeping import survey
+from .means import HERE, MeansAsked, lend_means
 from .numbers import Count, Seed
+from .regenerated import made_before, remove_flights
 from .workers import default_workers, worker_pool
 
 
@@ -38,7 +41,8 @@ def regenerate(
     logs: Path | None = None,
     of: StateJudged = "truth",
     trim_errors: TrimErrors = "instantaneous",
-    workers: Count | None = None,
+    means: MeansAsked = HERE,
+    status: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -47,13 +51,16 @@ def regenerate(
     Says before flying how many flights, flight hours and minutes it takes. --coverage and --confidence say
     how many flights: the fewest of which the largest deviations of a primitive cover that share of future
     flights with all its numbers at once. The same seed gives the same bytes, whatever the number of workers.
-    The exit code is 1 where a primitive claims less than --coverage, because a maneuver did not settle.
+    Stopped in whatever way and started again, the same command flies only what is missing. The exit code is 1
+    where a primitive claims less than --coverage, because a maneuver did not settle.
 
     For example:
 
         maneuver regenerate --coverage 0.95 --confidence 0.95 --seed 1
 
         maneuver regenerate --wind calm --flights 20 --out still-air.json
+
+        maneuver regenerate --seed 1 --cluster tcp://head:8786 --logs flights
 
     Args:
         campaign: name or path of the campaign.
@@ -65,38 +72,36 @@ def regenerate(
             default where only --flights is given, the same flights give both and may claim less.
         wind: wind class; the campaign's by default.
         out: where the library goes; its data sheet goes beside it.
-        logs: folder that keeps the logs; none are kept by default.
+        logs: folder that keeps the logs; by default OUT's name with `-flights`, removed when OUT is there.
         of: whose deviations: those of the true motion, or of what the vehicle believed.
         trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
-        workers: processes; one for each processor by default.
-        force: overwrite OUT and logs.
+        means: who flies; the library is identified on this machine.
+        status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
+        force: overwrite OUT and logs of other flights.
         json: print the library as JSON.
     """
     plan = find_campaign(campaign)
     size = campaign_size(
         plan, coverage=coverage, confidence=confidence, flights=flights, nominal_flights=nominal_flights
     )
-    refuse_existing(out, force=force)
-    if logs is not None:
-        refuse_existing(logs, force=force)
-    air, processes = wind or plan.wind, workers or default_workers()
+    order = CampaignOrder(plan, seed, size.bounding, wind or plan.wind, nominal_flights=size.nominal)
+    folder = logs or out.with_name(f"{out.stem}-flights")
+    if status:
+        return show_status(survey(order.works(folder), folder), as_json=json)
+    if out.exists() and not force and not survey(order.works(folder), folder).complete:
+        library = made_before(out, order, of=of, confidence=confidence, trim_errors=trim_errors)
+        print(f"{out} is there already, and is what this command makes: nothing is flown", file=sys.stderr)
+        return _finish(library, out, coverage=coverage, json=json)
     if not json:
-        ahead = forecast(plan, wind=air, seed=seed, flights=size.flights, workers=processes)
-        print(f"{size.said()}\n{ahead.said()}", flush=True)
+        print(size.said())
+        if means.cluster is None:
+            processes = means.workers or default_workers()
+            ahead = forecast(plan, wind=order.wind, seed=seed, flights=size.flights, workers=processes)
+            print(ahead.said(), flush=True)
     began = perf_counter()
-    with ExitStack() as stack:
-        folder = logs or Path(stack.enter_context(TemporaryDirectory(prefix="maneuver-")))
-        executor = stack.enter_context(worker_pool(processes))
-        flown = fly_whole_campaign(
-            plan,
-            seed=seed,
-            flights=size.bounding,
-            nominal_flights=size.nominal,
-            wind=air,
-            folder=folder,
-            executor=executor,
-            force=force,
-        )
+    with lend_means(means) as lent:
+        flown = fly_whole_campaign(order, folder, means=lent, force=force)
+    with worker_pool(means.workers or default_workers()) as executor:
         cut = gather_evidence([flight.path for flight in flown.flights], executor=executor, of=of)
     bounding, centring = split_by_kind(cut)
     library = identify_library(
@@ -105,16 +110,21 @@ def regenerate(
         nominal=centring,
         confidence=confidence,
         trim_errors=trim_errors,
-        campaign={"name": plan.name, "seed": seed, "flights": size.bounding, "nominal": size.nominal},
+        campaign=order.named(),
     )
-    weak = weaker_claims(library, coverage)
     publish_library(library, out, force=force)
-    if json:
-        sys.stdout.write(library_text(library))
-    else:
+    if logs is None:
+        remove_flights(order.works(folder), folder)
+    if not json:
         hours, minutes = flown.duration / 3600, (perf_counter() - began) / 60
         print(f"{size.flights} flights, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes")
-        sys.stdout.write(report(library, out))
+    return _finish(library, out, coverage=coverage, json=json)
+
+
+def _finish(library: Library, out: Path, *, coverage: float | None, json: bool) -> int:
+    """Says what a library is worth, and returns the exit code."""
+    sys.stdout.write(library_text(library) if json else report(library, out))
+    weak = weaker_claims(library, coverage)
     for line in weak:
         print(line, file=sys.stderr)
     return CLAIMS_LESS if weak else 0

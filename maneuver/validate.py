@@ -12,14 +12,18 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
+from flight.publishing import remove_partials
 from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
 from .domain import warn_of_flight, warn_of_walks
 from .files import find_library, find_mission, refuse_existing
-from .flight_store import fly_all
+from .flight_store import FLIGHTS, fly_all, keep_all
 from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
+from .folder_status import show_status
+from .keeping import survey
 from .latencies import latency_of
+from .means import HERE, MeansAsked, lend_means
 from .mission_flights import MissionResult, walk_flown
 from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES, FlownPolicy
@@ -69,7 +73,8 @@ def validate(
     max_activations: Count = 200,
     out: Path | None = None,
     logs: Path | None = None,
-    workers: Count | None = None,
+    means: MeansAsked = HERE,
+    status: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -117,12 +122,13 @@ def validate(
         max_activations: plannings after which a flight is given up.
         out: folder for flights, scorecard and pictures; none by default.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
-        workers: processes; one for each processor by default.
+        means: who flies.
+        status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
         force: write into a folder that has something else in it.
         json: print one JSON document with every cell and every flight.
     """
     if suite == "tables":
-        return _tables(out, workers or default_workers(), force=force)
+        return _tables(out, means.workers or default_workers(), force=force)
     flown_with = find_library(library)
     try:
         settings = Settings(
@@ -160,8 +166,10 @@ def validate(
     if plant == "helicopter":
         for name in grid.winds:
             warn_of_flight(flown_with, wind=name)
-    with worker_pool(workers or default_workers()) as executor:
-        results = fly_all(grid.tasks(), folder=out, logs=logs, executor=executor, force=force)
+    if status:
+        return _status(grid, out, as_json=json)
+    with lend_means(means) as lent:
+        results = fly_all(grid.tasks(), folder=out, logs=logs, means=lent, force=force)
     helicopter = [one for one in results if one.plant == "helicopter" and one.legs]
     warn_of_walks(flown_with, [walk_flown(one.legs) for one in helicopter])
     card = Scorecard(
@@ -173,6 +181,7 @@ def validate(
         blamed=_blamed(results, flown_with),
     )
     if out is not None:
+        remove_partials(out)
         for name, text in (("md", markdown(card)), ("csv", comma_separated(card))):
             publish_bytes(text.encode(), out / f"scorecard.{name}", force=True)
         publish_bytes(json_text(card, results).encode(), out / "results.json", force=True)
@@ -200,6 +209,12 @@ def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
             f"in {theirs}, in ours in {ours}"
         )
     return 0
+
+
+def _status(grid: Grid, folder: Path | None, *, as_json: bool) -> int:
+    if folder is None:
+        raise FlightError("--status: expected --out with the folder that keeps the flights, got none")
+    return show_status(survey(keep_all(grid.tasks(), folder / FLIGHTS), folder / FLIGHTS), as_json=as_json)
 
 
 def _code(cells: Sequence[Cell]) -> int:

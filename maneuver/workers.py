@@ -3,6 +3,7 @@
 import multiprocessing
 import os
 import signal
+import threading
 from collections.abc import Iterator
 from concurrent.futures import Executor, ProcessPoolExecutor
 from contextlib import contextmanager
@@ -19,7 +20,7 @@ def worker_pool(processes: int) -> Iterator[Executor]:
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     try:
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(processes, mp_context=context, initializer=_leave_interrupts) as pool:
+        with ProcessPoolExecutor(processes, mp_context=context, initializer=_follow_parent) as pool:
             try:
                 yield pool
             except BaseException:
@@ -33,9 +34,21 @@ def worker_pool(processes: int) -> Iterator[Executor]:
                 os.environ[name] = value
 
 
-def _leave_interrupts() -> None:
-    """Ctrl-C goes to the process that started the work; workers finish the flight in hand."""
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
+def _follow_parent() -> None:
+    """Leaves signals to the process that started the work, and ends when that has ended, however it did.
+
+    Asked to stop, workers finish the flight in hand.
+    """
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        signal.signal(number, signal.SIG_IGN)
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None, "a worker was started by somebody"
+    parent.join()
+    os._exit(1)
 
 
 def default_workers() -> int:

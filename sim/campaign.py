@@ -1,18 +1,22 @@
-"""Many flights on any executor; logs are written whole or not at all, whatever the workers' order."""
+"""The flights of a campaign: each a walk through its automaton, each a log that says whose it is."""
 
-from collections.abc import Iterable, Iterator
-from concurrent.futures import Executor, as_completed
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from flight.errors import AlreadyExistsError, FlightLostError
+from flight.code_version import code_version
+from flight.errors import BadFileError, FlightLostError
 from flight.library import Library
-from flight.log import PRIMITIVE, FlightLog
-from flight.log_file import publish_log
+from flight.log import PRIMITIVE, TRUTH, FlightLog
+from flight.log_file import log_bytes, read_log
+from flight.log_identity import difference, identity
 from flight.sequence import Sequence
 from flight.vehicle import Leg, Vehicle
+from flight.work import Done, Found, State, refuse_other_code
 
+from .backend import Backend
+from .flight_head import flight_header, flight_inputs
 from .fly import SimulatedHelicopter
+from .parameters import Parameters, read_parameters
 from .specification import FlightSpecification
 
 
@@ -58,9 +62,22 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
     return tuple(legs)
 
 
-def fly_specification(specification: FlightSpecification, library: Library) -> FlightLog:
-    """Flies the sequence of a specification; a lost flight gives its log up to there."""
-    helicopter = SimulatedHelicopter(specification, library)
+def fly_specification(
+    specification: FlightSpecification,
+    library: Library,
+    *,
+    parameters: Parameters | None = None,
+    backend: Backend | None = None,
+) -> FlightLog:
+    """Flies the sequence of a specification; a lost flight gives its log up to there.
+
+    Args:
+        specification: what is flown.
+        library: flown with.
+        parameters: the vehicle; that of `models/gtmax.toml` where None.
+        backend: what evaluates expressions; the best that there is where None.
+    """
+    helicopter = SimulatedHelicopter(specification, library, parameters=parameters, backend=backend)
     try:
         fly_sequence(helicopter, specification.sequence, library=library)
     except FlightLostError:
@@ -69,46 +86,50 @@ def fly_specification(specification: FlightSpecification, library: Library) -> F
     return helicopter.log()
 
 
-def fly_campaign(
-    specifications: Iterable[FlightSpecification],
-    library: Library,
-    *,
-    folder: Path,
-    executor: Executor,
-    force: bool = False,
-) -> Iterator[FlightFlown]:
-    """Flies every specification and writes its log to `folder/NAME.mcap`.
+@dataclass(frozen=True, slots=True)
+class CampaignFlight:
+    """One flight of a campaign, and the log that keeps it (a `flight.work.Work`).
 
-    Yields:
-        Flights as they are done; their logs do not depend on that order.
-
-    Raises:
-        AlreadyExistsError: a log exists and `force` is not set.
+    Attributes:
+        specification: what is to be flown.
+        library: flown with.
+        path: of the log.
+        code: version that flies it.
     """
-    flights = [
-        executor.submit(_fly_and_publish, specification, library, folder, force)
-        for specification in specifications
-    ]
-    try:
-        for flight in as_completed(flights):
-            yield flight.result()
-    finally:
-        for flight in flights:
-            flight.cancel()
 
+    specification: FlightSpecification
+    library: Library
+    path: Path
+    code: str = field(default_factory=code_version)
 
-def _fly_and_publish(
-    specification: FlightSpecification, library: Library, folder: Path, force: bool
-) -> FlightFlown:
-    path = folder / f"{specification.name}.mcap"
-    if path.exists() and not force:
-        raise AlreadyExistsError(path)
-    log = fly_specification(specification, library)
-    publish_log(log, path, force=force)
-    return FlightFlown(
-        specification=specification,
-        path=path,
-        outcome=log.header.outcome,
-        timeouts=int(log[PRIMITIVE]["timed_out"].sum()),
-        duration=log.duration,
-    )
+    def found(self) -> Found[FlightFlown]:
+        """Returns what its log says, if it is there, whole, and of this very flight."""
+        if not self.path.exists():
+            return Found(State.MISSING)
+        try:
+            log = read_log(self.path, topics=(PRIMITIVE, TRUTH))
+        except BadFileError as error:
+            return Found(State.DAMAGED, why=str(error))
+        wrong = difference(self._identity(), identity(log.header, log.attachments))
+        if wrong is not None:
+            return Found(State.ANOTHER, why=f"{self.path} is of another flight: {wrong}")
+        return Found(State.WHOLE, self._flown(log))
+
+    def done(self) -> Done[FlightFlown]:
+        """Flies.
+
+        Raises:
+            OtherCodeError: this process has other code than the one that asked.
+        """
+        refuse_other_code(self.code, code_version())
+        log = fly_specification(self.specification, self.library)
+        return Done(((self.path, log_bytes(log)),), self._flown(log))
+
+    def _flown(self, log: FlightLog) -> FlightFlown:
+        timeouts = int(log[PRIMITIVE]["timed_out"].sum()) if PRIMITIVE.name in log.series else 0
+        return FlightFlown(self.specification, self.path, log.header.outcome, timeouts, log.duration)
+
+    def _identity(self) -> dict[str, str]:
+        parameters = read_parameters()
+        header = flight_header(self.specification, parameters, backend=Backend.INTERPRETED)
+        return identity(header, flight_inputs(self.specification, self.library, parameters))

@@ -7,33 +7,23 @@ from dataclasses import asdict
 
 from flight.errors import FlightLostError, NoManeuverEndError
 from flight.library import Library
-from flight.library_file import library_text
-from flight.log import (
-    INITIAL_STATE_ATTACHMENT,
-    LIBRARY_ATTACHMENT,
-    MODEL_ATTACHMENT,
-    SPECIFICATION_ATTACHMENT,
-    VEHICLE_ATTACHMENT,
-    FlightHeader,
-    FlightLog,
-    PrimitiveKind,
-)
+from flight.log import INITIAL_STATE_ATTACHMENT, FlightLog, PrimitiveKind
 from flight.maneuver import Maneuver
 from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
 from flight.vehicle import Leg
-from flight.version import VERSION
 
-from .backend import Backend, best_backend, name_backend
+from .backend import Backend, best_backend
 from .controller import Controller
 from .equilibrium import find_equilibrium
 from .faults import Faults, Parts
+from .flight_head import flight_header, flight_inputs
 from .gains import Gains
 from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation, Navigator
-from .parameters import Parameters, model_hash, model_text, read_parameters
+from .parameters import Parameters, read_parameters
 from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
@@ -232,23 +222,11 @@ class SimulatedHelicopter:
         Args:
             attachments: files to go with it, such as mission and plans, by name.
         """
-        specification = self._specification
-        header = FlightHeader(
-            kind=specification.kind,
-            name=specification.name,
-            vehicle=self._parameters.name,
-            model_hash=model_hash(),
-            seed=specification.seed,
-            wind=specification.wind,
-            code_version=VERSION,
-            backend=name_backend(self._backend),
-            outcome=self._outcome,
+        header = flight_header(
+            self._specification, self._parameters, backend=self._backend, outcome=self._outcome
         )
         files = {
-            SPECIFICATION_ATTACHMENT: specification.to_json(),
-            LIBRARY_ATTACHMENT: library_text(self._library).encode(),
-            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
-            MODEL_ATTACHMENT: model_text(),
+            **flight_inputs(self._specification, self._library, self._parameters),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }

@@ -186,6 +186,18 @@ def read_parameters(path: Path | None = None) -> Parameters:
         raise BadFileError(path, first_problem(error)) from None
 
 
+def parse_parameters(text: bytes, source: str) -> Parameters:
+    """Reads the vehicle's numbers back from a flight log.
+
+    Raises:
+        BadFileError: a value is missing, unknown or impossible; the message names it.
+    """
+    try:
+        return _reader().validate_json(text)
+    except ValidationError as error:
+        raise BadFileError(source, first_problem(error)) from None
+
+
 @cache
 def _reader() -> TypeAdapter[Parameters]:
     return TypeAdapter(Parameters)

@@ -36,9 +36,8 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
         FlightLostError: the flight ended in the ground or diverged.
     """
-    if log.header.model_hash != model_hash():
-        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
-    backend = _backend(log.header.backend)
+    refuse_another_vehicle(log)
+    backend = backend_named(log.header.vehicle_backend)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
     specification, parameters = parse_specification(text, SPECIFICATION_ATTACHMENT), read_parameters()
     step = specification.step
@@ -59,8 +58,22 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
     return np.array(rows)
 
 
-def _backend(name: str) -> Backend:
-    """Returns the back-end of a log, where it is here."""
+def refuse_another_vehicle(log: FlightLog) -> None:
+    """Refuses a log of a vehicle that is not here.
+
+    Raises:
+        AnotherVehicleError: it is of another.
+    """
+    if log.header.model_hash != model_hash():
+        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
+
+
+def backend_named(name: str) -> Backend:
+    """Returns the back-end of a log, where it is here.
+
+    Raises:
+        AnotherVehicleError: it is not.
+    """
     here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
     if name not in here:
         raise AnotherVehicleError("numeric back-end", name, " or ".join(here))

@@ -1,26 +1,23 @@
 """Whole flights: repeatable, honest in their logs, and stable through every trim and maneuver."""
 
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import libraries
 from flight.conditions import Conditions
-from flight.errors import AlreadyExistsError, FlightLostError, NoManeuverEndError
+from flight.errors import FlightLostError, NoManeuverEndError
 from flight.library import Library
 from flight.library_file import read_library
 from flight.log import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND, FlightLog, PrimitiveKind, primitives_flown
-from flight.log_file import log_bytes, read_log
+from flight.log_file import log_bytes
 from flight.maneuver_end import Band, ManeuverEnd
 from flight.se2 import SE2, Twist
 from flight.sequence import Sequence
 from flight.vehicle import Vehicle
-from maneuver.workers import worker_pool
-from sim.campaign import fly_campaign, fly_sequence, fly_specification
+from sim.campaign import fly_sequence, fly_specification
 from sim.fly import SimulatedHelicopter
 from sim.replay import AnotherVehicleError, replay
 from sim.specification import FlightSpecification, parse_specification, specify_sequence
@@ -182,19 +179,6 @@ def test_a_maneuver_from_another_trim_is_refused() -> None:
 def test_a_library_without_a_maneuver_end_cannot_be_flown() -> None:
     with pytest.raises(NoManeuverEndError, match=r"'thesis-gtmax' cannot be flown"):
         SimulatedHelicopter(specify(1), BARE)
-
-
-def test_the_worker_does_not_show_in_a_campaign(tmp_path: Path) -> None:
-    flights = [specify(2, 3, seed=seed).model_copy(update={"name": f"flight-{seed}"}) for seed in (1, 2, 3)]
-    with worker_pool(2) as pool:
-        flown = list(fly_campaign(flights, LIBRARY, folder=tmp_path / "two", executor=pool))
-    assert sorted(flight.path.name for flight in flown) == ["flight-1.mcap", "flight-2.mcap", "flight-3.mcap"]
-    assert all(flight.outcome == "completed" and flight.timeouts == 0 for flight in flown)
-    for flight in flown:
-        assert flight.path.read_bytes() == log_bytes(fly_specification(flight.specification, LIBRARY))
-        assert read_log(flight.path).duration == pytest.approx(flight.duration, abs=1e-9)
-    with ThreadPoolExecutor(1) as pool, pytest.raises(AlreadyExistsError, match="--force"):
-        list(fly_campaign(flights[:1], LIBRARY, folder=tmp_path / "two", executor=pool))
 
 
 def test_random_streams_do_not_depend_on_one_another() -> None:

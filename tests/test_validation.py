@@ -22,6 +22,7 @@ from maneuver.blame import Blame, Performance, blame, performances
 from maneuver.files import find_library, find_mission
 from maneuver.flight_store import FLIGHTS, fly_all
 from maneuver.latencies import latency_of, recorded_latency
+from maneuver.means import Means
 from maneuver.mission_flights import MissionResult, MissionTask, fly_helicopter
 from maneuver.random_missions import FARTHEST, NEAREST, NoMissionError, random_missions
 from planner.flown import Flown
@@ -67,7 +68,7 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 
     def fly(some: list[MissionTask]) -> list[MissionResult]:
         with ThreadPoolExecutor(1) as executor:
-            return fly_all(some, folder=tmp_path / "out", logs=None, executor=executor, force=False)
+            return fly_all(some, folder=tmp_path / "out", logs=None, means=Means(executor), force=False)
 
     first = fly(tasks[:2])
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / FLIGHTS).iterdir()}
@@ -83,7 +84,7 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 def test_a_folder_with_something_else_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("dear")
     with ThreadPoolExecutor(1) as executor, pytest.raises(FlightError, match="exists"):
-        fly_all([automaton_task(0)], folder=tmp_path, logs=None, executor=executor, force=False)
+        fly_all([automaton_task(0)], folder=tmp_path, logs=None, means=Means(executor), force=False)
 
 
 def test_a_validation_writes_scorecards_and_pictures(

@@ -1,0 +1,55 @@
+"""A cluster by the address of its Dask scheduler, as an executor; Dask is an extra."""
+
+import logging
+from collections.abc import Iterator
+from concurrent.futures import Executor
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+from flight.errors import FlightError
+
+PATIENCE = 15
+"""Seconds in which a scheduler must answer."""
+
+RETRIES = 3
+"""Times that work is done again whose worker was lost."""
+
+
+class NoClusterError(FlightError):
+    """There is no cluster at an address."""
+
+    def __init__(self, address: str, why: str) -> None:
+        super().__init__(f"--cluster {address}: expected a Dask scheduler, got {why}")
+
+
+@contextmanager
+def cluster_executor(address: str) -> Iterator[Executor]:
+    """Lends the workers of a cluster.
+
+    Args:
+        address: such as `tcp://host:8786`, or a scheduler file.
+
+    Raises:
+        FlightError: the extra is not installed.
+        NoClusterError: nobody answers.
+    """
+    try:
+        from distributed import Client
+    except ImportError:
+        raise FlightError(
+            "--cluster needs the package `distributed`: pip install 'maneuver-automaton[cluster]'"
+        ) from None
+    # What it has to say of connections that come and go is no word for users.
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    by_file = {"scheduler_file": address} if Path(address).is_file() else {"address": address}
+    client: Any
+    try:
+        # Dask has no types.
+        client = Client(**by_file, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+    except (OSError, ValueError) as error:
+        raise NoClusterError(address, " ".join(str(error).split()) or type(error).__name__) from None
+    try:
+        yield client.get_executor(retries=RETRIES)
+    finally:
+        client.close()

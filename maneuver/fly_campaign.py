@@ -1,0 +1,68 @@
+"""A campaign as `maneuver fly` flies it."""
+
+from pathlib import Path
+
+from sim.specification import Departure
+
+from .campaign_flights import CampaignOrder, fly_whole_campaign
+from .campaign_size import campaign_size
+from .files import find_campaign
+from .means import MeansOptions, lend_means
+
+LOST = 1
+
+
+def order_campaign(
+    name: str,
+    *,
+    counts: tuple[int | None, int | None],
+    wind: str | None,
+    seed: int,
+    departure: Departure,
+) -> CampaignOrder:
+    """Returns what is flown of a campaign.
+
+    Args:
+        name: or path of the campaign.
+        counts: flights for the bounds and for the values; None for the campaign's.
+        wind: wind class; None for the campaign's.
+        seed: of all chance.
+        departure: how the flights differ from plain ones.
+
+    Raises:
+        FlightError: there is no such campaign, or it is broken.
+    """
+    campaign = find_campaign(name)
+    size = campaign_size(
+        campaign, coverage=None, confidence=0.95, flights=counts[0], nominal_flights=counts[1]
+    )
+    return CampaignOrder(
+        campaign,
+        seed=seed,
+        flights=size.bounding,
+        nominal_flights=size.nominal,
+        wind=wind or campaign.wind,
+        departure=departure,
+    )
+
+
+def fly_a_campaign(
+    order: CampaignOrder, folder: Path, *, means: MeansOptions, force: bool
+) -> tuple[int, dict[str, object]]:
+    """Flies what is missing of a campaign, and returns the exit code and what is said of it.
+
+    Raises:
+        FlightError: the campaign cannot be flown as asked, or the folder holds something else.
+    """
+    with lend_means(means) as lent:
+        flown = fly_whole_campaign(order, folder, means=lent, force=force)
+    lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
+    result: dict[str, object] = {
+        "campaign": order.campaign.name,
+        "flights": len(flown.flights),
+        "flight_hours": round(flown.duration / 3600, 3),
+        "timeouts": sum(flight.timeouts for flight in flown.flights),
+        "lost": lost,
+        "logs": str(folder),
+    }
+    return (LOST if lost else 0), result

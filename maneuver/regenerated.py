@@ -1,0 +1,65 @@
+"""A regeneration that is finished: known again, and its flights cleared away in one step."""
+
+import shutil
+from collections.abc import Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from flight.errors import AlreadyExistsError, BadFileError
+from flight.fingerprint import fingerprint
+from flight.library import Library
+from flight.library_file import read_library
+from flight.log_file import read_log
+from flight.publishing import publish_bytes
+from identification.identify import StateJudged, TrimErrors
+from sim.campaign import CampaignFlight
+
+from .campaign_flights import CampaignOrder
+
+_JUDGED = {"truth": "true", "estimate": "believed"}
+
+
+def made_before(
+    path: Path, order: CampaignOrder, *, of: StateJudged, confidence: float, trim_errors: TrimErrors
+) -> Library:
+    """Returns a library that is there, if it is the one that is to be made.
+
+    It must say so, and one of its flights, flown again, must be the flight that it names.
+
+    Raises:
+        AlreadyExistsError: it is another, or its data sheet is missing.
+    """
+    try:
+        library = read_library(path)
+    except BadFileError:
+        raise AlreadyExistsError(path) from None
+    wanted = {
+        "campaign": order.named(),
+        "deviations_of": _JUDGED[of],
+        "confidence": confidence,
+    }
+    said = {name: library.provenance.get(name) for name in wanted}
+    kind, wind = library.conditions.trim_error_kind, library.conditions.wind
+    same = (said, kind, wind, library.name) == (wanted, trim_errors, order.wind, path.stem)
+    if not same or not path.with_suffix(".md").exists() or not _flown_from(library, order):
+        raise AlreadyExistsError(path)
+    return library
+
+
+def _flown_from(library: Library, order: CampaignOrder) -> bool:
+    """Flies the last flight again, and returns whether the library names it."""
+    with TemporaryDirectory(prefix="maneuver-") as folder:
+        flight = order.works(Path(folder))[-1]
+        for path, content in flight.done().files:
+            publish_bytes(content, path)
+        known = library.provenance.get("logs_by_seed", {})
+        return bool(known.get(str(flight.specification.seed)) == fingerprint(read_log(flight.path)))
+
+
+def remove_flights(flights: Sequence[CampaignFlight], folder: Path) -> None:
+    """Removes a campaign's logs all at once, unless something else stands beside them."""
+    leaving = folder.with_name(f".{folder.name}.removed")
+    shutil.rmtree(leaving, ignore_errors=True)
+    if set(folder.iterdir()) <= {flight.path for flight in flights}:
+        folder.rename(leaving)
+        shutil.rmtree(leaving)

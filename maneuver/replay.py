@@ -1,0 +1,120 @@
+"""`maneuver replay`: flights flown again from their logs alone, and compared byte by byte."""
+
+import json as json_module
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from flight.code_version import code_version
+from flight.errors import FlightError
+from flight.log import FlightLog
+from flight.log_difference import bytes_that_differ, differences
+from flight.log_file import log_bytes, publish_bytes, read_log
+
+from .files import refuse_existing
+from .identify import log_paths
+from .progress import shown
+from .repeated_flight import fly_again
+
+DIFFERENT = 1
+# Differences that are printed of one flight.
+_PRINTED = 5
+
+
+@dataclass(frozen=True, slots=True)
+class Comparison:
+    """A flight beside its repetition.
+
+    Attributes:
+        log: path of the flight's log.
+        size: of that file, in bytes.
+        differing: bytes in which the repetition's log differs; the name of the code is no part of that.
+        differences: in words.
+        code: that flew; the version of this program with that of its code.
+        code_here: that flew again.
+    """
+
+    log: str
+    size: int
+    differing: int
+    differences: tuple[str, ...]
+    code: str
+    code_here: str
+
+
+def replay(
+    logs: Annotated[list[Path], Parameter(negative="")],
+    /,
+    *,
+    out: Path | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Flies logged flights again, from nothing but their logs, and compares the logs byte by byte.
+
+    A log carries what its flight was made of: specification with seed and faults, library, vehicle, mission
+    and planner, and, where planning was timed by the clock, the times. The numeric back-end that the log
+    names is used, or the replay is refused. The exit code is 0 where no byte differs. On another family of
+    processors, or with other versions of the packages, the same bytes are not promised.
+
+    For example:
+
+        maneuver replay flight.mcap
+
+        maneuver replay flights/ --json
+
+    Args:
+        logs: flight logs, or folders of them.
+        out: where the log of the flight flown again goes, of one flight; nowhere by default.
+        force: overwrite OUT.
+        json: print the comparisons as JSON.
+    """
+    paths = log_paths(logs)
+    if out is not None:
+        if len(paths) != 1:
+            raise FlightError(f"--out is for one flight, got {len(paths)} logs")
+        refuse_existing(out, force=force)
+    compared = [
+        _compare(path, out, force=force) for path in shown(paths, total=len(paths), what="flying again")
+    ]
+    if json:
+        print(json_module.dumps([asdict(one) for one in compared]))
+    else:
+        for one in compared:
+            _say(one)
+    return DIFFERENT if any(one.differing for one in compared) else 0
+
+
+def _compare(path: Path, out: Path | None, *, force: bool) -> Comparison:
+    log = read_log(path)
+    try:
+        repeated = fly_again(log)
+    except FlightError as error:
+        raise FlightError(f"{path}: {error}") from None
+    # The name of the code says who flew, not what was flown.
+    named: FlightLog = replace(
+        repeated, header=replace(repeated.header, code_version=log.header.code_version)
+    )
+    content, original = log_bytes(named), path.read_bytes()
+    if out is not None:
+        publish_bytes(log_bytes(repeated), out, force=force)
+    return Comparison(
+        log=str(path),
+        size=len(original),
+        differing=bytes_that_differ(original, content),
+        differences=differences(log, named),
+        code=log.header.code_version,
+        code_here=code_version(),
+    )
+
+
+def _say(one: Comparison) -> None:
+    print(f"{one.log}: {one.differing} of {one.size} bytes differ")
+    for words in one.differences[:_PRINTED]:
+        print(f"  {words}")
+    if len(one.differences) > _PRINTED:
+        print(f"  and {len(one.differences) - _PRINTED} more")
+    if one.code != one.code_here:
+        print(f"  flown by code {one.code}, flown again by {one.code_here}")

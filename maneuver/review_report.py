@@ -83,14 +83,16 @@ def _facts(summary: Summary) -> Table:
     table.add_row(summary.kind, summary.name)
     flown = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
     table.add_row("vehicle", f"{summary.vehicle}{flown}")
-    table.add_row("flight", f"{summary.duration:.2f} s, {summary.distance:.1f} m over the ground")
+    way = "positions not known" if summary.distance is None else f"{summary.distance:.1f} m over the ground"
+    table.add_row("flight", f"{summary.duration:.2f} s, {way}")
     table.add_row("outcome", summary.outcome)
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
     if summary.plans is not None:
         failed = f", {summary.failures} plannings found none" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
-    table.add_row("time-outs", str(summary.timeouts))
+    if summary.trims or summary.maneuvers:
+        table.add_row("time-outs", str(summary.timeouts))
     for sentence in summary.faults:
         table.add_row("fault", sentence)
     if summary.bounds is not None:

@@ -141,10 +141,15 @@ def _maneuver_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) 
 
 
 def pose_at(log: FlightLog, time: float) -> SE2:
-    """Returns the true pose at a time, between samples by straight lines."""
-    truth = log[TRUTH]
-    x, y, heading = (float(np.interp(time, truth.time, truth[name])) for name in ("north", "east", "heading"))
-    return SE2(x, y, heading)
+    """Returns the pose at a time, between samples by straight lines: the true one where it is known.
+
+    Raises:
+        FlightError: the log lacks motion, or positions in it.
+    """
+    motion = log.motion
+    north, east = (float(np.interp(time, motion.time, motion[name])) for name in ("north", "east"))
+    heading = float(np.interp(time, motion.time, motion["heading"])) if motion.holds("heading") else 0.0
+    return SE2(north, east, heading)
 
 
 def _worst(

@@ -65,7 +65,7 @@ def flight_content(log: FlightLog, summary: Summary, label: str) -> Content:
         "goal": _goal(log),
         "plans": _plans(log),
         "track": _track(log.motion),
-        "believed": _track(log[ESTIMATE]) if ESTIMATE.name in log.series else None,
+        "believed": _track(log[ESTIMATE]) if _believed_apart(log) else None,
         "wind": _mean_wind(log),
     }
 
@@ -174,17 +174,22 @@ def _in_turn(coasts: Sequence[np.ndarray], maneuvers: Sequence[np.ndarray]) -> l
     return [[coast, *maneuvers[place : place + 1]] for place, coast in enumerate(coasts)]
 
 
-def _track(states: Series) -> Content:
-    """Returns time, north, east, height and heading, thinned evenly."""
+def _believed_apart(log: FlightLog) -> bool:
+    return ESTIMATE.name in log.series and log.motion.topic.name != ESTIMATE.name
+
+
+def _track(states: Series) -> Content | None:
+    """Returns time, place, and where known height and heading, thinned evenly; None without positions."""
+    if not states.holds("north", "east"):
+        return None
     step = -(-len(states) // MOST_TRACK_POINTS)
     rows = np.unique([*range(0, len(states), step), len(states) - 1])
-    height = -states["down"][rows]
     return {
         "time": packed(states.time[rows]),
         "north": packed(states["north"][rows]),
         "east": packed(states["east"][rows]),
-        "height": packed(height),
-        "heading": packed(states["heading"][rows]),
+        "height": packed(-states["down"][rows]) if states.holds("down") else None,
+        "heading": packed(states["heading"][rows]) if states.holds("heading") else None,
     }
 
 

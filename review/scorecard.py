@@ -20,7 +20,7 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("planned at the start", _planned),
         ("plans, plannings without one", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
-        ("distance over the ground", lambda one: f"{one.distance:.1f} m"),
+        ("distance over the ground", _distance),
         ("wind class, seed", lambda one: f"{one.wind}, {one.seed}"),
         ("primitives", lambda one: str(sum(part.count for part in (*one.trims, *one.maneuvers)))),
         ("left their bounds", _bounds),
@@ -39,6 +39,10 @@ def _goal(one: Summary) -> str:
     if one.arrival.time is None:
         return f"missed by {one.arrival.closest:.2f} m"
     return f"reached after {one.arrival.time:.2f} s"
+
+
+def _distance(one: Summary) -> str:
+    return NOT_KNOWN if one.distance is None else f"{one.distance:.1f} m"
 
 
 def _planned(one: Summary) -> str:

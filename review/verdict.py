@@ -1,8 +1,22 @@
 """A summary in the words of a page: a few tiles to be read first, and facts for who wants more."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from flight.log import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, TRUTH, WIND, FlightLog, PrimitiveKind
+from flight.log import (
+    ACTUATORS,
+    COMMAND,
+    CONTROLS,
+    ESTIMATE,
+    MOTION,
+    NAVIGATION,
+    TRUTH,
+    WIND,
+    FlightLog,
+    PrimitiveKind,
+    Series,
+)
 
 from .summary import Summary
 
@@ -57,19 +71,8 @@ def tiles_of(summary: Summary) -> list[Content]:
 
 def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
     """Returns names and values of what else is known of a flight."""
-    header, motion = log.header, log.motion
-    speed = np.hypot(motion["forward"], motion["side"])
-    tilt = np.degrees(np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0)))
-    rates = np.degrees(np.stack([motion[name] for name in ("roll_rate", "pitch_rate", "body_yaw_rate")]))
-    height = -motion["down"]
-    facts = [
-        ("Duration", f"{summary.duration:.2f} s"),
-        ("Distance over the ground", f"{summary.distance:.1f} m"),
-        ("Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"),
-        ("Height above ground", f"{height.min():.2f} to {height.max():.2f} m"),
-        ("Tilt", f"{tilt.max():.1f} deg at most"),
-        ("Body rate", f"{np.linalg.norm(rates, axis=0).max():.1f} deg/s at most"),
-    ]
+    header = log.header
+    facts = [("Duration", f"{summary.duration:.2f} s"), *_extremes(log.motion, summary)]
     if WIND.name in log.series:
         wind = log[WIND]
         speeds = np.hypot(wind["north"], wind["east"])
@@ -83,10 +86,30 @@ def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
     return facts
 
 
+def _extremes(motion: Series, summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yields how far, fast, high and steep it went, as far as the log knows."""
+    if summary.distance is not None:
+        yield "Distance over the ground", f"{summary.distance:.1f} m"
+    if motion.holds("forward", "side"):
+        speed = np.hypot(motion["forward"], motion["side"])
+        yield "Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"
+    if motion.holds("down"):
+        height = -motion["down"]
+        origin = "ground" if summary.kind != "import" else "the log's origin"
+        yield f"Height above {origin}", f"{height.min():.2f} to {height.max():.2f} m"
+    if motion.holds("roll", "pitch"):
+        tilt = np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0))
+        yield "Tilt", f"{np.degrees(tilt.max()):.1f} deg at most"
+    rates = ("roll_rate", "pitch_rate", "body_yaw_rate")
+    if motion.holds(*rates):
+        fastest = np.linalg.norm([motion[name] for name in rates], axis=0).max()
+        yield "Body rate", f"{np.degrees(fastest):.1f} deg/s at most"
+
+
 def _sampling(log: FlightLog) -> str:
     """Says how often each topic was sampled, and its longest gap where the gaps are not even."""
     words = []
-    for topic in (TRUTH, ESTIMATE, COMMAND, NAVIGATION, CONTROLS, WIND):
+    for topic in (TRUTH, ESTIMATE, MOTION, COMMAND, NAVIGATION, CONTROLS, ACTUATORS, WIND):
         if topic.name in log.series and len(log[topic]) > 1:
             gaps = np.diff(log[topic].time)
             usual, longest = float(np.median(gaps)), float(gaps.max())
@@ -96,6 +119,8 @@ def _sampling(log: FlightLog) -> str:
 
 
 def _outcome(summary: Summary) -> Content:
+    if summary.outcome.startswith("recovered"):
+        return _tile("outcome", "recovered", summary.outcome, "bad")
     if summary.outcome != "completed":
         return _tile("outcome", "lost", summary.outcome, "bad")
     if summary.arrival is None:

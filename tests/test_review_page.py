@@ -149,6 +149,7 @@ def test_a_log_of_an_estimate_alone_is_reviewed_as_what_was_believed() -> None:
     believed = replace(log, series={ESTIMATE.name: log[ESTIMATE]})
     summary = summarise(believed)
     assert (summary.tracking, summary.navigation, summary.bounds, summary.arrival) == (None,) * 4
+    assert summary.distance is not None
     assert summary.distance > 1.0
     content = content_of(page_of(believed))
     assert content["flights"][0]["primitives"] == []

@@ -12,10 +12,11 @@ from rich.text import Text
 
 from flight.arrival import Arrival
 from flight.log import PrimitiveKind
-from review.bounds import Bounds
+from review.bounds import FLOWN_TO_IDENTIFY, Bounds
 from review.campaign import FlightRow
 from review.scorecard import scorecard
 from review.summary import PrimitiveCount, Summary
+from review.verdict import NO_BOUNDS
 
 # Departures from bounds, and flights of a campaign, that are listed; the rest is counted.
 MOST_DEPARTURES, MOST_FLIGHTS = 8, 12
@@ -97,6 +98,8 @@ def _facts(summary: Summary) -> Table:
         table.add_row("fault", sentence)
     if summary.bounds is not None:
         table.add_row("out of bounds", _bounds(summary.bounds))
+    elif summary.kind in FLOWN_TO_IDENTIFY:
+        table.add_row("out of bounds", f"not judged: {NO_BOUNDS}")
     if summary.navigation is not None:
         error = summary.navigation
         table.add_row(

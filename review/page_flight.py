@@ -24,7 +24,7 @@ from flight.stretches import stretches_flown
 from flight.trim_labels import trim_label, trim_names, trim_palette
 from flight.viewer_scene import believed_pose, tube_level
 
-from .bounds import Departure, deviations
+from .bounds import Departure, deviations, judging_library
 from .decimation import decimate
 from .page_columns import packed
 from .summary import Summary
@@ -75,8 +75,9 @@ def _primitives(log: FlightLog) -> list[Content]:
         return []
     names, colors = trim_names(log), trim_palette(log)
     judged: dict[tuple[PrimitiveKind, float], Departure] = {}
-    if LIBRARY_ATTACHMENT in log.attachments and TRUTH.name in log.series:
-        judged = {(one.kind, one.start): one for one in deviations(log, log.library())}
+    library = judging_library(log) if TRUTH.name in log.series else None
+    if library is not None:
+        judged = {(one.kind, one.start): one for one in deviations(log, library)}
     return [
         {
             "kind": part.kind.name.lower(),
@@ -117,9 +118,9 @@ def _judged(one: Departure | None) -> Content | None:
 
 def _bands(log: FlightLog) -> list[Content]:
     """Returns the velocities that each trim held may have, by the library's error of it."""
-    if LIBRARY_ATTACHMENT not in log.attachments or PRIMITIVE.name not in log.series:
+    library = judging_library(log)
+    if library is None:
         return []
-    library = log.library()
     bands = []
     for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:

@@ -13,7 +13,6 @@ from flight.log import (
     COMMAND,
     CONTROLS,
     ESTIMATE,
-    LIBRARY_ATTACHMENT,
     MOTION,
     NAVIGATION,
     TRUTH,
@@ -25,6 +24,7 @@ from flight.stretches import stretches_flown
 from flight.trim_labels import trim_palette
 
 from . import palette, stroke
+from .bounds import judging_library
 from .primitive_lane import shade_primitives
 from .tracking import navigation_error
 
@@ -137,7 +137,7 @@ def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
     entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
         entries.insert(0, stroke.COMMANDED.entry("commanded"))
-    if LIBRARY_ATTACHMENT in log.attachments:
+    if judging_library(log) is not None:
         bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
@@ -160,9 +160,10 @@ def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:
 
 
 def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
-    if LIBRARY_ATTACHMENT not in log.attachments:
+    library = judging_library(log)
+    if library is None:
         return
-    library, colors, scale = log.library(), trim_palette(log), _scale(field)
+    colors, scale = trim_palette(log), _scale(field)
     for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:
             trim = library.trim(part.id)

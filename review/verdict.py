@@ -18,9 +18,13 @@ from flight.log import (
     Series,
 )
 
+from .bounds import FLOWN_TO_IDENTIFY, JUDGE_ATTACHMENT
 from .summary import Summary
 
 Content = dict[str, object]
+
+NO_BOUNDS = "flown to find bounds; --library names some to judge by"
+"""Why a campaign's flight is not judged."""
 
 WORDS = {"forward": "forward speed", "side": "sideward speed", "yaw_rate": "yaw rate"}
 
@@ -35,10 +39,9 @@ def tiles_of(summary: Summary) -> list[Content]:
             f"{coasts} coasts, {left - coasts} maneuvers" if left else f"of library {summary.bounds.library}"
         )
         tone = "bad" if left else "good"
-        if summary.kind == "campaign":
-            # What its primitives' bounds are is what a campaign is flown for.
-            note, tone = f"of {summary.bounds.library}, before identification", "plain"
         tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
+    elif summary.kind in FLOWN_TO_IDENTIFY:
+        tiles.append(_tile("left their bounds", "not judged", NO_BOUNDS))
     if summary.trims or summary.maneuvers:
         tone = "bad" if summary.timeouts else "good"
         tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
@@ -81,7 +84,7 @@ def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
         ("Vehicle", f"{header.vehicle}, model {header.model_hash[:12]}"),
         ("Program", f"{header.code_version}, {header.backend}"),
         ("Samples", _sampling(log)),
-        ("Attachments", ", ".join(log.attachments) or "none"),
+        ("Attachments", ", ".join(name for name in log.attachments if name != JUDGE_ATTACHMENT) or "none"),
     ]
     return facts
 

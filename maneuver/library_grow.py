@@ -9,6 +9,7 @@ from cyclopts import Parameter
 
 from flight.errors import FlightError
 from flight.library_file import library_hash, library_text
+from flight.words import counted
 from identification.growth import grow as grow_library
 
 from .files import find_library, refuse_existing
@@ -57,8 +58,8 @@ def grow(
         sys.stdout.write(library_text(grown.library))
         return 0
     print(
-        f"{len(grown.library.trims)} trims, {grown.trims} of them grown; "
-        f"{len(grown.library.maneuvers)} maneuvers, {grown.maneuvers} of them grown"
+        f"{counted(len(grown.library.trims), 'trim')}, {grown.trims} of them grown; "
+        f"{counted(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them grown"
     )
     print(f"factors that hold 95 %: trims {grown.trim_factor:.2f}, maneuvers {grown.maneuver_factor:.2f}")
     for fit in grown.fits:

@@ -11,6 +11,7 @@ from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from flight.library_file import library_text
+from flight.words import counted
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
@@ -112,7 +113,9 @@ def regenerate(
         sys.stdout.write(library_text(library))
     else:
         hours, minutes = flown.duration / 3600, (perf_counter() - began) / 60
-        print(f"{size.flights} flights, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes")
+        print(
+            f"{counted(size.flights, 'flight')}, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes"
+        )
         sys.stdout.write(report(library, out))
     for line in weak:
         print(line, file=sys.stderr)

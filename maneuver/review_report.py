@@ -12,6 +12,7 @@ from rich.text import Text
 
 from flight.arrival import Arrival
 from flight.log import PrimitiveKind
+from flight.words import counted
 from review.bounds import FLOWN_TO_IDENTIFY, Bounds
 from review.campaign import FlightRow
 from review.scorecard import scorecard
@@ -90,7 +91,7 @@ def _facts(summary: Summary) -> Table:
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
     if summary.plans is not None:
-        failed = f", {summary.failures} plannings found none" if summary.failures else ""
+        failed = f", {counted(summary.failures, 'planning')} found none" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
     if summary.trims or summary.maneuvers:
         table.add_row("time-outs", str(summary.timeouts))
@@ -119,7 +120,8 @@ def _arrival(arrival: Arrival) -> str:
 def _bounds(bounds: Bounds) -> str:
     coasts, maneuvers = bounds.left_by(PrimitiveKind.COAST), bounds.left_by(PrimitiveKind.MANEUVER)
     return (
-        f"{coasts} of {bounds.coasts} coasts, {maneuvers} of {bounds.maneuvers} maneuvers "
+        f"{coasts} of {counted(bounds.coasts, 'coast')}, "
+        f"{maneuvers} of {counted(bounds.maneuvers, 'maneuver')} "
         f"(library {bounds.library}, trim errors {bounds.trim_error_kind})"
     )
 

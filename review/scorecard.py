@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from flight.log import PrimitiveKind
+from flight.words import counted
 
 from .summary import Summary
 from .verdict import WORDS
@@ -57,7 +58,8 @@ def _bounds(one: Summary) -> str:
     if one.bounds is None:
         return NOT_KNOWN
     coasts, maneuvers = (one.bounds.left_by(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER))
-    return f"{coasts} of {one.bounds.coasts} coasts, {maneuvers} of {one.bounds.maneuvers} maneuvers"
+    judged = counted(one.bounds.coasts, "coast"), counted(one.bounds.maneuvers, "maneuver")
+    return f"{coasts} of {judged[0]}, {maneuvers} of {judged[1]}"
 
 
 def _tracking(field: str) -> Callable[[Summary], str]:

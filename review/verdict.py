@@ -17,6 +17,7 @@ from flight.log import (
     PrimitiveKind,
     Series,
 )
+from flight.words import counted
 
 from .bounds import FLOWN_TO_IDENTIFY, JUDGE_ATTACHMENT
 from .summary import Summary
@@ -36,7 +37,9 @@ def tiles_of(summary: Summary) -> list[Content]:
         left, judged = len(summary.bounds.departures), summary.bounds.coasts + summary.bounds.maneuvers
         coasts = summary.bounds.left_by(PrimitiveKind.COAST)
         note = (
-            f"{coasts} coasts, {left - coasts} maneuvers" if left else f"of library {summary.bounds.library}"
+            f"{counted(coasts, 'coast')}, {counted(left - coasts, 'maneuver')}"
+            if left
+            else f"of library {summary.bounds.library}"
         )
         tone = "bad" if left else "good"
         tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
@@ -47,7 +50,7 @@ def tiles_of(summary: Summary) -> list[Content]:
         tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
-        note = "no planning failed" if not failed else f"{failed} plannings found none"
+        note = "no planning failed" if not failed else f"{counted(failed, 'planning')} found none"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
         tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
@@ -132,11 +135,6 @@ def _outcome(summary: Summary) -> Content:
         return _tile("goal", "not reached", f"{summary.arrival.closest:.2f} m at the closest", "bad")
     tile = _tile("goal", "reached", f"after {summary.arrival.time:.2f} s", "good")
     return {**tile, "time": summary.arrival.time}
-
-
-def _count(number: int, noun: str) -> str:
-    """Returns `2 coasts`, `1 coast`, or nothing for none."""
-    return f"{number} {noun}{'s' if number > 1 else ''}" if number else ""
 
 
 def _tile(label: str, value: str, note: str, tone: str = "plain") -> Content:

@@ -2,14 +2,15 @@
 
 import hashlib
 import json
-from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from .errors import BadFileError, FlightError
 from .log import IMPORT_ATTACHMENT, FlightHeader, FlightLog
 from .log_check import LONGEST_NAME
 from .series import Series
+from .told import Told
 from .version import VERSION
 
 NOT_KNOWN = "not known"
@@ -41,6 +42,7 @@ class Foreign:
         vehicle: str = NOT_KNOWN,
         outcome: str = "completed",
         said: Mapping[str, object],
+        told: Sequence[Told] = (),
     ) -> FlightLog:
         """Returns the flight log, its times from the first state on.
 
@@ -49,15 +51,19 @@ class Foreign:
             vehicle: what flew.
             outcome: of the flight, or of reading it.
             said: what is known of where the numbers come from, for the attachment.
+            told: the autopilot's messages, on the clock of the series.
 
         Raises:
             BadFileError: there is no motion in it.
         """
         try:
-            cut = _from_the_first_state({part.topic.name: part for part in series})
+            cut, start = _from_the_first_state({part.topic.name: part for part in series})
         except FlightError as error:
             raise BadFileError(self.path, str(error)) from None
+        messages = [asdict(replace(one, time=round(one.time - start, 6))) for one in told]
         source = {"file": self.path.name, "sha256": hashlib.sha256(self.content).hexdigest(), **said}
+        if messages:
+            source["messages"] = messages
         unknown = {"model_hash": NOT_KNOWN, "wind": NOT_KNOWN, "backend": NOT_KNOWN}
         header = FlightHeader(
             **{
@@ -77,7 +83,8 @@ def _printable(text: str) -> str:
     return "".join(letter for letter in text if letter.isprintable())[:LONGEST_NAME]
 
 
-def _from_the_first_state(series: Mapping[str, Series]) -> dict[str, Series]:
+def _from_the_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float]:
+    """Returns the series on a clock that begins with the first state, and when that was."""
     whole = FlightLog(FlightHeader("import", "", "", "", 0, "", "", ""), series, {})
     start, end = float(whole.motion.time[0]), whole.duration
     cut = {}
@@ -85,4 +92,4 @@ def _from_the_first_state(series: Mapping[str, Series]) -> dict[str, Series]:
         inside = (part.time >= start) & (part.time <= end)
         if inside.any():
             cut[name] = Series(part.topic, part.time[inside] - start, part.values[inside])
-    return cut
+    return cut, start

@@ -16,6 +16,7 @@ from .imported import NOT_KNOWN, Foreign
 from .log import COMMAND, ESTIMATE, TRUTH, WIND, FlightLog
 from .measured_motion import Source, attitude_source, measured_states
 from .series import Series
+from .told import Told
 from .ulog_salvage import HEADER, MAGIC, whole_messages
 
 Messages = Mapping[str, np.ndarray[Any, Any]]
@@ -54,7 +55,7 @@ def read_px4_log(path: Path) -> FlightLog:
         raise BadFileError(path, "expected a ULog of PX4, got something else")
     whole = whole_messages(file.content)
     try:
-        topics, known = _read(whole.content)
+        topics, known, told = _read(whole.content)
         series = series_of(topics)
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
@@ -68,11 +69,12 @@ def read_px4_log(path: Path) -> FlightLog:
         vehicle=known.get("ver_hw", NOT_KNOWN),
         outcome=outcome,
         said={"information": known},
+        told=told,
     )
 
 
-def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str]]:
-    """Returns fields by topic, of the first of several alike, and what the log says of itself."""
+def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[Told]]:
+    """Returns fields by topic, of the first of several alike, what the log says of itself, and messages."""
     try:
         from pyulog import ULog
         from pyulog.exceptions import ULogException
@@ -93,7 +95,18 @@ def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str]]:
         if part.multi_id == 0
     }
     known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
-    return topics, known
+    told = [
+        Told(
+            (one.timestamp - log.start_timestamp) * 1e-6, _level(one.log_level), " ".join(one.message.split())
+        )
+        for one in log.logged_messages
+    ]
+    return topics, known, told
+
+
+def _level(level: int) -> str:
+    """Returns how serious a message is, of the digit that the kernel of Linux has for it."""
+    return "ERROR" if level <= ord("3") else "WARNING" if level == ord("4") else "INFO"
 
 
 class _Patience:

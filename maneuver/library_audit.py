@@ -64,9 +64,10 @@ def audit(
         print(f"{found.name}: none of {result.missions} missions has a plan")
         return 0
     interval = binomtest(result.monotone, result.reachable).proportion_ci(0.95, method="wilson")
+    share = _share(result.monotone, result.reachable)
     print(
         f"{found.name}: {counted(result.missions, 'mission')}, {result.reachable} with a plan; "
-        f"optimal time never rises with gamma in {result.monotone} ({_share(result.monotone, result.reachable)}; 95 %: "
+        f"optimal time never rises with gamma in {result.monotone} ({share}; 95 %: "
         f"{100 * interval.low:.1f}-{100 * interval.high:.1f} %)"
     )
     for levels in pairwise(GAMMAS):

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from flight.errors import FlightError
+from flight.events import Level, events_of_flight
 from flight.log import ACTUATORS, COMMAND, ESTIMATE, IMPORT_ATTACHMENT, TRUTH, WIND
 from flight.log_file import read_log
 from flight.px4_log import Messages, series_of
@@ -150,6 +151,9 @@ def test_a_real_log_is_imported_and_reviewed(tmp_path: Path, capsys: pytest.Capt
     assert "/truth" in said["absent"]
     flight = read_log(log)
     assert json.loads(flight.attachments[IMPORT_ATTACHMENT])["information"]["ver_hw"] == "PX4_SITL"
+    told = [event for event in events_of_flight(flight) if event.source == "autopilot"]
+    assert any(event.text.endswith("Preflight: GPS fix too low") for event in told)
+    assert {event.level for event in told} >= {Level.INFO, Level.WARNING}
     # It hopped to about two metres.
     assert 1.5 < -flight[ESTIMATE]["down"].min() < 4.0
     assert run(["review", str(log), "--html", "--out", str(tmp_path / "review")]) == 0

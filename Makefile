@@ -9,12 +9,13 @@ SOURCES := benchmarks campaigns flight identification libraries maneuver mission
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help install demo test check format lock clean
+.PHONY: help install demo test check gallery format lock clean
 
 help:
 	@echo "make demo   the whole way, small: fly, identify, plan, fly the plan, review"
 	@echo "make test   the tests"
 	@echo "make check  format, lint, types, layers"
+	@echo "make gallery ULOG=FILE   the pictures of docs/review.md anew; that of an imported log where one is named"
 
 install: $(VENV)/installed
 
@@ -36,6 +37,9 @@ check: install
 	$(BIN)/ruff check $(SOURCES)
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+
+gallery: install
+	$(BIN)/python -m tools.gallery $(ULOG)
 
 format: install
 	$(BIN)/ruff format $(SOURCES)

@@ -11,6 +11,7 @@ from .errors import FlightError
 from .fault_record import faults_flown
 from .log import PRIMITIVE, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
 from .stretches import stretches_flown
+from .told import messages_told
 from .trim_labels import trim_label, trim_names
 
 
@@ -29,7 +30,7 @@ class Event:
     Attributes:
         time: seconds since the flight's start.
         level: how serious it is.
-        source: `primitive`, `plan`, `fault`, `goal`, `log` or `flight`.
+        source: `primitive`, `plan`, `fault`, `goal`, `log`, `flight`, or `autopilot` of another kind.
         text: one sentence.
     """
 
@@ -42,7 +43,7 @@ class Event:
 def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight, by time; an attachment that is broken is an event too."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _arrival):
+    for part in (_primitives, _plannings, _faults, _told, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -88,6 +89,15 @@ def _faults(log: FlightLog) -> list[Event]:
         Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
         for number, flown in faults_flown(log).items()
     ]
+
+
+def _told(log: FlightLog) -> list[Event]:
+    events = []
+    for one in messages_told(log):
+        level = Level[one.level] if one.level in Level.__members__ else Level.INFO
+        earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
+        events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
+    return events
 
 
 def _arrival(log: FlightLog) -> list[Event]:

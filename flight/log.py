@@ -11,6 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from enum import IntEnum
 
+from .actuator_topic import ACTUATORS as ACTUATORS
 from .errors import FlightError
 from .fault_topics import FAULT as FAULT
 from .fault_topics import FAULT_EFFECT as FAULT_EFFECT
@@ -155,7 +156,10 @@ PRIMITIVE = Topic(
     ),
 )
 
-TOPICS = (COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE, FAULT, FAULT_EFFECT, MOTION)
+TOPICS = (
+    *(COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE),
+    *(FAULT, FAULT_EFFECT, MOTION, ACTUATORS),
+)
 
 
 # Between the two parts of a header's back-end.

@@ -17,7 +17,7 @@ import zstandard
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 from mcap.reader import SeekingReader
-from mcap.records import ChunkIndex
+from mcap.records import ChunkIndex, Schema
 from mcap.summary import Summary
 
 from .decision import DECISION
@@ -26,6 +26,7 @@ from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
 from .log_check import refuse_contradictions
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
+from .log_writer import described_fields
 from .log_writer import log_bytes as log_bytes
 from .message_block import constant_fields, empty_messages, everywhere, topic_type
 from .publishing import publish_bytes as publish_bytes
@@ -118,7 +119,7 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
 def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> dict[str, Series]:
     by_name = {topic.name: topic for topic in wanted}
     topics = {
-        channel.id: by_name[channel.topic]
+        channel.id: _as_held(by_name[channel.topic], summary.schemas[channel.schema_id])
         for channel in summary.channels.values()
         if channel.topic in by_name
     }
@@ -129,9 +130,20 @@ def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> 
     series = {}
     for number, topic in topics.items():
         messages = np.concatenate([np.empty(0, topic_type(topic)), *blocks[number]])
-        values = np.stack([messages[f"v{i}"] for i in range(len(topic.fields))], axis=1)
+        values = np.stack([messages[f"v{number}"] for number in topic.numbers], axis=1)
         series[topic.name] = Series(topic, messages["log_time"] * 1e-9, values)
     return series
+
+
+def _as_held(topic: Topic, schema: Schema) -> Topic:
+    """Returns a topic with the fields that the file's schema has; a log of another vehicle may have fewer."""
+    described = described_fields(schema.data, topic.message)
+    expected = dict(zip(topic.field_names, topic.numbers, strict=True))
+    if not described or not described.items() <= expected.items():
+        raise ValueError(
+            f"schema {schema.name!r}: expected fields of {topic.message}, got {sorted(described)}"
+        )
+    return topic.only(described)
 
 
 def _chunk_blocks(

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 from google.protobuf.descriptor_pb2 import FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet
+from google.protobuf.message import DecodeError
 from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.writer import Writer
@@ -98,8 +99,8 @@ def _series_block(writer: Writer, series: Series) -> _Block:
     units = {field.name: f"{field.unit}; {field.meaning}" for field in topic.fields}
     channel = writer.register_channel(topic.name, "protobuf", schema, {"meaning": topic.meaning, **units})
     messages = _messages(channel, topic_type(topic), np.rint(series.time * 1e9).astype(np.uint64))
-    for place in range(len(topic.fields)):
-        messages[f"v{place}"] = series.values[:, place]
+    for number, column in zip(topic.numbers, series.values.T, strict=True):
+        messages[f"v{number}"] = column
     return _Block.of(channel, messages)
 
 
@@ -177,7 +178,7 @@ def topic_descriptors(topic: Topic) -> bytes:
     package, _, message = topic.message.rpartition(".")
     file = FileDescriptorProto(name=f"{topic.message}.proto", package=package, syntax="proto3")
     description = file.message_type.add(name=message)
-    for number, field in enumerate(topic.fields, start=1):
+    for number, field in zip(topic.numbers, topic.fields, strict=True):
         description.field.add(
             name=field.name,
             number=number,
@@ -186,6 +187,27 @@ def topic_descriptors(topic: Topic) -> bytes:
         )
     content: bytes = FileDescriptorSet(file=[file]).SerializeToString(deterministic=True)
     return content
+
+
+def described_fields(descriptors: bytes, message: str) -> dict[str, int]:
+    """Returns the doubles that a schema describes, with their numbers; empty where it has no such message.
+
+    Raises:
+        ValueError: it is no schema.
+    """
+    try:
+        files = FileDescriptorSet.FromString(descriptors).file
+    except DecodeError as error:
+        raise ValueError(f"no schema of {message}: {error}") from None
+    package, _, name = message.rpartition(".")
+    return {
+        field.name: field.number
+        for file in files
+        for description in file.message_type
+        if (file.package, description.name) == (package, name)
+        for field in description.field
+        if field.type == FieldDescriptorProto.TYPE_DOUBLE
+    }
 
 
 def _message_descriptors(topic: ViewerTopic) -> bytes:

@@ -18,8 +18,8 @@ _HEAD = [
 
 
 def topic_type(topic: Topic) -> np.dtype[Any]:
-    """Returns the layout of a topic's messages: doubles numbered from 1, a tag byte before each."""
-    payload = [part for i in range(len(topic.fields)) for part in ((f"t{i}", "u1"), (f"v{i}", "<f8"))]
+    """Returns the layout of a topic's messages: doubles by their numbers, a tag byte before each."""
+    payload = [part for number in topic.numbers for part in ((f"t{number}", "u1"), (f"v{number}", "<f8"))]
     return np.dtype([*_HEAD, *payload])
 
 
@@ -33,8 +33,8 @@ def empty_messages(kind: np.dtype[Any], count: int) -> np.ndarray[Any, Any]:
     messages = np.zeros(count, kind)
     messages["opcode"] = Opcode.MESSAGE
     messages["length"] = kind.itemsize - 9
-    for number, name in enumerate((name for name in kind.names or () if _is_tag(name)), start=1):
-        messages[name] = number << 3 | 1
+    for name in filter(_is_tag, kind.names or ()):
+        messages[name] = int(name[1:]) << 3 | 1
     return messages
 
 

@@ -1,32 +1,112 @@
 """Flight logs of PX4 (ULog) as flight logs of ours: what is not in them is absent, not zero."""
 
-import hashlib
 import io
-import json
 import struct
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import redirect_stdout
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
+from .actuator_topic import ACTUATORS, MOST_ACTUATORS
 from .errors import BadFileError, FlightError
-from .log import COMMAND, ESTIMATE, IMPORT_ATTACHMENT, TRUTH, FlightHeader, FlightLog
+from .imported import NOT_KNOWN, Foreign
+from .log import COMMAND, ESTIMATE, TRUTH, WIND, FlightLog
+from .measured_motion import Source, attitude_source, measured_states
 from .series import Series
-from .version import VERSION
+from .told import Told
+from .ulog_salvage import HEADER, MAGIC, whole_messages
 
 Messages = Mapping[str, np.ndarray[Any, Any]]
 Column = Float[np.ndarray, "n"]
 
-NOT_KNOWN = "not known"
-_NEEDED = ("vehicle_local_position", "vehicle_attitude", "vehicle_angular_velocity")
-_VALID = ("xy_valid", "z_valid", "v_xy_valid", "v_z_valid")
+# Numbers of vehicle_local_position as sources call them, and what PX4 says of their validity.
+_PLACES = {
+    "x": ("north", "xy_valid"),
+    "y": ("east", "xy_valid"),
+    "z": ("down", "z_valid"),
+    "vx": ("velocity_north", "v_xy_valid"),
+    "vy": ("velocity_east", "v_xy_valid"),
+    "vz": ("velocity_down", "v_z_valid"),
+}
+LEAST_VALID = 0.1
+"""A number that PX4 calls valid for a smaller share of the log is taken as absent."""
+
+_RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
 _UNREADABLE = (
     *(TypeError, ValueError, KeyError, IndexError, AttributeError, EOFError, MemoryError),
     *(struct.error, OverflowError, RuntimeError),
 )
+
+
+def read_px4_log(path: Path) -> FlightLog:
+    """Reads a ULog: what the autopilot believed, what a simulator knew, what was asked for, controls, wind.
+
+    Of a damaged ULog the whole messages are read, and the outcome says how many bytes were not.
+
+    Raises:
+        BadFileError: the file is missing, no ULog, or without any motion.
+        FlightError: the reader of ULogs is not installed.
+    """
+    file = Foreign.read(path)
+    if not file.content.startswith(MAGIC):
+        raise BadFileError(path, "expected a ULog of PX4, got something else")
+    whole = whole_messages(file.content)
+    try:
+        topics, known, told = _read(whole.content)
+        series = series_of(topics)
+    except FlightError as error:
+        raise BadFileError(path, str(error)) from None
+    except _UNREADABLE as error:
+        raise BadFileError(path, f"is no ULog: {' '.join(str(error).split())}") from None
+    outcome = "completed"
+    if whole.lost:
+        outcome = f"recovered with loss: {whole.lost} of {len(file.content)} bytes are no whole message"
+    return file.log(
+        series.values(),
+        vehicle=known.get("ver_hw", NOT_KNOWN),
+        outcome=outcome,
+        said={"information": known},
+        told=told,
+    )
+
+
+def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[Told]]:
+    """Returns fields by topic, of the first of several alike, what the log says of itself, and messages."""
+    try:
+        from pyulog import ULog
+        from pyulog.exceptions import ULogException
+    except ImportError:
+        raise FlightError("a ULog is read by pyulog, which is not installed: pip install pyulog") from None
+    if len(content) <= HEADER:
+        raise FlightError(f"is cut short after {len(content)} bytes; nothing whole is left")
+    try:
+        # What the reader has to say goes to the console otherwise.
+        with redirect_stdout(io.StringIO()):
+            log = ULog(_Patience(content))
+    except ULogException as error:
+        raise FlightError(f"is no ULog: {' '.join(str(error).split())}") from None
+    # On a clock of its own: microseconds of a date leave a double few digits.
+    topics: dict[str, Messages] = {
+        part.name: {**part.data, "timestamp": part.data["timestamp"].astype(np.int64) - log.start_timestamp}
+        for part in log.data_list
+        if part.multi_id == 0
+    }
+    known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
+    told = [
+        Told(
+            (one.timestamp - log.start_timestamp) * 1e-6, _level(one.log_level), " ".join(one.message.split())
+        )
+        for one in log.logged_messages
+    ]
+    return topics, known, told
+
+
+def _level(level: int) -> str:
+    """Returns how serious a message is, of the digit that the kernel of Linux has for it."""
+    return "ERROR" if level <= ord("3") else "WARNING" if level == ord("4") else "INFO"
 
 
 class _Patience:
@@ -49,132 +129,103 @@ class _Patience:
         return part
 
 
-def read_px4_log(path: Path) -> FlightLog:
-    """Reads a ULog: the estimate, the truth where a simulator logged it, the velocities asked for.
-
-    Raises:
-        BadFileError: the file is missing, no ULog, or without a position and an attitude.
-        FlightError: the reader of ULogs is not installed.
-    """
-    try:
-        from pyulog import ULog
-        from pyulog.exceptions import ULogException
-    except ImportError:
-        raise FlightError("a ULog is read by pyulog, which is not installed: pip install pyulog") from None
-    try:
-        content = path.read_bytes()
-        # What the reader has to say goes to the console otherwise.
-        with redirect_stdout(io.StringIO()):
-            log = ULog(_Patience(content))
-        topics = {part.name: part.data for part in log.data_list if part.multi_id == 0}
-        known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
-    except OSError as error:
-        raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
-    except (ULogException, *_UNREADABLE) as error:
-        raise BadFileError(path, f"is no ULog: {' '.join(str(error).split())}") from None
-    if log.file_corruption:
-        raise BadFileError(path, "is damaged: its reader lost its place in it")
-    source = {"file": path.name, "sha256": hashlib.sha256(content).hexdigest(), "information": known}
-    try:
-        series = series_of(topics)
-    except FlightError as error:
-        raise BadFileError(path, str(error)) from None
-    header = FlightHeader(
-        kind="import",
-        name=path.stem,
-        vehicle=known.get("ver_hw", NOT_KNOWN),
-        model_hash=NOT_KNOWN,
-        seed=0,
-        wind=NOT_KNOWN,
-        code_version=VERSION,
-        backend=NOT_KNOWN,
-    )
-    return FlightLog(header, series, {IMPORT_ATTACHMENT: json.dumps(source, indent=1).encode()})
-
-
 def series_of(topics: Mapping[str, Messages]) -> dict[str, Series]:
-    """Returns what PX4's topics hold of ours, from the first valid position on.
+    """Returns what PX4's topics hold of ours, on PX4's clock.
 
     Args:
         topics: fields by topic; `timestamp` in microseconds.
 
     Raises:
-        FlightError: there is no position or no attitude.
+        FlightError: there is no motion at all.
     """
-    lacking = [name for name in _NEEDED if name not in topics]
-    if lacking:
-        raise FlightError(f"expected {list(_NEEDED)}, the log lacks {lacking}")
-    estimate = _states(topics, "")
-    if estimate is None:
-        count = len(topics["vehicle_local_position"]["timestamp"])
-        raise FlightError(f"expected positions and velocities that PX4 calls valid, got none in {count}")
-    start = estimate[0][0]
-    found = {ESTIMATE: estimate, TRUTH: _states(topics, "_groundtruth"), COMMAND: _command(topics, estimate)}
-    series = {}
-    for topic, part in found.items():
-        if part is not None:
-            time, values = part
-            inside = time >= start
-            if inside.any():
-                series[topic.name] = Series(topic, time[inside] - start, values[inside])
-    return series
+    estimate = measured_states(list(_sources(topics, "")), ESTIMATE)
+    truth = measured_states(list(_sources(topics, "_groundtruth")), TRUTH)
+    if estimate is None and truth is None:
+        wanted = ["vehicle_local_position", "vehicle_attitude", "vehicle_angular_velocity"]
+        raise FlightError(f"expected two messages or more of one of {wanted}, the log has {sorted(topics)}")
+    command = None if estimate is None else _command(topics, estimate)
+    found = (estimate, truth, command, _actuators(topics), _wind(topics))
+    return {part.topic.name: part for part in found if part is not None}
 
 
-def _states(topics: Mapping[str, Messages], ending: str) -> tuple[Column, Float[np.ndarray, "n 13"]] | None:
-    """Returns times and states at the times of the positions; attitude and rates between their samples."""
-    place, attitude = (topics.get(f"vehicle_{name}{ending}") for name in ("local_position", "attitude"))
-    if place is None or attitude is None or len(attitude["timestamp"]) < 2:
-        return None
-    time = _seconds(place)
-    valid = np.ones(len(time), bool)
-    for name in _VALID:
-        if name in place:
-            valid &= np.asarray(place[name], bool)
-    numbers = np.column_stack([place[name] for name in ("x", "y", "z", "vx", "vy", "vz")]).astype(np.float64)
-    within = (time >= _seconds(attitude)[0]) & (time <= _seconds(attitude)[-1])
-    kept = valid & within & np.isfinite(numbers).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
-    if kept.sum() < 2:
-        return None
-    time, (x, y, z, vx, vy, vz) = time[kept], numbers[kept].T
-    roll, pitch, heading = (np.interp(time, _seconds(attitude), angle) for angle in _angles(attitude))
-    spin = topics.get("vehicle_angular_velocity" if not ending else f"vehicle_angular_velocity{ending}")
-    if spin is None:
-        return None
-    p, q, r = (np.interp(time, _seconds(spin), spin[f"xyz[{axis}]"]) for axis in range(3))
-    yaw_rate = (q * np.sin(roll) + r * np.cos(roll)) / np.cos(pitch)
-    forward, side = _level(vx, vy, heading)
-    return time, np.column_stack([x, y, z, forward, side, vz, roll, pitch, heading, p, q, r, yaw_rate])
+def _sources(topics: Mapping[str, Messages], ending: str) -> Iterator[Source]:
+    """Yields where the vehicle is, how it stands and how it turns, as far as the log knows."""
+    place = topics.get(f"vehicle_local_position{ending}")
+    if place is not None:
+        valid = {flag: _flag(place, flag) for _, flag in _PLACES.values()}
+        held = {name: flag for name, (_, flag) in _PLACES.items() if valid[flag].mean() >= LEAST_VALID}
+        if held:
+            rows = np.all([valid[flag] for flag in held.values()], axis=0)
+            columns = {_PLACES[name][0]: _numbers(place, name)[rows] for name in held}
+            yield Source(_seconds(place)[rows], columns)
+    attitude = topics.get(f"vehicle_attitude{ending}")
+    if attitude is not None:
+        quaternions = np.column_stack([_numbers(attitude, f"q[{place}]") for place in range(4)])
+        yield attitude_source(_seconds(attitude), quaternions)
+    spin = topics.get(f"vehicle_angular_velocity{ending}")
+    if spin is not None:
+        yield Source(
+            _seconds(spin), {name: _numbers(spin, f"xyz[{axis}]") for axis, name in enumerate(_RATES)}
+        )
 
 
-def _command(
-    topics: Mapping[str, Messages], estimate: tuple[Column, Float[np.ndarray, "n 13"]]
-) -> tuple[Column, Float[np.ndarray, "n 4"]] | None:
+def _flag(messages: Messages, name: str) -> Bool[np.ndarray, "n"]:
+    """Returns where PX4 calls something valid; everywhere where it does not say, as of a ground truth."""
+    if name in messages:
+        return np.asarray(messages[name], bool)
+    return np.ones(len(messages["timestamp"]), bool)
+
+
+def _command(topics: Mapping[str, Messages], estimate: Series) -> Series | None:
     """Returns the velocities, yaw rates and heights asked for, where all of them were."""
     asked = topics.get("vehicle_local_position_setpoint")
-    if asked is None:
+    if asked is None or not estimate.holds("heading"):
         return None
     time = _seconds(asked)
-    heading = np.interp(time, estimate[0], estimate[1][:, ESTIMATE.field_names.index("heading")])
-    forward, side = _level(asked["vx"], asked["vy"], heading)
-    values = np.column_stack([forward, side, asked["yawspeed"], -np.asarray(asked["z"], np.float64)])
-    kept = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
-    kept &= (time >= estimate[0][0]) & (time <= estimate[0][-1])
-    return (time[kept], values[kept]) if kept.any() else None
+    heading = np.interp(time, estimate.time, estimate["heading"])
+    c, s, north, east = np.cos(heading), np.sin(heading), _numbers(asked, "vx"), _numbers(asked, "vy")
+    values = np.column_stack(
+        [c * north + s * east, c * east - s * north, _numbers(asked, "yawspeed"), -_numbers(asked, "z")]
+    )
+    return _whole_rows(Series(COMMAND, time, values))
 
 
-def _angles(attitude: Messages) -> tuple[Column, Column, Column]:
-    """Returns roll, pitch and heading, not wrapped, of quaternions w, x, y, z from body to world."""
-    w, x, y, z = (np.asarray(attitude[f"q[{place}]"], np.float64) for place in range(4))
-    roll = np.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
-    pitch = np.arcsin(np.clip(2 * (w * y - z * x), -1.0, 1.0))
-    heading = np.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
-    return roll, pitch, np.unwrap(heading)
+def _actuators(topics: Mapping[str, Messages]) -> Series | None:
+    """Returns what the mixer was told, or the motors in newer logs; controls that never move are absent."""
+    told = topics.get("actuator_motors", topics.get("actuator_controls_0"))
+    if told is None:
+        return None
+    columns = {
+        f"control_{number}": _numbers(told, f"control[{number - 1}]")
+        for number in range(1, MOST_ACTUATORS + 1)
+        if f"control[{number - 1}]" in told
+    }
+    moving = {name: column for name, column in columns.items() if np.isfinite(column).all() and column.any()}
+    if not moving:
+        return None
+    values = np.column_stack([*moving.values()])
+    return _whole_rows(Series(ACTUATORS.only(moving), _seconds(told), values))
 
 
-def _level(north: Column, east: Column, heading: Column) -> tuple[Column, Column]:
-    c, s = np.cos(heading), np.sin(heading)
-    return c * north + s * east, c * east - s * north
+def _wind(topics: Mapping[str, Messages]) -> Series | None:
+    """Returns the wind that the autopilot estimated; what it says before it has a variance is no estimate."""
+    told = topics.get("wind", topics.get("wind_estimate"))
+    if told is None or "variance_north" not in told:
+        return None
+    known = np.asarray(told["variance_north"], np.float64) > 0.0
+    values = np.column_stack([_numbers(told, f"windspeed_{name}") for name in ("north", "east")])
+    return _whole_rows(Series(WIND.only(["north", "east"]), _seconds(told)[known], values[known]))
+
+
+def _whole_rows(series: Series) -> Series | None:
+    """Returns a series where all of it is known and its times rise; None where that is nowhere."""
+    kept = np.isfinite(series.values).all(axis=1) & (np.diff(series.time, prepend=-np.inf) > 0)
+    return Series(series.topic, series.time[kept], series.values[kept]) if kept.any() else None
+
+
+def _numbers(messages: Messages, name: str) -> Column:
+    return np.asarray(messages[name], np.float64)
 
 
 def _seconds(messages: Messages) -> Column:
-    return np.asarray(messages["timestamp"], np.float64) * 1e-6
+    return _numbers(messages, "timestamp") * 1e-6

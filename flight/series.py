@@ -1,9 +1,19 @@
 """Topics and their messages: named, with units, as columns over time."""
 
-from dataclasses import dataclass
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
+
+from .errors import FlightError
+
+
+class MissingFieldError(FlightError):
+    """A series lacks a number that is needed; absent is not zero."""
+
+    def __init__(self, topic: "Topic", field: str) -> None:
+        super().__init__(f"the log's {topic.name} has no {field}; it has {list(topic.field_names)}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -17,21 +27,40 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A channel of the log: every message holds all fields, as doubles, in this order."""
+    """A channel of the log: every message holds all fields, as doubles, in this order.
+
+    Attributes:
+        name: of the channel.
+        message: name of its schema.
+        meaning: in words.
+        fields: what a message holds.
+        numbers: of the fields on the wire, rising; from 1 on unless some of the contract's fields are absent.
+    """
 
     name: str
     message: str
     meaning: str
     fields: tuple[Field, ...]
+    numbers: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
         """Keeps the wire layout fixed: field numbers above 15 would take a second tag byte."""
-        assert len(self.fields) <= 15, self.name
+        if not self.numbers:
+            object.__setattr__(self, "numbers", tuple(range(1, len(self.fields) + 1)))
+        assert len(self.numbers) == len(self.fields), self.name
+        assert max(self.numbers, default=0) <= 15, self.name
 
     @property
     def field_names(self) -> tuple[str, ...]:
         """Names of the fields, in their order."""
         return tuple(field.name for field in self.fields)
+
+    def only(self, names: Iterable[str]) -> "Topic":
+        """Returns the topic of a log that knows no more than some of its fields; they keep their numbers."""
+        wanted = set(names)
+        kept = [pair for pair in zip(self.fields, self.numbers, strict=True) if pair[0].name in wanted]
+        fields, numbers = zip(*kept, strict=True)
+        return replace(self, fields=fields, numbers=numbers)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,8 +86,18 @@ class Series:
             )
 
     def __getitem__(self, field: str) -> Float[np.ndarray, "n"]:
-        """Returns the column of a field."""
+        """Returns the column of a field.
+
+        Raises:
+            MissingFieldError: the log does not know it.
+        """
+        if not self.holds(field):
+            raise MissingFieldError(self.topic, field)
         return np.asarray(self.values[:, self.topic.field_names.index(field)])
+
+    def holds(self, *fields: str) -> bool:
+        """Whether the log knows all these fields; one of another vehicle may lack some."""
+        return set(fields) <= set(self.topic.field_names)
 
     def __len__(self) -> int:
         return len(self.time)

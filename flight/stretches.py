@@ -2,15 +2,16 @@
 
 from dataclasses import replace
 
-from .log import FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
+from .log import PRIMITIVE, FlightLog, PrimitiveFlown, PrimitiveKind, primitives_flown
 
 
 def stretches_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
     """Returns the primitives of a log; coasts in one trim that follow one another are one, empty ones none.
 
-    Raises:
-        MissingTopicError: the log lacks truth or primitives.
+    A log that another program wrote has none.
     """
+    if PRIMITIVE.name not in log.series:
+        return ()
     stretches: list[PrimitiveFlown] = []
     for part in primitives_flown(log):
         coast = part.kind is PrimitiveKind.COAST

@@ -27,7 +27,7 @@ from .message_template import NANOSECONDS, SECONDS, fill
 from .series import Series
 from .viewer_scene import scene
 from .viewer_shape import vehicle_shape
-from .z_up import BELIEVED_VEHICLE, VEHICLE, WORLD, attitudes, positions
+from .z_up import BELIEVED_VEHICLE, POSE, VEHICLE, WORLD, attitudes, positions
 
 TRANSFORM_RATE, PATH_RATE = 25.0, 5.0
 """Transforms and poses of the path, a second of flight."""
@@ -85,7 +85,7 @@ class ViewerChannel:
 def viewer_channels(log: FlightLog) -> Iterator[ViewerChannel]:
     """Yields the channels that a log has the topics for; a broken attachment becomes an event."""
     events = list(events_of_flight(log))
-    if TRUTH.name in log.series or ESTIMATE.name in log.series:
+    if _placed(log):
         yield _transforms(log)
         yield _path(log.motion)
         try:
@@ -96,9 +96,14 @@ def viewer_channels(log: FlightLog) -> Iterator[ViewerChannel]:
         yield _events(events)
 
 
+def _placed(log: FlightLog) -> bool:
+    """Whether the log knows where the vehicle was and how it stood."""
+    return (TRUTH.name in log.series or ESTIMATE.name in log.series) and log.motion.holds(*POSE)
+
+
 def _transforms(log: FlightLog) -> ViewerChannel:
     bodies = {VEHICLE: log.motion}
-    if TRUTH.name in log.series and ESTIMATE.name in log.series:
+    if TRUTH.name in log.series and ESTIMATE.name in log.series and log[ESTIMATE].holds(*POSE):
         bodies[BELIEVED_VEHICLE] = log[ESTIMATE]
     time = log.motion.time
     rows = _thinned(time, TRANSFORM_RATE)

@@ -9,6 +9,9 @@ WORLD = "world_east_north_up"
 VEHICLE = "vehicle_forward_left_up"
 BELIEVED_VEHICLE = "believed_vehicle_forward_left_up"
 
+POSE = ("north", "east", "down", "roll", "pitch", "heading")
+"""Fields of a state without which there is nothing to place."""
+
 
 def positions(states: Series) -> Float[np.ndarray, "n 3"]:
     """Returns positions of states in the world of viewers, in metres."""

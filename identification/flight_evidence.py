@@ -73,7 +73,7 @@ def evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth
 
 def motion_judged(log: FlightLog) -> str:
     """Returns which motion of a log is judged: `true`, or `believed` where it knows no truth."""
-    return "true" if log.motion.topic is TRUTH else "believed"
+    return "true" if log.motion.topic.name == TRUTH.name else "believed"
 
 
 def believed(log: FlightLog) -> FlightLog:
@@ -83,5 +83,5 @@ def believed(log: FlightLog) -> FlightLog:
         MissingTopicError: the log has no estimate.
     """
     estimate = log[ESTIMATE]
-    told = Series(TRUTH, estimate.time, estimate.values)
+    told = Series(TRUTH.only(estimate.topic.field_names), estimate.time, estimate.values)
     return replace(log, series={**log.series, TRUTH.name: told})

@@ -9,6 +9,7 @@ from jaxtyping import Float
 
 from flight.library import Library
 from flight.log import FlightLog
+from flight.way_made import with_places
 
 from .segmentation import Segments
 
@@ -33,7 +34,7 @@ class Observations:
 
 def observations(log: FlightLog, segments: Segments, library: Library) -> Observations:
     """Returns what a log shows of each primitive, cut as `segmentation` does."""
-    motion = log.motion
+    motion = with_places(log.motion)
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     rows: defaultdict[int, list[tuple[float, ...]]] = defaultdict(list)
     for one in segments.maneuvers:

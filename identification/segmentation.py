@@ -10,6 +10,7 @@ from flight.library import Library
 from flight.log import FlightLog, PrimitiveKind, Series, primitives_flown
 from flight.maneuver_end import ManeuverEnd, ManeuverEndJudge, Verdict
 from flight.se2 import SE2, Twist
+from flight.way_made import with_places
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,7 +108,8 @@ def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
     """Cuts a log into primitives where the trim changes.
 
     A maneuver ends by the rule of `flight.maneuver_end`, applied to the true body velocity, or to the
-    believed one in a log that knows no truth. A coast begins at the end of a maneuver and lasts to the next
+    believed one in a log that knows no truth. Where no positions are known, displacements are the way that
+    the velocities make. A coast begins at the end of a maneuver and lasts to the next
     change. What follows a maneuver that did not settle is no coast: the vehicle was never seen in that trim.
 
     Args:
@@ -123,7 +125,7 @@ def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
         raise FlightError(
             "the log's library has no conditions.maneuver_end: nothing says when a maneuver ends"
         )
-    motion = log.motion
+    motion = with_places(log.motion)
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
     changes = [*(entry.time for entry in walk.entries), log.duration]

@@ -4,6 +4,7 @@ from collections.abc import Iterable
 
 from flight.errors import FlightError
 from flight.library import Library
+from flight.words import counted
 from identification.flight_evidence import NOMINAL, FlightEvidence
 
 CLAIMS_LESS = 1
@@ -32,8 +33,8 @@ def weaker_claims(library: Library, coverage: float | None) -> list[str]:
     parts = [("trim", trim.id, trim.statistics) for trim in library.trims]
     parts += [("maneuver", row.id, row.statistics) for row in library.maneuvers]
     return [
-        f"{kind} {number} claims {found.coverage:.3f}, less than {coverage:g}: {found.samples} flights, "
-        f"{found.discarded} of them lost or not settled"
+        f"{kind} {number} claims {found.coverage:.3f}, less than {coverage:g}: "
+        f"{counted(found.samples, 'flight')}, {found.discarded} of them lost or not settled"
         for kind, number, found in parts
         if found is not None and found.coverage < coverage
     ]

@@ -11,6 +11,7 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.publishing import publish_again, remove_partials
+from flight.words import counted
 from identification.data_sheet import data_sheet
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
@@ -128,10 +129,11 @@ def report(library: Library, path: Path) -> str:
     statistics += [maneuver.statistics for maneuver in library.maneuvers]
     known = [entry for entry in statistics if entry is not None]
     samples = sorted({entry.samples for entry in known})
+    least, most = samples[0], samples[-1]
+    flights = counted(least, "flight") if least == most else f"{least}-{most} flights"
     return (
-        f"{len(library.trims)} trims, {len(library.maneuvers)} maneuvers, "
-        f"{'-'.join(map(str, dict.fromkeys((samples[0], samples[-1]))))} flights each, "
-        f"{sum(entry.timeouts for entry in known)} time-outs\n"
+        f"{counted(len(library.trims), 'trim')}, {counted(len(library.maneuvers), 'maneuver')}, "
+        f"{flights} each, {counted(sum(entry.timeouts for entry in known), 'time-out')}\n"
         f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
         f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"

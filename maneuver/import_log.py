@@ -1,58 +1,180 @@
-"""`maneuver import`: a flight log of PX4 as one of ours."""
+"""`maneuver import`: a flight that another program logged, as a log of ours."""
 
 import json as json_module
+import sys
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any, Literal
 
+import numpy as np
 from cyclopts import Parameter
 
 from flight.errors import FlightError
-from flight.log import TOPICS
+from flight.foreign_csv import TimeUnit, read_foreign_csv
+from flight.foreign_mcap import Stated, VelocityAxes, read_foreign_mcap
+from flight.frames import Axes, BodyAxes, WorldAxes
+from flight.log import (
+    ESTIMATE,
+    FAULT,
+    FAULT_EFFECT,
+    IMPORT_ATTACHMENT,
+    MOTION,
+    TOPICS,
+    TRUTH,
+    FlightLog,
+)
 from flight.log_file import publish_log
+from flight.measured_motion import disagreement
 from flight.px4_log import read_px4_log
 
 from .files import refuse_existing
+
+WITH_LOSS = 3
+# Positions and velocities that belong together differ by less, as a share of the speed and in m/s.
+MOST_DIFFERENT, LEAST_DIFFERENCE = 0.25, 0.1
 
 
 def import_log(
     log: Path,
     /,
     *,
+    pose: str | None = None,
+    velocity: str | None = None,
+    columns: Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")] = (),
+    time_unit: TimeUnit | None = None,
+    world: WorldAxes | None = None,
+    body: BodyAxes | None = None,
+    velocity_in: VelocityAxes | None = None,
+    as_: Annotated[Literal["estimate", "truth"] | None, Parameter(name="--as")] = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Makes a flight log of a ULog of PX4, for review and the viewers.
+    """Makes a flight log of a ULog of PX4, of any MCAP with poses and velocities, or of a table.
 
-    The estimate comes from vehicle_local_position, vehicle_attitude and vehicle_angular_velocity, the truth
-    from their ground truths where a simulator logged them, the command from vehicle_local_position_setpoint.
-    What the log does not hold is absent, not zero; heights are above PX4's own origin.
+    What the file does not hold is absent, not zero; review and identification use what is there.
+
+    FLIGHT.ulg: the estimate, the truth where a simulator logged it, the velocities asked for, controls and
+    wind. Of a damaged one what is whole is imported, and the exit code is 3.
+
+    FLIGHT.mcap: --pose and --velocity name topics of ROS 2, protobuf or JSON messages such as Odometry,
+    PoseStamped, TransformStamped, TwistStamped, PoseInFrame. Axes are those of ROS unless stated: east,
+    north, up and forward, left, up; of px4_msgs north, east, down and forward, right, down. A velocity is
+    along the body in odometry and where its frame is not the pose's, otherwise along the world. Without one,
+    the slope of the position is taken.
+
+    FLIGHT.csv: --columns NAME=HEADING ..., NAME one of time, x y z, vx vy vz, qw qx qy qz, roll pitch yaw,
+    wx wy wz, u1 to u12; a heading that is such a name needs no mention. Axes are north, east, down and
+    forward, right, down unless stated; velocities are along the world's.
 
     For example:
 
         maneuver import flight.ulg
 
-        maneuver import flight.ulg --out flight.mcap && maneuver review flight.mcap --html
+        maneuver import bag.mcap --pose /odom
+
+        maneuver import bag.mcap --pose /robot/pose --velocity /robot/twist --world enu --body flu
+
+        maneuver import flight.csv --columns time=timestamp qw=q0 qx=q1 qy=q2 qz=q3 --time-unit us
 
     Args:
-        log: a ULog, FLIGHT.ulg.
+        log: FLIGHT.ulg, FLIGHT.mcap or FLIGHT.csv.
+        pose: topic of an MCAP that says where the vehicle is and how it stands.
+        velocity: topic of an MCAP that says how it moves; the pose's own topic by default.
+        columns: of a table, as NAME=HEADING.
+        time_unit: of a table's times; seconds by default.
+        world: axes of the world: north, east, down or east, north, up.
+        body: axes of the body: forward, right, down or forward, left, up.
+        velocity_in: whether an MCAP's velocities are along the world's axes or the body's.
+        as_: whether an MCAP or a table holds what the vehicle believed (the default) or what was so, as a
+            camera system knows it.
         out: flight log to write; LOG's name with .mcap by default.
         force: overwrite OUT.
         json: print what came of it as JSON.
     """
-    if log.suffix != ".ulg":
-        raise FlightError(f"expected the name of a ULog, FLIGHT.ulg, got {log}")
     path = out or Path(f"{log.stem}.mcap")
     refuse_existing(path, force=force)
-    flight = read_px4_log(log)
+    if path.resolve() == log.resolve():
+        raise FlightError(f"{log} would be overwritten by what is made of it; give another name with --out")
+    stated = {"pose": pose, "velocity": velocity, "velocity_in": velocity_in}
+    table = {"columns": columns, "time_unit": time_unit}
+    topic = TRUTH if as_ == "truth" else ESTIMATE
+    if log.suffix == ".ulg":
+        _refuse("a ULog says what it holds", {**stated, **table, "world": world, "body": body, "as": as_})
+        flight = read_px4_log(log)
+    elif log.suffix == ".mcap":
+        _refuse("they are for tables", table)
+        if pose is None:
+            raise FlightError(f"{log}: expected --pose TOPIC, and --velocity TOPIC where that is another one")
+        flight = read_foreign_mcap(log, Stated(pose, velocity, world, body, velocity_in), topic=topic)
+    elif log.suffix == ".csv":
+        _refuse("they are for MCAP files", stated)
+        axes = Axes(world or "ned", body or "frd")
+        flight = read_foreign_csv(log, _pairs(columns), axes=axes, time_unit=time_unit or "s", topic=topic)
+    else:
+        raise FlightError(f"expected FLIGHT.ulg, FLIGHT.mcap or FLIGHT.csv, got {log}")
     publish_log(flight, path, force=force)
-    held = [name for name in (topic.name for topic in TOPICS) if name in flight.series]
-    absent = [topic.name for topic in TOPICS if topic.name not in flight.series]
+    _report(flight, path, json=json)
+    return _warned(log, flight)
+
+
+def _refuse(reason: str, options: Mapping[str, object]) -> None:
+    """Refuses options that a file of this kind has no use for."""
+    given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value]
+    if given:
+        raise FlightError(f"{', '.join(given)} cannot be given here: {reason}")
+
+
+def _pairs(columns: tuple[str, ...]) -> dict[str, str]:
+    pairs: dict[str, str] = {}
+    for words in columns:
+        name, sign, heading = words.partition("=")
+        if not (name and sign and heading):
+            raise FlightError(f"--columns: expected NAME=HEADING, got {words!r}")
+        if name in pairs:
+            raise FlightError(f"--columns: {name} is given twice, as {pairs[name]!r} and {heading!r}")
+        pairs[name] = heading
+    return pairs
+
+
+def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
+    contract = [topic for topic in TOPICS if topic not in (MOTION, FAULT, FAULT_EFFECT)]
+    held = {
+        topic.name: list(flight[topic].topic.field_names) for topic in contract if topic.name in flight.series
+    }
+    absent = [topic.name for topic in contract if topic.name not in flight.series]
+    states = flight.motion
+    wanting = [name for name in ESTIMATE.field_names if not states.holds(name)]
+    taken: dict[str, Any] = json_module.loads(flight.attachments[IMPORT_ATTACHMENT])
     if json:
+        facts = {"log": str(path), "duration": flight.duration, "held": held, "absent": absent}
+        print(json_module.dumps({**facts, "absent_of_the_state": wanting, "import": taken}))
+        return
+    rows = [("log", str(path)), ("duration", f"{flight.duration:.2f} s"), ("held", ", ".join(held))]
+    if wanting:
+        rows.append(("not held", f"{', '.join(wanting)} of {states.topic.name}"))
+    rows.append(("absent", ", ".join(absent)))
+    rows += [
+        (name, str(value)) for name, value in taken.items() if isinstance(value, str) and name != "sha256"
+    ]
+    width = max(len(name) for name, _ in rows)
+    for name, value in rows:
+        print(f"{name:<{width}} {value}")
+
+
+def _warned(log: Path, flight: FlightLog) -> int:
+    """Says on stderr what cannot be right or is not all; returns the exit code."""
+    apart = disagreement(flight.motion)
+    if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
         print(
-            json_module.dumps({"log": str(path), "duration": flight.duration, "held": held, "absent": absent})
+            f"maneuver: {log}: velocities differ from what the positions show by {apart[0]:.2f} m/s at a "
+            f"speed of {apart[1]:.2f} m/s: see --world, --body and --velocity-in",
+            file=sys.stderr,
         )
-        return 0
-    print(f"{'log':<10} {path}\n{'duration':<10} {flight.duration:.2f} s")
-    print(f"{'held':<10} {', '.join(held)}\n{'absent':<10} {', '.join(absent)}")
+    states = flight.motion
+    if states.holds("roll", "pitch") and np.mean(np.cos(states["roll"]) * np.cos(states["pitch"])) < 0.0:
+        print(f"maneuver: {log}: flies upside down most of the time: see --world and --body", file=sys.stderr)
+    if flight.header.outcome != "completed":
+        print(f"maneuver: {log}: {flight.header.outcome}", file=sys.stderr)
+        return WITH_LOSS
     return 0

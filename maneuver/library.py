@@ -13,6 +13,7 @@ from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
 from flight.units import FOOT
+from flight.words import counted
 from identification.data_sheet import worth
 
 from .files import find_library
@@ -94,7 +95,8 @@ def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = Fa
         return 0
     for remark in said:
         print(f"remark: {remark}")
-    print(f"{found.name}: {len(found.trims)} trims, {len(found.maneuvers)} maneuvers, holds together")
+    sizes = f"{counted(len(found.trims), 'trim')}, {counted(len(found.maneuvers), 'maneuver')}"
+    print(f"{found.name}: {sizes}, holds together")
     return 0
 
 

@@ -16,6 +16,7 @@ from scipy.stats import binomtest
 
 from flight.library import Library
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
+from flight.words import counted
 from planner.sign_audit import GAMMAS, Audit, Number, Rise
 from planner.sign_audit import audit as audit_signs
 
@@ -63,9 +64,10 @@ def audit(
         print(f"{found.name}: none of {result.missions} missions has a plan")
         return 0
     interval = binomtest(result.monotone, result.reachable).proportion_ci(0.95, method="wilson")
+    share = _share(result.monotone, result.reachable)
     print(
-        f"{found.name}: {result.missions} missions, {result.reachable} with a plan; optimal time never rises "
-        f"with gamma in {result.monotone} ({_share(result.monotone, result.reachable)}; 95 %: "
+        f"{found.name}: {counted(result.missions, 'mission')}, {result.reachable} with a plan; "
+        f"optimal time never rises with gamma in {result.monotone} ({share}; 95 %: "
         f"{100 * interval.low:.1f}-{100 * interval.high:.1f} %)"
     )
     for levels in pairwise(GAMMAS):
@@ -100,7 +102,7 @@ def _table(library: Library, result: Audit) -> Table:
         table.add_row(words, ruled, str(len(rises)), f"{sizes[len(sizes) // 2]:.3f}")
     rest = sum(len(rises) for _, rises in ranked[SHOWN:])
     if rest:
-        table.add_row(f"{len(ranked) - SHOWN} others", "", str(rest), "")
+        table.add_row(counted(len(ranked) - SHOWN, "other"), "", str(rest), "")
     return table
 
 

@@ -10,6 +10,7 @@ from cyclopts import Parameter
 from flight.errors import FlightError
 from flight.library_file import library_hash, library_text
 from flight.units import FOOT
+from flight.words import counted
 from identification.data_sheet import claim_said
 from identification.growth import grow as grow_library
 
@@ -74,8 +75,8 @@ def grow(
         sys.stdout.write(library_text(grown.library))
         return 0
     print(
-        f"{len(grown.library.trims)} trims, {grown.trims} of them grown; "
-        f"{len(grown.library.maneuvers)} maneuvers, {grown.maneuvers} of them grown"
+        f"{counted(len(grown.library.trims), 'trim')}, {grown.trims} of them grown; "
+        f"{counted(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them grown"
     )
     for kind, claim in (("trims", grown.trim_claim), ("maneuvers", grown.maneuver_claim)):
         print(f"grown {kind}: {claim_said(claim)}")

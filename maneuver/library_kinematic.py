@@ -15,6 +15,7 @@ import libraries
 from flight.library import Library
 from flight.library_file import library_hash, library_text
 from flight.maneuver import Maneuver
+from flight.words import counted
 from identification.kinematic_library import read_kinematic_library
 
 from .files import find_library, refuse_existing
@@ -61,7 +62,8 @@ def kinematic(
     if json:
         sys.stdout.write(library_text(made))
         return 0
-    print(f"{made.name}: {len(made.trims)} trims, {len(made.maneuvers)} maneuvers, {library_hash(made)}")
+    sizes = f"{counted(len(made.trims), 'trim')}, {counted(len(made.maneuvers), 'maneuver')}"
+    print(f"{made.name}: {sizes}, {library_hash(made)}")
     compared = find_library(beside or PRINTED) if beside or file == THESIS else None
     Console(highlight=False).print(_table(made, compared))
     if compared is not None:

@@ -18,6 +18,7 @@ from flight.campaign import Campaign
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash
+from flight.words import counted
 from identification.flight_evidence import FlightEvidence, StateJudged, evidence
 from identification.grown_schedule import Drawn
 from identification.promise import NoClaimError, Trial, promise_trials
@@ -209,7 +210,7 @@ def _show(library: Library, trials: tuple[Trial, ...], flights: int) -> None:
     verdict = f"refuted for {', '.join(refuted)}" if refuted else "not refuted"
     least = min((t.inside / t.flights for t in trials if t.flights), default=0.0)
     console.print(
-        f"{library.name}: {flights} new flights, at least {least:.1%} of them inside the bounds of each "
-        f"primitive; its claim is {verdict}. p is Holm's for {len(trials)} primitives at once.",
+        f"{library.name}: {counted(flights, 'new flight')}, at least {least:.1%} of them inside the bounds "
+        f"of each primitive; its claim is {verdict}. p is Holm's for {len(trials)} primitives at once.",
         soft_wrap=True,
     )

@@ -10,6 +10,7 @@ from cyclopts.validators import Number
 
 from flight.library import Library
 from flight.library_file import library_text
+from flight.words import counted
 from identification.identify import StateJudged, TrimErrors
 from identification.identify import identify as identify_library
 
@@ -117,7 +118,9 @@ def regenerate(
         remove_flights(order.works(folder), folder)
     if not json:
         hours, minutes = flown.duration / 3600, (perf_counter() - began) / 60
-        print(f"{size.flights} flights, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes")
+        print(
+            f"{counted(size.flights, 'flight')}, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes"
+        )
     return _finish(library, out, coverage=coverage, json=json)
 
 

@@ -11,7 +11,9 @@ from cyclopts.types import NonNegativeInt
 from rich.console import Console
 
 from flight.errors import AlreadyExistsError, FlightError
+from flight.library import Library
 from flight.log_file import publish_bytes, read_log
+from review.bounds import judged_by
 from review.campaign import FlightRow, outliers_first, row_of
 from review.campaign_page import campaign_page
 from review.control_limits import control_limits
@@ -19,6 +21,7 @@ from review.page import Reviewed, review_page
 from review.pictures import write_pictures
 from review.summary import summarise
 
+from .files import find_library
 from .films import make_film, make_still
 from .numbers import Count
 from .progress import shown
@@ -41,6 +44,7 @@ class _Order:
     at: float
     force: bool
     json: bool
+    library: Library | None
 
     def page(self, name: str) -> Path:
         """Returns where a page goes, which must not exist.
@@ -62,6 +66,7 @@ def review(
     png: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
     pages: NonNegativeInt = 10,
+    library: str | None = None,
     video: Path | None = None,
     still: Path | None = None,
     at: float = 0.0,
@@ -84,7 +89,7 @@ def review(
 
         maneuver review nominal.mcap worst-case.mcap --html
 
-        maneuver review flights --html --pages 5
+        maneuver review flights --html --pages 5 --library gtmax-sim
 
         maneuver review flight.mcap --video chase.mp4
 
@@ -96,6 +101,8 @@ def review(
         png: write pictures; of a single log.
         out: folder for what is written; the first LOG's name with -review by default.
         pages: flights of a folder that get a page of their own.
+        library: whose errors judge the flights, by path or name, where it is not the one that they were flown
+            with. Flights of a campaign are judged by none unless it is given: they are flown to find bounds.
         video: film a single flight, as seen from a camera that follows, to FILE.mp4.
         still: draw one picture of that film, to FILE.png.
         at: seconds into the flight of that picture.
@@ -112,6 +119,7 @@ def review(
         at=at,
         force=force,
         json=json,
+        library=find_library(library) if library is not None else None,
     )
     if out is not None and not (html or png):
         raise FlightError("--out is where --html and --png write: give one of them with it")
@@ -129,7 +137,7 @@ def review(
 
 def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     names = _labels(logs)
-    flights = [_reviewed(path, name) for path, name in zip(logs, names, strict=True)]
+    flights = [_reviewed(path, name, order.library) for path, name in zip(logs, names, strict=True)]
     files: list[Path] = []
     page = order.page("-and-".join(names)) if order.html else None
     if order.png:
@@ -163,11 +171,12 @@ def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int
     page = order.page("index") if order.html else None
     files: list[Path] = []
     with worker_pool(min(workers, len(paths))) as executor:
-        rows = outliers_first(list(shown(executor.map(row_of, paths), total=len(paths), what="reviewing")))
+        judged = partial(row_of, library=order.library)
+        rows = outliers_first(list(shown(executor.map(judged, paths), total=len(paths), what="reviewing")))
         if page is not None:
             chosen = [row.path for row in rows if not row.problem][:pages]
             addresses = {path: order.page(_name_in(folder, path)) for path in chosen}
-            write = partial(_write_page, force=order.force)
+            write = partial(_write_page, library=order.library, force=order.force)
             made = executor.map(write, addresses.keys(), addresses.values())
             files = list(shown(made, total=len(chosen), what="pages"))
             links = {path: made.name for path, made in addresses.items()}
@@ -186,8 +195,10 @@ def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int
     return 0 if all(row.good for row in rows) else FAILED
 
 
-def _reviewed(path: Path, label: str) -> Reviewed:
+def _reviewed(path: Path, label: str, library: Library | None) -> Reviewed:
     log = read_log(path)
+    if library is not None:
+        log = judged_by(log, library)
     return Reviewed(log, summarise(log), label)
 
 
@@ -203,8 +214,8 @@ def _name_in(folder: Path, path: Path) -> str:
     return "-".join(path.relative_to(folder).with_suffix("").parts)
 
 
-def _write_page(log: Path, page: Path, *, force: bool) -> Path:
-    _publish_page([_reviewed(log, log.stem)], page, force=force)
+def _write_page(log: Path, page: Path, *, library: Library | None, force: bool) -> Path:
+    _publish_page([_reviewed(log, log.stem, library)], page, force=force)
     return page
 
 

@@ -12,10 +12,12 @@ from rich.text import Text
 
 from flight.arrival import Arrival
 from flight.log import PrimitiveKind
-from review.bounds import Bounds
+from flight.words import counted
+from review.bounds import FLOWN_TO_IDENTIFY, Bounds
 from review.campaign import FlightRow
 from review.scorecard import scorecard
 from review.summary import PrimitiveCount, Summary
+from review.verdict import NO_BOUNDS
 
 # Departures from bounds, and flights of a campaign, that are listed; the rest is counted.
 MOST_DEPARTURES, MOST_FLIGHTS = 8, 12
@@ -83,18 +85,22 @@ def _facts(summary: Summary) -> Table:
     table.add_row(summary.kind, summary.name)
     flown = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
     table.add_row("vehicle", f"{summary.vehicle}{flown}")
-    table.add_row("flight", f"{summary.duration:.2f} s, {summary.distance:.1f} m over the ground")
+    way = "positions not known" if summary.distance is None else f"{summary.distance:.1f} m over the ground"
+    table.add_row("flight", f"{summary.duration:.2f} s, {way}")
     table.add_row("outcome", summary.outcome)
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
     if summary.plans is not None:
-        failed = f", {summary.failures} plannings found none" if summary.failures else ""
+        failed = f", {counted(summary.failures, 'planning')} found none" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
-    table.add_row("time-outs", str(summary.timeouts))
+    if summary.trims or summary.maneuvers:
+        table.add_row("time-outs", str(summary.timeouts))
     for sentence in summary.faults:
         table.add_row("fault", sentence)
     if summary.bounds is not None:
         table.add_row("out of bounds", _bounds(summary.bounds))
+    elif summary.kind in FLOWN_TO_IDENTIFY:
+        table.add_row("out of bounds", f"not judged: {NO_BOUNDS}")
     if summary.navigation is not None:
         error = summary.navigation
         table.add_row(
@@ -114,7 +120,8 @@ def _arrival(arrival: Arrival) -> str:
 def _bounds(bounds: Bounds) -> str:
     coasts, maneuvers = bounds.left_by(PrimitiveKind.COAST), bounds.left_by(PrimitiveKind.MANEUVER)
     return (
-        f"{coasts} of {bounds.coasts} coasts, {maneuvers} of {bounds.maneuvers} maneuvers "
+        f"{coasts} of {counted(bounds.coasts, 'coast')}, "
+        f"{maneuvers} of {counted(bounds.maneuvers, 'maneuver')} "
         f"(library {bounds.library}, trim errors {bounds.trim_error_kind})"
     )
 

@@ -6,6 +6,8 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from flight.words import counted
+
 from .scorecard import Cell
 from .scorecard_files import Scorecard, number
 
@@ -35,8 +37,8 @@ def show(card: Scorecard) -> None:
         if promise.flights >= MOST_ROWS and promise.factor is not None:
             console.print(
                 f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights are "
-                f"within {promise.factor:.2f} times the prediction ({promise.flights} flights); of others "
-                f"{promise.kept.count} of {promise.kept.of} are",
+                f"within {promise.factor:.2f} times the prediction ({counted(promise.flights, 'flight')}); "
+                f"of others {promise.kept.count} of {promise.kept.of} are",
                 soft_wrap=True,
             )
 

@@ -6,6 +6,8 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
+from flight.words import counted
+
 from .blame import Blame
 from .mission_flights import MissionResult
 from .scorecard import Cell, Promise, Share
@@ -164,7 +166,7 @@ def _promise_row(promise: Promise) -> list[str]:
         promise.wind,
         f"{promise.share:.0%}",
         number(promise.factor),
-        f"{promise.missions} missions, {promise.flights} flights",
+        f"{counted(promise.missions, 'mission')}, {counted(promise.flights, 'flight')}",
         *_share(promise.kept),
     ]
 

@@ -13,6 +13,7 @@ from rich.table import Table
 
 from flight.errors import FlightError
 from flight.log_file import read_log
+from flight.words import counted
 from identification.motion_model import sampled_motion
 from identification.motion_walk import walks_of
 from identification.segmentation import commanded_walk, cut
@@ -65,7 +66,8 @@ def segment(
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
     else:
         winds = ", ".join(sorted({log.header.wind for log in flights}))
-        print(f"{len(flights)} flights, wind {winds}; found: within {TOLERANCE:g} s, between the same trims")
+        said = f"{counted(len(flights), 'flight')}, wind {winds}"
+        print(f"{said}; found: within {TOLERANCE:g} s, between the same trims")
         Console(highlight=False).print(_table(rows))
     return 0 if all(_good(row) for row in (entries, ends)) else MISSED
 

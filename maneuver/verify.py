@@ -16,6 +16,7 @@ from rich.table import Table
 
 from flight.errors import FlightError
 from flight.library import Library
+from flight.words import counted
 from sim.figure import Figure
 from sim.specification import FlightSpecification
 
@@ -152,4 +153,4 @@ def _show(figures: list[Figure]) -> None:
         )
     console.print(table)
     missed = sum(not figure.holds for figure in figures)
-    console.print(f"{len(figures)} figures, {missed} missed their bar")
+    console.print(f"{counted(len(figures), 'figure')}, {missed} missed their bar")

@@ -1,16 +1,27 @@
 """Where a flight left the bounds of the library that it was flown with."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
+from flight.errors import FlightError
 from flight.library import Library
+from flight.library_file import library_text, parse_library
 from flight.log import LIBRARY_ATTACHMENT, TRUTH, FlightLog, PrimitiveFlown, PrimitiveKind
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
 from flight.stretches import stretches_flown
 
 from .tracking import VELOCITIES
+
+JUDGE_ATTACHMENT = "judge.json"
+"""Name under which a log in memory carries a library of one's choice; no log on disk has it."""
+
+FLOWN_TO_IDENTIFY = ("campaign", "nominal")
+"""Kinds of flights that bounds are identified from."""
+
+SAME_TRIM = 1e-6
+"""Metres a second and radians a second by which equal trims may differ."""
 
 # Bounds of a library are observed extremes; rounding in their sums is not a departure.
 ROUNDING = 1e-9
@@ -70,15 +81,57 @@ class Bounds:
         return sum(departure.kind is kind for departure in self.departures)
 
 
-def bounds_kept(log: FlightLog) -> Bounds | None:
-    """Holds the true motion against the attached library's errors; None where no library is attached.
+def judged_by(log: FlightLog, library: Library) -> FlightLog:
+    """Returns a log that is judged by a library of one's choice, to be looked at and not to be written.
 
     Raises:
-        FlightError: the attached library is broken, or the log lacks truth or primitives.
+        FlightError: the library does not have what was flown.
     """
-    if LIBRARY_ATTACHMENT not in log.attachments:
+    for part in stretches_flown(log):
+        if part.kind is PrimitiveKind.MANEUVER:
+            library.maneuver(part.from_trim, part.to_trim)
+        velocity = library.trim(part.to_trim).velocity
+        if not np.allclose(_numbers(velocity), _numbers(part.target), rtol=0.0, atol=SAME_TRIM):
+            raise FlightError(
+                f"trim {part.to_trim} of library {library.name} is {_words(velocity)}, "
+                f"the flight held {_words(part.target)}: another automaton"
+            )
+    return replace(log, attachments={**log.attachments, JUDGE_ATTACHMENT: library_text(library).encode()})
+
+
+def judging_library(log: FlightLog) -> Library | None:
+    """Returns the library whose errors are a flight's bounds; None where none applies.
+
+    That is the one of one's choice, or the one flown with. A campaign is flown to find bounds: those in the
+    library that names its trims are not its own.
+
+    Raises:
+        FlightError: the library is broken.
+    """
+    if JUDGE_ATTACHMENT in log.attachments:
+        return parse_library(log.attachments[JUDGE_ATTACHMENT], JUDGE_ATTACHMENT)
+    if LIBRARY_ATTACHMENT not in log.attachments or log.header.kind in FLOWN_TO_IDENTIFY:
         return None
-    library = log.library()
+    return log.library()
+
+
+def _numbers(velocity: Twist) -> tuple[float, float, float]:
+    return velocity.forward, velocity.side, velocity.yaw_rate
+
+
+def _words(velocity: Twist) -> str:
+    return f"{velocity.forward:.3g} m/s forward, {velocity.side:.3g} m/s right, {velocity.yaw_rate:.3g} rad/s"
+
+
+def bounds_kept(log: FlightLog) -> Bounds | None:
+    """Holds the true motion against the errors of the library that judges; None where none applies.
+
+    Raises:
+        FlightError: the library is broken, or the log lacks truth.
+    """
+    library = judging_library(log)
+    if library is None:
+        return None
     judged = deviations(log, library)
     return Bounds(
         library=library.name,
@@ -93,7 +146,7 @@ def deviations(log: FlightLog, library: Library) -> tuple[Departure, ...]:
     """Returns one for each primitive that can be judged, in the order flown.
 
     Raises:
-        FlightError: the log lacks truth or primitives, or flew what the library does not have.
+        FlightError: the log lacks truth, or flew what the library does not have.
     """
     flown = stretches_flown(log)
     judged = []
@@ -141,10 +194,15 @@ def _maneuver_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) 
 
 
 def pose_at(log: FlightLog, time: float) -> SE2:
-    """Returns the true pose at a time, between samples by straight lines."""
-    truth = log[TRUTH]
-    x, y, heading = (float(np.interp(time, truth.time, truth[name])) for name in ("north", "east", "heading"))
-    return SE2(x, y, heading)
+    """Returns the pose at a time, between samples by straight lines: the true one where it is known.
+
+    Raises:
+        FlightError: the log lacks motion, or positions in it.
+    """
+    motion = log.motion
+    north, east = (float(np.interp(time, motion.time, motion[name])) for name in ("north", "east"))
+    heading = float(np.interp(time, motion.time, motion["heading"])) if motion.holds("heading") else 0.0
+    return SE2(north, east, heading)
 
 
 def _worst(

@@ -9,10 +9,11 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
+from flight.library import Library
 from flight.log import COMMAND, TRUTH, FlightLog
 from flight.log_file import read_log
 
-from .bounds import deviations
+from .bounds import deviations, judged_by, judging_library
 from .page_flight import sparkline
 from .summary import Summary, summarise
 from .tracking import tracking_error
@@ -68,10 +69,17 @@ class FlightRow:
     reason: str = ""
 
 
-def row_of(path: Path) -> FlightRow:
-    """Returns the row of a log; a log that cannot be reviewed says why in its row."""
+def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
+    """Returns the row of a log; a log that cannot be reviewed says why in its row.
+
+    Args:
+        path: of the log.
+        library: that judges it; the one flown with where None.
+    """
     try:
         log = read_log(path)
+        if library is not None:
+            log = judged_by(log, library)
         summary = summarise(log)
         figures = _figures(log, summary)
     except FlightError as error:
@@ -131,7 +139,9 @@ def _figures(log: FlightLog, summary: Summary) -> tuple[tuple[str, float], ...]:
     if summary.navigation is not None:
         figures["navigation"] = summary.navigation.position_rms
     if summary.bounds is not None:
-        figures["share"] = max((one.share for one in deviations(log, log.library())), default=0.0)
+        library = judging_library(log)
+        assert library is not None
+        figures["share"] = max((one.share for one in deviations(log, library)), default=0.0)
     return tuple(figures.items())
 
 

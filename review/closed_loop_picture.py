@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from flight.library import Library
 from flight.mission import Mission
@@ -13,6 +12,7 @@ from flight.planned_track import planned_track
 
 from . import palette
 from .flight_drawn import MANEUVERED, FlightDrawn, draw_flight, policies_of, policy_color
+from .map_axes import dress_map
 from .marks import dart, draw_goal, note
 from .stroke import Stroke
 
@@ -36,12 +36,7 @@ def closed_loop_picture(
     """
     figure = palette.page(7.6, 6.6)
     axes = figure.add_subplot()
-    palette.dress(axes)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
-    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
+    dress_map(axes)
     palette.headline(axes, title)
     handles: list[Line2D] = []
     for policy in policies_of(flights):

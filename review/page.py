@@ -13,6 +13,7 @@ from flight.log import FlightLog
 from .page_columns import PageColumns
 from .page_flight import flight_content
 from .page_panels import Limits, panels
+from .page_spectra import spectra
 from .scorecard import scorecard
 from .summary import Summary
 
@@ -21,7 +22,7 @@ STYLES = ("uplot.css", "page.css")
 # In the order in which they build on one another.
 SCRIPTS = (
     *("uplot.js", "state.js", "plots.js", "lane.js", "camera.js"),
-    *("view.js", "view_input.js", "table.js", "page.js"),
+    *("view.js", "view_input.js", "table.js", "spectra.js", "page.js"),
 )
 
 
@@ -54,6 +55,7 @@ def review_page(flights: Sequence[Reviewed], *, limits: Limits | None = None) ->
         "flights": [flight_content(part.log, part.summary, part.label) for part in flights],
         "panels": panels([part.log for part in flights], columns, limits or {}),
         "scorecard": scorecard([part.summary for part in flights]) if len(flights) > 1 else [],
+        "spectra": spectra([part.log for part in flights]),
         "bases": columns.content(),
     }
     content["footer"] = _footer(columns)

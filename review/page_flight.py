@@ -24,7 +24,7 @@ from flight.stretches import stretches_flown
 from flight.trim_labels import trim_label, trim_names, trim_palette
 from flight.viewer_scene import believed_pose, tube_level
 
-from .bounds import Departure, deviations
+from .bounds import Departure, deviations, judging_library
 from .decimation import decimate
 from .page_columns import packed
 from .summary import Summary
@@ -65,7 +65,7 @@ def flight_content(log: FlightLog, summary: Summary, label: str) -> Content:
         "goal": _goal(log),
         "plans": _plans(log),
         "track": _track(log.motion),
-        "believed": _track(log[ESTIMATE]) if ESTIMATE.name in log.series else None,
+        "believed": _track(log[ESTIMATE]) if _believed_apart(log) else None,
         "wind": _mean_wind(log),
     }
 
@@ -75,8 +75,9 @@ def _primitives(log: FlightLog) -> list[Content]:
         return []
     names, colors = trim_names(log), trim_palette(log)
     judged: dict[tuple[PrimitiveKind, float], Departure] = {}
-    if LIBRARY_ATTACHMENT in log.attachments and TRUTH.name in log.series:
-        judged = {(one.kind, one.start): one for one in deviations(log, log.library())}
+    library = judging_library(log) if TRUTH.name in log.series else None
+    if library is not None:
+        judged = {(one.kind, one.start): one for one in deviations(log, library)}
     return [
         {
             "kind": part.kind.name.lower(),
@@ -117,9 +118,9 @@ def _judged(one: Departure | None) -> Content | None:
 
 def _bands(log: FlightLog) -> list[Content]:
     """Returns the velocities that each trim held may have, by the library's error of it."""
-    if LIBRARY_ATTACHMENT not in log.attachments or PRIMITIVE.name not in log.series:
+    library = judging_library(log)
+    if library is None:
         return []
-    library = log.library()
     bands = []
     for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:
@@ -174,17 +175,22 @@ def _in_turn(coasts: Sequence[np.ndarray], maneuvers: Sequence[np.ndarray]) -> l
     return [[coast, *maneuvers[place : place + 1]] for place, coast in enumerate(coasts)]
 
 
-def _track(states: Series) -> Content:
-    """Returns time, north, east, height and heading, thinned evenly."""
+def _believed_apart(log: FlightLog) -> bool:
+    return ESTIMATE.name in log.series and log.motion.topic.name != ESTIMATE.name
+
+
+def _track(states: Series) -> Content | None:
+    """Returns time, place, and where known height and heading, thinned evenly; None without positions."""
+    if not states.holds("north", "east"):
+        return None
     step = -(-len(states) // MOST_TRACK_POINTS)
     rows = np.unique([*range(0, len(states), step), len(states) - 1])
-    height = -states["down"][rows]
     return {
         "time": packed(states.time[rows]),
         "north": packed(states["north"][rows]),
         "east": packed(states["east"][rows]),
-        "height": packed(height),
-        "heading": packed(states["heading"][rows]),
+        "height": packed(-states["down"][rows]) if states.holds("down") else None,
+        "heading": packed(states["heading"][rows]) if states.holds("heading") else None,
     }
 
 

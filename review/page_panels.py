@@ -1,13 +1,24 @@
 """What the plots of a page show: for each panel its title, unit, curves, bands and limits."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import degrees
 
 import numpy as np
 from jaxtyping import Float
 
-from flight.log import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, TRUTH, WIND, FlightLog, Topic
+from flight.log import (
+    ACTUATORS,
+    COMMAND,
+    CONTROLS,
+    ESTIMATE,
+    MOTION,
+    NAVIGATION,
+    TRUTH,
+    WIND,
+    FlightLog,
+    Topic,
+)
 from flight.series import Series
 
 from .page_columns import PageColumns
@@ -17,6 +28,9 @@ Limits = Mapping[str, tuple[float, float]]
 Content = dict[str, object]
 
 DEGREES = degrees(1.0)
+UNEVEN = 1.5
+"""Usual gaps between samples that make one worth showing."""
+
 SIGMAS = 3.0
 """Standard deviations shown around no error."""
 
@@ -39,6 +53,9 @@ _MOTION = (
     _Panel("Motion", "Sideward speed, right positive", "m/s", ("side",)),
     _Panel("Motion", "Yaw rate, right turn positive", "deg/s", ("yaw_rate",), DEGREES, 4.0),
     _Panel("Motion", "Height above ground", "m", ("down",), -1.0, 2.0),
+    _Panel("Motion", "Rate of climb", "m/s", ("descent",), -1.0, 0.5, short=True),
+    _Panel("Motion", "North of the origin", "m", ("north",), 1.0, 2.0, short=True),
+    _Panel("Motion", "East of the origin", "m", ("east",), 1.0, 2.0, short=True),
     _Panel("Attitude", "Roll, right side down positive", "deg", ("roll",), DEGREES, 2.0),
     _Panel("Attitude", "Pitch, nose up positive", "deg", ("pitch",), DEGREES, 2.0),
     _Panel("Attitude", "Heading, clockwise from north, not wrapped", "deg", ("heading",), DEGREES, 5.0),
@@ -79,12 +96,35 @@ def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> l
         limits: of the controls in radians, by field.
     """
     shared = _Filling(tuple(logs), columns)
-    filled = [shared.motion(panel) for panel in _MOTION]
+    filled = [shared.motion(_as_measured(panel, logs)) for panel in _MOTION]
     filled += shared.components(_RATES, logs[0].motion.topic)
     filled += [shared.control(panel, limits) for panel in _CONTROLS]
+    filled += [part for panel in _actuators(logs) for part in shared.components(panel, ACTUATORS)]
     filled += [part for panel in _WIND for part in shared.components(panel, WIND)]
     filled += [shared.navigation(panel) for panel in _NAVIGATION]
+    filled += [shared.gaps()]
     return [panel for panel in filled if panel["curves"]]
+
+
+def _as_measured(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
+    """Names what another program's heights are above."""
+    if panel.fields == ("down",) and any(log.header.kind == "import" for log in logs):
+        return replace(panel, title="Height above the log's origin")
+    return panel
+
+
+def _actuators(logs: Sequence[FlightLog]) -> Iterator[_Panel]:
+    """Yields panels of four controls each, of a vehicle whose controls are numbered."""
+    held = {
+        name: None
+        for log in logs
+        if ACTUATORS.name in log.series
+        for name in log[ACTUATORS].topic.field_names
+    }
+    names = tuple(held)
+    for place in range(0, len(names), 4):
+        title = f"Controls {', '.join(name.removeprefix('control_') for name in names[place : place + 4])}"
+        yield _Panel("Controls", title, "as logged", names[place : place + 4], 1.0, 0.05)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,11 +140,21 @@ class _Filling:
             if COMMAND.name in log.series and field in _COMMANDED:
                 scale = 1.0 if field == "down" else panel.scale
                 curves.append(self._curve(number, "commanded", log[COMMAND], _COMMANDED[field], scale))
-            for role, topic in (("estimated", ESTIMATE), ("actual", TRUTH)):
-                if topic.name in log.series and not (role == "estimated" and len(self.logs) > 1):
-                    curves.append(self._curve(number, role, log[topic], field, panel.scale))
+            for role, states in self._states(log):
+                if states.holds(field):
+                    curves.append(self._curve(number, role, states, field, panel.scale))
         band = field if field in {"forward", "side", "yaw_rate"} and len(self.logs) == 1 else None
         return self._content(panel, curves, band=band)
+
+    def _states(self, log: FlightLog) -> Iterator[tuple[str, Series]]:
+        """Yields what was believed and what was so; where flights compare, the better known of the two."""
+        if len(self.logs) > 1:
+            role = "estimated" if log.motion.topic.name == ESTIMATE.name else "actual"
+            yield role, log.motion
+            return
+        for role, topic in (("estimated", ESTIMATE), ("actual", TRUTH), ("actual", MOTION)):
+            if topic.name in log.series:
+                yield role, log[topic]
 
     def control(self, panel: _Panel, limits: Limits) -> Content:
         """Fills a panel of a control: what the servo is told, where it is, and its limits."""
@@ -129,12 +179,17 @@ class _Filling:
                 self._curve(number, f"component{place}", series, field, panel.scale)
                 for number, series in have
                 for place, field in enumerate(panel.fields)
+                if series.holds(field)
             ]
             return [self._content(panel, curves)]
         apart = []
         for field in panel.fields:
             title = f"{panel.title}: {field.replace('_', ' ')}"
-            curves = [self._curve(number, "actual", series, field, panel.scale) for number, series in have]
+            curves = [
+                self._curve(number, "actual", series, field, panel.scale)
+                for number, series in have
+                if series.holds(field)
+            ]
             apart.append(self._content(replace(panel, title=title, fields=(field,), short=True), curves))
         return apart
 
@@ -143,7 +198,7 @@ class _Filling:
         (field,) = panel.fields
         curves: list[Content] = []
         for number, log in enumerate(self.logs):
-            if not {TRUTH.name, ESTIMATE.name} <= log.series.keys():
+            if not all(topic.name in log.series and log[topic].holds(field) for topic in (TRUTH, ESTIMATE)):
                 continue
             time = log[TRUTH].time
             error = panel.scale * navigation_error(log, field)
@@ -152,6 +207,20 @@ class _Filling:
                 spread = SIGMAS * panel.scale * at_times(log[NAVIGATION], field, time)
                 for role, edge in (("sigma_high", spread), ("sigma_low", -spread)):
                     curves.append(self._placed(number, role, f"{SIGMAS:.0f} sigma", time, edge))
+        return self._content(panel, curves)
+
+    def gaps(self) -> Content:
+        """Fills a panel with the time between samples, of those topics of one flight that are uneven."""
+        panel = _Panel("Log", "Time between samples, where it is uneven", "s", (), 1.0, 0.01, short=True)
+        curves: list[Content] = []
+        for topic in (TRUTH, ESTIMATE, CONTROLS, ACTUATORS) if len(self.logs) == 1 else ():
+            series = self.logs[0].series.get(topic.name)
+            if series is None or len(series) < 3:
+                continue
+            apart = np.diff(series.time)
+            if apart.max() > UNEVEN * np.median(apart):
+                role = f"component{len(curves)}"
+                curves.append(self._placed(0, role, topic.name, series.time[1:], apart))
         return self._content(panel, curves)
 
     def _curve(self, number: int, role: str, series: Series, field: str, scale: float) -> Content:

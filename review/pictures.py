@@ -2,6 +2,7 @@
 
 import io
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -9,12 +10,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
 from flight.errors import AlreadyExistsError
-from flight.log import CONTROLS, ESTIMATE, WIND, FlightLog
+from flight.log import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND, FlightLog
 from flight.log_file import publish_bytes
+from flight.stretches import stretches_flown
 
 from . import palette
 from .primitive_lane import draw_primitive_lane
 from .time_histories import (
+    draw_actuators,
     draw_attitude,
     draw_control,
     draw_height,
@@ -40,9 +43,10 @@ def flight_picture(log: FlightLog) -> Figure:
     halves = figure.add_gridspec(1, 2, width_ratios=(0.43, 0.57))
     left, right = figure.add_subfigure(halves[0]), figure.add_subfigure(halves[1])
     track = left.subplots()
-    palette.headline(track, "Seen from above: where it truly flew")
+    true = log.motion.topic.name != ESTIMATE.name
+    palette.headline(track, f"Seen from above: where it {'truly flew' if true else 'believed to be'}")
+    _stack(right, log, _motion_panels(log), width=8.6)
     draw_track(track, log)
-    _stack(right, log, [*_velocity_panels(log), lambda axes: draw_height(axes, log)], width=8.6)
     return figure
 
 
@@ -56,7 +60,7 @@ def track_picture(log: FlightLog) -> Figure:
 
 def velocities_picture(log: FlightLog) -> Figure:
     """Returns velocities and height over time, as wide as the flight is long."""
-    return _histories(log, [*_velocity_panels(log), lambda axes: draw_height(axes, log)])
+    return _histories(log, _motion_panels(log))
 
 
 def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
@@ -66,12 +70,14 @@ def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
         log: the flight.
         limits: least and largest value of a control in radians, by field; those known.
     """
-    panels: list[Panel] = [
-        lambda axes: draw_attitude(axes, log, "roll"),
-        lambda axes: draw_attitude(axes, log, "pitch"),
-    ]
+    panels: list[Panel] = [partial(draw_attitude, log=log, field=field) for field in _angles(log)]
     if CONTROLS.name in log.series:
         panels += [_control_panel(log, field, limits or {}) for field in _CONTROLS]
+    if ACTUATORS.name in log.series:
+        names = log[ACTUATORS].topic.field_names
+        panels += [
+            partial(draw_actuators, log=log, fields=names[at : at + 3]) for at in range(0, len(names), 3)
+        ]
     return _histories(log, panels, strokes=False)
 
 
@@ -82,14 +88,13 @@ def wind_picture(log: FlightLog) -> Figure:
         MissingTopicError: the log has no wind.
     """
     velocity, rotation = ("north", "east", "down"), ("rate_north", "rate_east", "rate_down")
-    return _histories(
-        log,
-        [
-            lambda axes: draw_wind(axes, log, velocity, "Air over the ground at the vehicle, m/s"),
-            lambda axes: draw_wind(axes, log, rotation, "Rotation of the air about the world's axes, deg/s"),
-        ],
-        strokes=False,
-    )
+    panels: list[Panel] = [
+        lambda axes: draw_wind(axes, log, velocity, "Air over the ground at the vehicle, m/s")
+    ]
+    if log[WIND].holds(*rotation):
+        title = "Rotation of the air about the world's axes, deg/s"
+        panels.append(lambda axes: draw_wind(axes, log, rotation, title))
+    return _histories(log, panels, strokes=False)
 
 
 def navigation_picture(log: FlightLog) -> Figure:
@@ -125,17 +130,19 @@ def write_pictures(
 
     Raises:
         AlreadyExistsError: one of the files exists and `force` is not set; nothing was written.
-        FlightError: the log lacks truth or primitives, or an attachment is broken.
+        FlightError: the log lacks motion, or an attachment is broken.
     """
-    pictures: dict[str, Callable[[], Figure]] = {
-        "flight": lambda: flight_picture(log),
-        "track": lambda: track_picture(log),
-        "velocities": lambda: velocities_picture(log),
-        "attitude_and_controls": lambda: controls_picture(log, limits=limits),
-    }
+    pictures: dict[str, Callable[[], Figure]] = {}
+    if log.motion.holds("north", "east"):
+        pictures["flight"] = lambda: flight_picture(log)
+        pictures["track"] = lambda: track_picture(log)
+    if _motion_panels(log):
+        pictures["velocities"] = lambda: velocities_picture(log)
+    if _angles(log) or {CONTROLS.name, ACTUATORS.name} & log.series.keys():
+        pictures["attitude_and_controls"] = lambda: controls_picture(log, limits=limits)
     if WIND.name in log.series:
         pictures["wind"] = lambda: wind_picture(log)
-    if ESTIMATE.name in log.series:
+    if {ESTIMATE.name, TRUTH.name} <= log.series.keys():
         pictures["navigation_error"] = lambda: navigation_picture(log)
     paths = tuple(folder / f"{name}.png" for name in pictures)
     for path in paths:
@@ -162,17 +169,23 @@ _CONTROLS = ("collective", "longitudinal", "lateral", "pedal")
 
 def _headline(log: FlightLog) -> str:
     header = log.header
-    facts = [f"{header.vehicle}", f"wind {header.wind}", f"seed {header.seed}", f"{log.duration:.1f} s"]
+    flown = [] if header.kind == "import" else [f"wind {header.wind}", f"seed {header.seed}"]
+    facts = [f"{header.vehicle}", *flown, f"{log.duration:.1f} s"]
     if header.outcome != "completed":
         facts.append(header.outcome)
     return f"{header.kind.capitalize()} {header.name}    |    {', '.join(facts)}"
 
 
-def _velocity_panels(log: FlightLog) -> list[Panel]:
-    def panel(field: str) -> Panel:
-        return lambda axes: draw_velocity(axes, log, field)
+def _motion_panels(log: FlightLog) -> list[Panel]:
+    """Returns panels of the velocities and the height that the log has."""
+    panels: list[Panel] = [
+        partial(draw_velocity, log=log, field=field) for field in VELOCITIES if log.motion.holds(field)
+    ]
+    return [*panels, partial(draw_height, log=log)] if log.motion.holds("down") else panels
 
-    return [panel(field) for field in VELOCITIES]
+
+def _angles(log: FlightLog) -> list[str]:
+    return [field for field in ("roll", "pitch") if log.motion.holds(field)]
 
 
 def _control_panel(log: FlightLog, field: str, limits: Limits) -> Panel:
@@ -199,10 +212,13 @@ def _stack(
     width: float,
     strokes: bool = True,
 ) -> None:
-    """Draws panels below each other on one time axis, under the lane of primitives."""
-    ratios = [0.26, *(1.0 for _ in panels)]
-    lane, *rest = figure.subplots(len(panels) + 1, 1, sharex=True, height_ratios=ratios)
-    draw_primitive_lane(lane, log, width=width)
+    """Draws panels below each other on one time axis, under the lane of primitives where there are any."""
+    lanes = 1 if stretches_flown(log) else 0
+    ratios = [*(0.26 for _ in range(lanes)), *(1.0 for _ in panels)]
+    rows = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    rest = rows[lanes:]
+    if lanes:
+        draw_primitive_lane(rows[0], log, width=width)
     for axes, draw in zip(rest, panels, strict=True):
         draw(axes)
     if strokes:

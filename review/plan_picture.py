@@ -3,7 +3,6 @@
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import MaxNLocator
 
 from flight.errors import FlightError
 from flight.library import Library
@@ -13,6 +12,7 @@ from flight.planned_track import Line, planned_track
 from flight.trim_labels import trim_colors
 
 from . import palette
+from .map_axes import dress_map
 from .marks import dart, draw_goal, note
 from .stroke import Stroke
 
@@ -41,12 +41,7 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
         raise NothingToDrawError(plan)
     figure = palette.page(7.6, 6.4)
     axes = figure.add_subplot()
-    palette.dress(axes)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
-    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
+    dress_map(axes)
     walk = " - ".join(str(trim) for trim in plan.sequence)
     palette.headline(axes, f"{plan.mission}, {_promise(plan)}: trims {walk}")
     handles = _draw_scenarios(axes, plan, library, mission)

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 from flight.log import PrimitiveKind
+from flight.words import counted
 
 from .summary import Summary
 from .verdict import WORDS
@@ -20,7 +21,7 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("planned at the start", _planned),
         ("plans, plannings without one", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
-        ("distance over the ground", lambda one: f"{one.distance:.1f} m"),
+        ("distance over the ground", _distance),
         ("wind class, seed", lambda one: f"{one.wind}, {one.seed}"),
         ("primitives", lambda one: str(sum(part.count for part in (*one.trims, *one.maneuvers)))),
         ("left their bounds", _bounds),
@@ -41,6 +42,10 @@ def _goal(one: Summary) -> str:
     return f"reached after {one.arrival.time:.2f} s"
 
 
+def _distance(one: Summary) -> str:
+    return NOT_KNOWN if one.distance is None else f"{one.distance:.1f} m"
+
+
 def _planned(one: Summary) -> str:
     return NOT_KNOWN if one.promise is None else f"{one.promise:.2f} s"
 
@@ -53,7 +58,8 @@ def _bounds(one: Summary) -> str:
     if one.bounds is None:
         return NOT_KNOWN
     coasts, maneuvers = (one.bounds.left_by(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER))
-    return f"{coasts} of {one.bounds.coasts} coasts, {maneuvers} of {one.bounds.maneuvers} maneuvers"
+    judged = counted(one.bounds.coasts, "coast"), counted(one.bounds.maneuvers, "maneuver")
+    return f"{coasts} of {judged[0]}, {maneuvers} of {judged[1]}"
 
 
 def _tracking(field: str) -> Callable[[Summary], str]:

@@ -18,6 +18,7 @@ from flight.log import (
     FlightLog,
     PrimitiveFlown,
     PrimitiveKind,
+    Series,
 )
 from flight.stretches import stretches_flown
 from flight.trim_labels import trim_names
@@ -89,7 +90,8 @@ class Summary:
         seed: of every random number of the flight.
         wind: wind class.
         duration: seconds.
-        distance: length of the track over the ground, metres; the true one, or the believed one without it.
+        distance: length of the track over the ground, metres; the true one, or the believed one without it;
+            None where positions are not known.
         outcome: `completed`, or what went wrong.
         trims: coasts flown, by trim.
         maneuvers: maneuvers flown, by id.
@@ -110,7 +112,7 @@ class Summary:
     seed: int
     wind: str
     duration: float
-    distance: float
+    distance: float | None
     outcome: str
     trims: tuple[PrimitiveCount, ...]
     maneuvers: tuple[PrimitiveCount, ...]
@@ -145,7 +147,7 @@ def summarise(log: FlightLog) -> Summary:
         seed=header.seed,
         wind=header.wind,
         duration=log.duration,
-        distance=float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum()),
+        distance=_distance(motion),
         outcome=header.outcome,
         trims=_counts(flown, PrimitiveKind.COAST, lambda part: names.get(part.id, "")),
         maneuvers=_counts(
@@ -155,7 +157,7 @@ def summarise(log: FlightLog) -> Summary:
         ),
         timeouts=sum(part.timed_out for part in flown),
         tracking=_tracking(log) if true and COMMAND.name in log.series else None,
-        navigation=_navigation(log) if true and ESTIMATE.name in log.series else None,
+        navigation=_navigation(log) if true and _navigates(log) else None,
         bounds=bounds_kept(log) if true and PRIMITIVE.name in log.series else None,
         faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
@@ -163,6 +165,18 @@ def summarise(log: FlightLog) -> Summary:
         promise=plans[0].cost if plans else None,
         arrival=arrival(log, goal) if true and goal is not None else None,
     )
+
+
+def _distance(motion: Series) -> float | None:
+    if not motion.holds("north", "east"):
+        return None
+    return float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum())
+
+
+def _navigates(log: FlightLog) -> bool:
+    """Whether both the truth and the estimate are known well enough to be held against one another."""
+    needed = ("north", "east", "forward", "side", "heading")
+    return all(topic.name in log.series and log[topic].holds(*needed) for topic in (TRUTH, ESTIMATE))
 
 
 def _trim_label(trim: int, names: dict[int, str]) -> str:
@@ -182,17 +196,19 @@ def _counts(
     )
 
 
-def _tracking(log: FlightLog) -> tuple[TrackingError, ...]:
+def _tracking(log: FlightLog) -> tuple[TrackingError, ...] | None:
     units = {field.name: field.unit for field in TRUTH.fields}
     time = log[TRUTH].time
     errors = []
     for field in VELOCITIES:
+        if not (log[TRUTH].holds(field) and log[COMMAND].holds(field)):
+            continue
         error = tracking_error(log, field)
         worst = int(np.argmax(np.abs(error)))
         errors.append(
             TrackingError(field, units[field], float(error[worst]), float(time[worst]), _rms(error))
         )
-    return tuple(errors)
+    return tuple(errors) or None
 
 
 def _navigation(log: FlightLog) -> NavigationError:

@@ -9,10 +9,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from flight.log import (
+    ACTUATORS,
     COMMAND,
     CONTROLS,
     ESTIMATE,
-    LIBRARY_ATTACHMENT,
+    MOTION,
     NAVIGATION,
     TRUTH,
     WIND,
@@ -23,6 +24,7 @@ from flight.stretches import stretches_flown
 from flight.trim_labels import trim_palette
 
 from . import palette, stroke
+from .bounds import judging_library
 from .primitive_lane import shade_primitives
 from .tracking import navigation_error
 
@@ -52,17 +54,18 @@ def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
     scale = _scale(field)
     _draw_bounds(axes, log, field)
     _draw_state(axes, log, field, scale)
-    if COMMAND.name in log.series:
+    if COMMAND.name in log.series and log[COMMAND].holds(field):
         stroke.COMMANDED.draw(axes, log[COMMAND].time, scale * log[COMMAND][field])
     _finish(axes, log, TITLES[field], least_span=0.5 * scale**0.5)
 
 
 def draw_height(axes: Axes, log: FlightLog) -> None:
-    """Draws the height above ground as commanded, estimated and actual."""
+    """Draws the height as commanded, estimated and actual; above its own origin in a foreign log."""
     _draw_state(axes, log, "down", -1.0)
     if COMMAND.name in log.series:
         stroke.COMMANDED.draw(axes, log[COMMAND].time, log[COMMAND]["height"])
-    _finish(axes, log, "Height above ground, m", least_span=2.0)
+    above = "the log's origin" if log.header.kind == "import" else "ground"
+    _finish(axes, log, f"Height above {above}, m", least_span=2.0)
 
 
 def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
@@ -95,9 +98,20 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
     palette.legend_above(axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")])
 
 
+def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
+    """Draws as many as three controls of a vehicle whose controls are numbered."""
+    controls = log[ACTUATORS]
+    for field, style in zip(fields, stroke.COMPONENTS, strict=False):
+        style.draw(axes, controls.time, controls[field])
+    numbers = ", ".join(field.removeprefix("control_") for field in fields)
+    _finish(axes, log, f"Control{'s' if len(fields) > 1 else ''} {numbers}, as logged")
+    _name_components(axes, fields)
+
+
 def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
-    """Draws as many as three components of the air's motion at the vehicle."""
+    """Draws as many as three components of the air's motion at the vehicle, those that the log has."""
     wind = log[WIND]
+    fields = [field for field in fields if wind.holds(field)]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
         style.draw(axes, wind.time, _scale(field) * wind[field])
     _finish(axes, log, title)
@@ -123,7 +137,7 @@ def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
     entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
         entries.insert(0, stroke.COMMANDED.entry("commanded"))
-    if LIBRARY_ATTACHMENT in log.attachments:
+    if judging_library(log) is not None:
         bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
@@ -131,19 +145,25 @@ def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
 
 def _state_entries(log: FlightLog) -> list[Line2D]:
     believed = [stroke.ESTIMATED.entry("estimated (what the vehicle believes)")]
-    return [*(believed if ESTIMATE.name in log.series else []), stroke.ACTUAL.entry("actual")]
+    actual = [stroke.ACTUAL.entry("actual")]
+    return [
+        *(believed if ESTIMATE.name in log.series else []),
+        *(actual if log.motion.topic.name != ESTIMATE.name else []),
+    ]
 
 
 def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:
-    if ESTIMATE.name in log.series:
-        stroke.ESTIMATED.draw(axes, log[ESTIMATE].time, scale * log[ESTIMATE][field])
-    stroke.ACTUAL.draw(axes, log[TRUTH].time, scale * log[TRUTH][field])
+    drawn = {topic.name: stroke.ACTUAL for topic in (TRUTH, MOTION)} | {ESTIMATE.name: stroke.ESTIMATED}
+    for name in (ESTIMATE.name, TRUTH.name, MOTION.name):
+        if name in log.series and log.series[name].holds(field):
+            drawn[name].draw(axes, log.series[name].time, scale * log.series[name][field])
 
 
 def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
-    if LIBRARY_ATTACHMENT not in log.attachments:
+    library = judging_library(log)
+    if library is None:
         return
-    library, colors, scale = log.library(), trim_palette(log), _scale(field)
+    colors, scale = trim_palette(log), _scale(field)
     for part in stretches_flown(log):
         if part.kind is PrimitiveKind.COAST:
             trim = library.trim(part.id)

@@ -1,23 +1,16 @@
 """The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
 
+from collections.abc import Iterator
+
 import numpy as np
 from jaxtyping import Float
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.offsetbox import AnchoredOffsetbox, DrawingArea, HPacker, TextArea
 from matplotlib.patches import FancyArrowPatch
-from matplotlib.ticker import MaxNLocator
 
 from flight.attachments import goal_of_flight, plans_of_flight
-from flight.log import (
-    ESTIMATE,
-    LIBRARY_ATTACHMENT,
-    TRUTH,
-    WIND,
-    FlightLog,
-    PrimitiveFlown,
-    PrimitiveKind,
-)
+from flight.log import ESTIMATE, LIBRARY_ATTACHMENT, WIND, FlightLog, PrimitiveFlown, PrimitiveKind
 from flight.planned_track import planned_track
 from flight.se2 import SE2
 from flight.stretches import stretches_flown
@@ -25,7 +18,9 @@ from flight.trim_labels import trim_label, trim_names, trim_palette
 
 from . import palette, stroke
 from .bounds import pose_at
-from .marks import dart, draw_goal, note
+from .labels import Label, place_labels
+from .map_axes import dress_map
+from .marks import dart, draw_goal
 
 # Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)
@@ -41,18 +36,14 @@ BELOW = -0.08
 def draw_track(axes: Axes, log: FlightLog) -> None:
     """Draws the plan view of a flight: north up, east right, one metre as long as the other.
 
+    Labels are set where there is room in the figure as it is now: it should have all else that it will have.
+
     Raises:
-        FlightError: the log lacks truth or primitives, or an attachment is broken.
+        FlightError: the log lacks positions, or an attachment is broken.
     """
-    palette.dress(axes)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.xaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.yaxis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
-    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
-    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)
+    dress_map(axes)
     handles = _draw_primitives(axes, log) + _draw_plans(axes, log)
-    _draw_ends(axes, log)
-    _draw_times(axes, log)
+    labels = [*_draw_ends(axes, log), *_draw_times(axes, log)]
     goal = goal_of_flight(log)
     if goal is not None:
         handles.append(draw_goal(axes, goal))
@@ -71,17 +62,25 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
         borderaxespad=0.0,
         handlelength=2.6,
     )
+    motion = log.motion
+    place_labels(axes, labels, [np.column_stack([motion["east"], motion["north"]])])
 
 
 def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
     flown = stretches_flown(log)
     colors = trim_palette(log)
     for part in flown:
-        track = _true_track(log, part)
+        track = _track(log, part)
         if part.kind is PrimitiveKind.COAST:
             stroke.coast(colors[part.id]).draw(axes, *track)
         else:
             stroke.MANEUVER.draw(axes, *track)
+    if not flown:
+        motion = log.motion
+        believed = motion.topic.name == ESTIMATE.name
+        line = stroke.ESTIMATED if believed else stroke.ACTUAL
+        line.draw(axes, motion["east"], motion["north"])
+        return [line.entry("flown, as believed" if believed else "flown")]
     names = trim_names(log)
     held = sorted({part.id for part in flown if part.kind is PrimitiveKind.COAST})
     handles = [stroke.coast(colors[trim]).entry(trim_label(trim, names)) for trim in held]
@@ -90,29 +89,29 @@ def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
     return handles
 
 
-def _true_track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
+def _track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
     """Returns east and north during a primitive, both ends included."""
-    truth = log[TRUTH]
-    inside = (truth.time > part.start) & (truth.time < part.end)
-    time = np.concatenate([[part.start], truth.time[inside], [part.end]])
-    return np.stack([np.interp(time, truth.time, truth[name]) for name in ("east", "north")])
+    motion = log.motion
+    inside = (motion.time > part.start) & (motion.time < part.end)
+    time = np.concatenate([[part.start], motion.time[inside], [part.end]])
+    return np.stack([np.interp(time, motion.time, motion[name]) for name in ("east", "north")])
 
 
-def _draw_ends(axes: Axes, log: FlightLog) -> None:
-    """Marks start and end by darts that point along the heading, the start's filled."""
-    for time, name, fill in ((0.0, "start", palette.INK), (log.duration, "end", "white")):
+def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
+    """Marks start and end by darts that point along the heading, the start's filled; yields their names."""
+    for time, name, fill, turned in ((0.0, "start", palette.INK, 0.5), (log.duration, "end", "white", -0.5)):
         pose = pose_at(log, time)
         dart(axes, pose, fill=fill)
-        note(axes, pose, name, away=-1.0 if time == 0.0 else 1.0, along=True)
+        yield Label(pose, name, turned * np.pi)
 
 
-def _draw_times(axes: Axes, log: FlightLog) -> None:
+def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
     """Marks round times along the track, so that it can be read together with the time histories."""
     step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
     for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
-        note(axes, pose, f"{time:.0f} s")
+        yield Label(pose, f"{time:.0f} s")
 
 
 def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:

@@ -1,12 +1,31 @@
 """A summary in the words of a page: a few tiles to be read first, and facts for who wants more."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
-from flight.log import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, TRUTH, WIND, FlightLog, PrimitiveKind
+from flight.log import (
+    ACTUATORS,
+    COMMAND,
+    CONTROLS,
+    ESTIMATE,
+    MOTION,
+    NAVIGATION,
+    TRUTH,
+    WIND,
+    FlightLog,
+    PrimitiveKind,
+    Series,
+)
+from flight.words import counted
 
+from .bounds import FLOWN_TO_IDENTIFY, JUDGE_ATTACHMENT
 from .summary import Summary
 
 Content = dict[str, object]
+
+NO_BOUNDS = "flown to find bounds; --library names some to judge by"
+"""Why a campaign's flight is not judged."""
 
 WORDS = {"forward": "forward speed", "side": "sideward speed", "yaw_rate": "yaw rate"}
 
@@ -18,19 +37,20 @@ def tiles_of(summary: Summary) -> list[Content]:
         left, judged = len(summary.bounds.departures), summary.bounds.coasts + summary.bounds.maneuvers
         coasts = summary.bounds.left_by(PrimitiveKind.COAST)
         note = (
-            f"{coasts} coasts, {left - coasts} maneuvers" if left else f"of library {summary.bounds.library}"
+            f"{counted(coasts, 'coast')}, {counted(left - coasts, 'maneuver')}"
+            if left
+            else f"of library {summary.bounds.library}"
         )
         tone = "bad" if left else "good"
-        if summary.kind == "campaign":
-            # What its primitives' bounds are is what a campaign is flown for.
-            note, tone = f"of {summary.bounds.library}, before identification", "plain"
         tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
+    elif summary.kind in FLOWN_TO_IDENTIFY:
+        tiles.append(_tile("left their bounds", "not judged", NO_BOUNDS))
     if summary.trims or summary.maneuvers:
         tone = "bad" if summary.timeouts else "good"
         tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
-        note = "no planning failed" if not failed else f"{failed} plannings found none"
+        note = "no planning failed" if not failed else f"{counted(failed, 'planning')} found none"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
         tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
@@ -57,19 +77,8 @@ def tiles_of(summary: Summary) -> list[Content]:
 
 def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
     """Returns names and values of what else is known of a flight."""
-    header, motion = log.header, log.motion
-    speed = np.hypot(motion["forward"], motion["side"])
-    tilt = np.degrees(np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0)))
-    rates = np.degrees(np.stack([motion[name] for name in ("roll_rate", "pitch_rate", "body_yaw_rate")]))
-    height = -motion["down"]
-    facts = [
-        ("Duration", f"{summary.duration:.2f} s"),
-        ("Distance over the ground", f"{summary.distance:.1f} m"),
-        ("Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"),
-        ("Height above ground", f"{height.min():.2f} to {height.max():.2f} m"),
-        ("Tilt", f"{tilt.max():.1f} deg at most"),
-        ("Body rate", f"{np.linalg.norm(rates, axis=0).max():.1f} deg/s at most"),
-    ]
+    header = log.header
+    facts = [("Duration", f"{summary.duration:.2f} s"), *_extremes(log.motion, summary)]
     if WIND.name in log.series:
         wind = log[WIND]
         speeds = np.hypot(wind["north"], wind["east"])
@@ -78,15 +87,35 @@ def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
         ("Vehicle", f"{header.vehicle}, model {header.model_hash[:12]}"),
         ("Program", f"{header.code_version}, {header.backend}"),
         ("Samples", _sampling(log)),
-        ("Attachments", ", ".join(log.attachments) or "none"),
+        ("Attachments", ", ".join(name for name in log.attachments if name != JUDGE_ATTACHMENT) or "none"),
     ]
     return facts
+
+
+def _extremes(motion: Series, summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yields how far, fast, high and steep it went, as far as the log knows."""
+    if summary.distance is not None:
+        yield "Distance over the ground", f"{summary.distance:.1f} m"
+    if motion.holds("forward", "side"):
+        speed = np.hypot(motion["forward"], motion["side"])
+        yield "Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"
+    if motion.holds("down"):
+        height = -motion["down"]
+        origin = "ground" if summary.kind != "import" else "the log's origin"
+        yield f"Height above {origin}", f"{height.min():.2f} to {height.max():.2f} m"
+    if motion.holds("roll", "pitch"):
+        tilt = np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0))
+        yield "Tilt", f"{np.degrees(tilt.max()):.1f} deg at most"
+    rates = ("roll_rate", "pitch_rate", "body_yaw_rate")
+    if motion.holds(*rates):
+        fastest = np.linalg.norm([motion[name] for name in rates], axis=0).max()
+        yield "Body rate", f"{np.degrees(fastest):.1f} deg/s at most"
 
 
 def _sampling(log: FlightLog) -> str:
     """Says how often each topic was sampled, and its longest gap where the gaps are not even."""
     words = []
-    for topic in (TRUTH, ESTIMATE, COMMAND, NAVIGATION, CONTROLS, WIND):
+    for topic in (TRUTH, ESTIMATE, MOTION, COMMAND, NAVIGATION, CONTROLS, ACTUATORS, WIND):
         if topic.name in log.series and len(log[topic]) > 1:
             gaps = np.diff(log[topic].time)
             usual, longest = float(np.median(gaps)), float(gaps.max())
@@ -96,6 +125,8 @@ def _sampling(log: FlightLog) -> str:
 
 
 def _outcome(summary: Summary) -> Content:
+    if summary.outcome.startswith("recovered"):
+        return _tile("outcome", "recovered", summary.outcome, "bad")
     if summary.outcome != "completed":
         return _tile("outcome", "lost", summary.outcome, "bad")
     if summary.arrival is None:
@@ -104,11 +135,6 @@ def _outcome(summary: Summary) -> Content:
         return _tile("goal", "not reached", f"{summary.arrival.closest:.2f} m at the closest", "bad")
     tile = _tile("goal", "reached", f"after {summary.arrival.time:.2f} s", "good")
     return {**tile, "time": summary.arrival.time}
-
-
-def _count(number: int, noun: str) -> str:
-    """Returns `2 coasts`, `1 coast`, or nothing for none."""
-    return f"{number} {noun}{'s' if number > 1 else ''}" if number else ""
 
 
 def _tile(label: str, value: str, note: str, tone: str = "plain") -> Content:

@@ -33,9 +33,8 @@ from flight.maneuver_end import Band, ManeuverEnd, ManeuverEndJudge, Verdict
 from flight.se2 import SE2, Twist
 from flight.sign_convention import signed_maneuver_error, signed_trim_error
 from flight.trim import Trim
-
-STEP = 0.02
-"""Seconds between samples."""
+from tests.reference_model import STEP as STEP
+from tests.reference_model import at_rest, integrate, respond
 
 ALTITUDE = 30.0
 """Metres above ground."""
@@ -55,10 +54,6 @@ EDGES = (
     *((2, 1), (1, 2), (1, 3), (3, 1), (3, 2), (2, 3), (4, 2), (2, 4), (2, 5), (5, 2), (4, 5)),
     *((5, 4), (6, 3), (3, 6), (3, 7), (7, 3), (6, 7), (7, 6), (7, 5), (5, 7), (6, 4), (4, 6)),
 )
-
-# The maneuver generator's reference model: natural frequencies in rad/s for speeds and yaw rate, damping.
-NATURAL_FREQUENCIES = (0.8, 0.8, 1.07)
-DAMPING = 0.8
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,9 +157,9 @@ def synthetic_log(
 def _maneuver(number: int, edge: tuple[int, int], rule: ManeuverEnd) -> Maneuver:
     """Returns what the noiseless reference model does between two trims, with round errors."""
     (_, before), (_, after) = TRIMS[edge[0]], TRIMS[edge[1]]
-    response = _respond(_state(before), after, round(rule.timeout / STEP) + 1)[0]
+    response = respond(at_rest(before), after, round(rule.timeout / STEP) + 1)[0]
     ticks = _ending(rule, edge[1], after, 0.0, response)[0]
-    pose = _integrate(response[: ticks + 1], SE2.identity())[-1]
+    pose = integrate(response[: ticks + 1], SE2.identity())[-1]
     error = signed_maneuver_error(ManeuverError(0.6, 0.6, 0.4, 0.08), left=before, reached=after)
     displacement = SE2(float(pose[0]), float(pose[1]), float(pose[2]))
     return Maneuver(number, *edge, duration=ticks * STEP, displacement=displacement, error=error)
@@ -188,19 +183,19 @@ def _fly(
     """
     first = library.trim(trims[0])
     rows = [_row(0.0, PrimitiveKind.COAST, first.id, (first, first))]
-    pieces, state, tick = [], _state(first.velocity), 0
-    piece, state = _respond(state, first.velocity, round(coasting_times[0] / STEP))
+    pieces, state, tick = [], at_rest(first.velocity), 0
+    piece, state = respond(state, first.velocity, round(coasting_times[0] / STEP))
     pieces.append(piece)
     tick += len(piece)
     for edge, coasting_time in zip(pairwise(trims), coasting_times[1:], strict=True):
         before, after = library.trim(edge[0]), library.trim(edge[1])
         rows.append(_row(_seconds(tick), PrimitiveKind.MANEUVER, library.maneuver(*edge).id, (before, after)))
-        ahead, _ = _respond(state, after.velocity, round(rule.timeout / STEP) + 1)
+        ahead, _ = respond(state, after.velocity, round(rule.timeout / STEP) + 1)
         believed = ahead + deviation[tick : tick + len(ahead)]
         ticks, verdict = _ending(rule, after.id, after.velocity, _seconds(tick), believed)
         late = verdict is Verdict.TIMED_OUT
         rows.append(_row(_seconds(tick + ticks), PrimitiveKind.COAST, after.id, (after, after), late=late))
-        piece, state = _respond(state, after.velocity, ticks + round(coasting_time / STEP))
+        piece, state = respond(state, after.velocity, ticks + round(coasting_time / STEP))
         pieces.append(piece)
         tick += len(piece)
     pieces.append(state[None, 0])
@@ -235,35 +230,6 @@ def _ending(
     raise AssertionError("the rule's time-out ends every maneuver")
 
 
-def _state(velocity: Twist) -> Float[np.ndarray, "2 3"]:
-    """Returns velocity and acceleration of a vehicle at rest in a trim."""
-    return np.array([[velocity.forward, velocity.side, velocity.yaw_rate], [0.0, 0.0, 0.0]])
-
-
-def _respond(
-    state: Float[np.ndarray, "2 3"], target: Twist, ticks: int
-) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "2 3"]]:
-    """Returns the velocities over some ticks and the state after them; exact for a constant target."""
-    time = np.arange(ticks + 1)[:, None] * STEP
-    frequency = np.array(NATURAL_FREQUENCIES)
-    damped = frequency * np.sqrt(1 - DAMPING**2)
-    decay = np.exp(-DAMPING * frequency * time)
-    cosine, sine = np.cos(damped * time), np.sin(damped * time) / damped
-    aim = _state(target)
-    offset, rate = state - aim
-    velocity = aim[0] + decay * (offset * cosine + (rate + DAMPING * frequency * offset) * sine)
-    acceleration = decay * (rate * cosine - (DAMPING * frequency * rate + frequency**2 * offset) * sine)
-    return velocity[:-1], np.stack([velocity[-1], acceleration[-1]])
-
-
-def _integrate(velocity: Float[np.ndarray, "n 3"], start: SE2) -> Float[np.ndarray, "n 3"]:
-    """Returns the poses of a vehicle that holds each velocity for one step, by the exact flow (eq. 17-18)."""
-    poses = [start]
-    for forward, side, yaw_rate in velocity[:-1].tolist():
-        poses.append(poses[-1] @ SE2.exp(Twist(forward, side, yaw_rate), STEP))
-    return np.array([(pose.x, pose.y, pose.heading) for pose in poses])
-
-
 def _draw(noise: Noise, count: int, seed: int) -> _Noises:
     rng = np.random.default_rng(seed)
     moving = noise != STILL
@@ -285,7 +251,7 @@ def _series(response: Float[np.ndarray, "n 3"], noises: _Noises, start: SE2) -> 
     count = len(response)
     time = np.array([_seconds(tick) for tick in range(count)])
     velocity = response + noises.motion[:count]
-    poses = _integrate(velocity, start)
+    poses = integrate(velocity, start)
     down = -(ALTITUDE + noises.height[:count])
     # Coordinated flight: the thrust tilts as the accelerations along and across the path ask.
     pitch = -np.gradient(response[:, 0], STEP) / 9.81

@@ -1,10 +1,7 @@
 """A flight in a few numbers."""
 
-import json
-from collections.abc import Callable
 from dataclasses import replace
 from math import pi
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -19,22 +16,18 @@ from flight.library import Library
 from flight.log import (
     COMMAND,
     ESTIMATE,
-    LIBRARY_ATTACHMENT,
     MISSION_ATTACHMENT,
     PLANS_ATTACHMENT,
     PRIMITIVE,
     TRUTH,
-    WIND,
     FlightLog,
     PrimitiveKind,
     Series,
-    Topic,
 )
-from flight.log_file import publish_log
 from flight.stretches import stretches_flown
-from maneuver.app import run
 from review.bounds import bounds_kept
 from review.summary import arrival, summarise
+from tests.altered_logs import added, attached, changed, without
 from tests.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -44,29 +37,6 @@ COASTS = (4.0,) * 5
 
 def still_flight(library: Library = LIBRARY) -> FlightLog:
     return synthetic_log(library, WALK, COASTS, seed=1, noise=STILL)
-
-
-def changed(log: FlightLog, topic: Topic, change: Callable[[NDArray[np.float64]], None]) -> FlightLog:
-    """Returns the log with the values of a topic changed in place."""
-    values = log[topic].values.copy()
-    change(values)
-    return replace(log, series={**log.series, topic.name: replace(log[topic], values=values)})
-
-
-def added(log: FlightLog, topic: Topic, field: str, amount: float) -> FlightLog:
-    def change(values: NDArray[np.float64]) -> None:
-        values[:, topic.field_names.index(field)] += amount
-
-    return changed(log, topic, change)
-
-
-def attached(log: FlightLog, name: str, content: object) -> FlightLog:
-    return replace(log, attachments={**log.attachments, name: json.dumps(content).encode()})
-
-
-def without(log: FlightLog, *topics: Topic) -> FlightLog:
-    gone = {topic.name for topic in topics}
-    return replace(log, series={name: part for name, part in log.series.items() if name not in gone})
 
 
 @settings(max_examples=20, deadline=None)
@@ -239,63 +209,6 @@ def test_an_attachment_that_is_no_json_is_refused_by_name() -> None:
     log = replace(still_flight(), attachments={MISSION_ATTACHMENT: b"\xff"})
     with pytest.raises(BadFileError, match=r"mission\.json: is not JSON"):
         goal_of_flight(log)
-
-
-def test_the_command_prints_one_document_and_overwrites_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
-    publish_log(without(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), WIND, ESTIMATE), log)
-    order = ["review", str(log), "--png", "--html", "--out", str(pictures), "--json"]
-    assert run(order) == 0
-    content = json.loads(capsys.readouterr().out)
-    assert content["bounds"]["coasts"] == 2
-    assert Path(content["files"][0]).name == "flight.html"
-    assert {Path(path).suffix for path in content["files"][1:]} == {".png"}
-    assert all(Path(path).is_file() for path in content["files"])
-    assert run(order) == 2
-    refusal = capsys.readouterr()
-    assert refusal.out == ""
-    assert refusal.err.count("\n") == 1
-    assert "give --force" in refusal.err
-
-
-def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    log = tmp_path / "flight.mcap"
-    flight = attached(
-        synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1),
-        MISSION_ATTACHMENT,
-        {
-            "goal": [90, 0],
-            "tolerance": 1,
-        },
-    )
-    publish_log(added(flight, TRUTH, "forward", 1.0), log)
-    assert run(["review", str(log), "--png", "--out", str(tmp_path / "pictures")]) == 0
-    said = capsys.readouterr().out
-    assert "not reached" in said
-    assert "2 of 2 coasts" in said
-    assert f"Look at {tmp_path / 'pictures' / 'flight.png'}" in said.replace("\n", "")
-
-
-def test_a_truncated_log_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    log = tmp_path / "flight.mcap"
-    publish_log(still_flight(), log)
-    log.write_bytes(log.read_bytes()[:-100])
-    assert run(["review", str(log)]) == 2
-    refusal = capsys.readouterr().err
-    assert refusal.count("\n") == 1
-    assert "flight.mcap" in refusal
-
-
-def test_a_broken_library_is_refused_before_anything_is_drawn(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
-    publish_log(replace(still_flight(), attachments={LIBRARY_ATTACHMENT: b"{}"}), log)
-    assert run(["review", str(log), "--png", "--out", str(pictures)]) == 2
-    assert "library.json" in capsys.readouterr().err
-    assert not pictures.exists()
 
 
 def test_a_log_that_lost_its_truth_in_the_middle_is_still_reviewed() -> None:

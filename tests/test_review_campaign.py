@@ -11,6 +11,7 @@ import pytest
 from flight.log import MISSION_ATTACHMENT, TRUTH, FlightLog
 from flight.log_file import publish_log
 from maneuver.app import run
+from review.bounds import judged_by
 from review.campaign import FlightRow, outliers_first, row_of
 from review.campaign_page import campaign_page
 from review.scorecard import scorecard
@@ -130,7 +131,8 @@ def test_two_flights_of_one_mission_stand_side_by_side(
 
 
 def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
-    summary = summarise(flight(1))
+    assert "left their bounds" not in {name for name, *_ in scorecard([summarise(flight(1))] * 2)}
+    summary = summarise(judged_by(flight(1), synthetic_library()))
     rows = {name for name, *_ in scorecard([summary, summary])}
     assert "goal" not in rows
     assert "left their bounds" in rows

@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/review.md anew: `python -m tools.gallery`; flies, reviews, opens in Chromium.
+"""Makes the pictures of docs/review.md and two of the README: `python -m tools.gallery`; flies, and opens in Chromium.
 
 That of an imported log is made where the log is named: `python -m tools.gallery sample_px4_events.ulg`.
 """
@@ -24,6 +24,13 @@ FLIGHTS = {
     "fault": 'fly --sequence figure-eight --fault "gps dropout 20 15" --out fault.mcap',
 }
 """What is flown for the gallery, as typed after `maneuver`."""
+
+DRAWN = {
+    "fly --sequence figure-eight --out eight.mcap": None,
+    "review eight.mcap --png --out eight-review": "eight-review/flight.png",
+    "review worst-case.mcap --still chase.png --at 9.6": "chase.png",
+}
+"""Pictures of the README, by what draws them; None where that draws none."""
 
 IMPORT = "import sample_px4_events.ulg"
 IMPORTED = "sample_px4_events.mcap"
@@ -65,11 +72,16 @@ SHOTS = (
     _Shot("review-worst-case.png", "worst-case.mcap", "worst-case.html"),
     _Shot("review-plots.png", "worst-case.mcap", "worst-case.html", (_CHOOSE_WORST, _TO_PLOTS), height=820),
     _Shot("review-phone.png", "worst-case.mcap", "worst-case.html", ("setView(true)",), phone=True),
-    _Shot("review-identification.png", "flights/gtmax-0000.mcap", "gtmax-0000.html", dark=True),
+    _Shot(
+        "review-identification.png",
+        "flights/gtmax-0000.mcap --library gtmax-sim",
+        "gtmax-0000.html",
+        dark=True,
+    ),
     _Shot("review-fault.png", "fault.mcap", "fault.html", (_TO_NAVIGATION,), height=820),
     _Shot("review-compare.png", "nominal.mcap worst-case.mcap", "nominal-and-worst-case.html"),
     _Shot("review-imported.png", IMPORTED, "sample_px4_events.html", (_TO_PLOTS,), height=820),
-    _Shot("review-campaign.png", "flights --pages 3", "index.html", height=560),
+    _Shot("review-campaign.png", "flights --pages 3 --library gtmax-sim", "index.html", height=560),
 )
 
 
@@ -88,6 +100,10 @@ def main() -> int:
             _maneuver(IMPORT, folder)
         for review in dict.fromkeys(shot.review for shot in shots):
             _maneuver(f"review {review} --html --force --out pages", folder)
+        for line, picture in DRAWN.items():
+            _maneuver(line, folder)
+            if picture is not None:
+                shutil.copy(folder / picture, DOCS)
         with browser(folder / "profile") as tab:
             for shot in shots:
                 _take(tab, shot, folder / "pages" / shot.page)

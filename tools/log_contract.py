@@ -15,7 +15,8 @@ HEAD = """# The flight log
 
 One MCAP file a flight, written whole or not at all; it opens in Foxglove, Lichtblick, Rerun and PlotJuggler
 as it is. Every channel is protobuf. Chunks are compressed by zstd; every checksum is written, and reading
-verifies them all. Equal flights give equal bytes. A topic that is absent is absent, not zero.
+verifies them all. Equal flights give equal bytes. A topic that is absent is absent, not zero; in a log of
+another vehicle a field may be absent too: its schema lacks it, and the other fields keep their numbers.
 
 There are two kinds of channels. The first are for programs: every field is a double, numbered in the order
 below, in SI units, north-east-down; `flight.log_file.read_log` reads them into arrays. The second are for

@@ -43,6 +43,7 @@ function writeEvents() {
   const events = flights.flatMap((flight) => flight.events.map((event) => ({ ...event, flight: flight.label })));
   events.sort((a, b) => a.time - b.time);
   const body = document.querySelector("#events tbody");
+  document.getElementById("events-section").hidden = events.length === 0;
   for (const event of events) {
     const source = comparing ? `${event.flight}: ${event.source}` : event.source;
     const row = element("tr", { className: event.level, tabIndex: 0 });
@@ -79,6 +80,7 @@ writeFacts();
 setUpTable();
 setUpView();
 setUpPlots();
+setUpSpectra();
 setUpLane();
 setTheme(prefersDark.matches);
 prefersDark.addEventListener("change", () => setTheme(prefersDark.matches));

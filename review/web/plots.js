@@ -24,6 +24,7 @@ function styleOf(curve) {
     component0: { stroke: css("--actual"), width: 1.3 },
     component1: { stroke: css("--second"), width: 1.3 },
     component2: { stroke: css("--third"), width: 1.3 },
+    component3: { stroke: css("--goal"), width: 1.3 },
     sigma_high: { stroke: css("--faint"), width: 0.8 },
     sigma_low: { stroke: css("--faint"), width: 0.8 },
   };

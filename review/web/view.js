@@ -5,12 +5,16 @@ const viewCanvas = document.getElementById("view");
 const tracks = flights.map((flight) => unpackTrack(flight.track));
 const believed = flights.map((flight) => flight.believed && unpackTrack(flight.believed));
 const plansDrawn = flights[0].plans.map((plan) => ({ ...plan, line: unpack(plan.line), tube: unpack(plan.tube) }));
-const floor = Math.floor(Math.min(...tracks.map((track) => track.height.reduce((a, b) => Math.min(a, b)))) - 0.5);
+const placed = tracks.filter((track) => track !== null);
+const floor = placed.length ? Math.floor(Math.min(...placed.map((track) => track.height.reduce((a, b) => Math.min(a, b)))) - 0.5) : 0;
 let size = { width: 1, height: 1 };
 let inSpace = false;
 
+// A log without positions has no track; one without heights is drawn flat, one without headings without darts.
 function unpackTrack(track) {
-  return Object.fromEntries(Object.entries(track).map(([name, text]) => [name, unpack(text)]));
+  if (track === null) return null;
+  const columns = Object.fromEntries(Object.entries(track).map(([name, text]) => [name, text && unpack(text)]));
+  return { ...columns, height: columns.height || new Float32Array(columns.north.length) };
 }
 
 function placeAt(track, time) {
@@ -19,12 +23,12 @@ function placeAt(track, time) {
   const gap = track.time[high] - track.time[low];
   const share = gap > 0 ? Math.min(Math.max((time - track.time[low]) / gap, 0), 1) : 0;
   const between = (name) => track[name][low] + share * (track[name][high] - track[name][low]);
-  return { north: between("north"), east: between("east"), height: between("height"), heading: between("heading") };
+  return { north: between("north"), east: between("east"), height: between("height"), heading: track.heading && between("heading") };
 }
 
 function fitAll() {
-  const points = tracks.flatMap((track) => Array.from(track.north, (north, i) => [north, track.east[i], track.height[i]]));
-  const middle = tracks[0].height[0];
+  const points = placed.flatMap((track) => Array.from(track.north, (north, i) => [north, track.east[i], track.height[i]]));
+  const middle = placed[0].height[0];
   for (const { goal } of flights) {
     if (goal) for (const way of [-1, 1]) points.push([goal.north + way * goal.tolerance, goal.east + way * goal.tolerance, middle]);
   }
@@ -115,7 +119,7 @@ function drawTube(context, plan, height) {
 function drawPlan(context) {
   const plan = plansDrawn[state.plan];
   if (!plan) return;
-  const height = placeAt(tracks[0], plan.time).height;
+  const height = placeAt(placed[0], plan.time).height;
   drawTube(context, plan, height);
   context.setLineDash([6, 4]);
   context.strokeStyle = css("--commanded");
@@ -171,7 +175,18 @@ function drawTrack(context, number) {
   });
 }
 
+function drawSpot(context, at, fill) {
+  context.beginPath();
+  context.arc(...onScreen(size, at.north, at.east, at.height), 5, 0, 2 * Math.PI);
+  context.fillStyle = fill;
+  context.strokeStyle = css("--ink");
+  context.lineWidth = 1.4;
+  context.fill();
+  context.stroke();
+}
+
 function drawDart(context, at, fill, scale = 1) {
+  if (at.heading === null) return drawSpot(context, at, fill);
   const nose = onScreen(size, at.north + 0.001 * Math.cos(at.heading), at.east + 0.001 * Math.sin(at.heading), at.height);
   const [x, y] = onScreen(size, at.north, at.east, at.height);
   const angle = Math.atan2(nose[1] - y, nose[0] - x);
@@ -225,9 +240,10 @@ function drawView() {
   size = prepared;
   drawGrid(context);
   drawPlan(context);
-  flights.forEach((flight, number) => { if (flight.goal && number === 0) drawGoal(context, flight.goal, placeAt(tracks[number], flight.duration).height); });
-  flights.forEach((_, number) => drawTrack(context, number));
+  if (flights[0].goal) drawGoal(context, flights[0].goal, placeAt(placed[0], flights[0].duration).height);
+  flights.forEach((_, number) => { if (tracks[number]) drawTrack(context, number); });
   flights.forEach((flight, number) => {
+    if (!tracks[number]) return;
     drawDart(context, placeAt(tracks[number], 0), css("--ink"));
     drawDart(context, placeAt(tracks[number], flight.duration), css("--paper"));
     if (state.cursor === null || state.cursor > flight.duration) return;

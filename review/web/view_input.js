@@ -6,6 +6,7 @@ function nearestOnTrack(event) {
   const [x, y] = [event.clientX - box.left, event.clientY - box.top];
   let best = { away: 22 };
   tracks.forEach((track, number) => {
+    if (track === null) return;
     for (let i = 0; i < track.time.length; i += 1) {
       const [a, b] = onScreen(size, track.north[i], track.east[i], track.height[i]);
       const away = Math.hypot(a - x, b - y);
@@ -65,6 +66,13 @@ function writePlan() {
 }
 
 function setUpView() {
+  if (!placed.length) {
+    const words = "The log holds no positions: there is no map.";
+    document.getElementById("plots-hint").textContent = "Drag across a plot to look closer, double-click for the whole flight; all plots move together.";
+    document.getElementById("view-section").replaceChildren(element("h2", {}, "Where it flew"), element("p", { className: "hint" }, words));
+    return;
+  }
+  if (flights.every((flight) => !flight.track || !flight.track.height)) document.querySelector("[data-view=space]").hidden = true;
   const slider = document.getElementById("plan");
   document.getElementById("plans").hidden = plansDrawn.length === 0;
   slider.max = String(Math.max(plansDrawn.length - 1, 0));

@@ -1,0 +1,69 @@
+"""Axes of others as axes of ours: world north-east-down, body forward-right-down."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from jaxtyping import Float
+
+WorldAxes = Literal["ned", "enu"]
+"""North, east, down; or east, north, up, as ROS has it (REP 103)."""
+
+BodyAxes = Literal["frd", "flu"]
+"""Forward, right, down; or forward, left, up, as ROS has it (REP 103)."""
+
+Vectors = Float[np.ndarray, "n 3"]
+Quaternions = Float[np.ndarray, "n 4"]
+
+_HALF = np.sqrt(0.5)
+# Half turns, as quaternions w, x, y, z: about north-east, and about forward.
+_ENU_TO_NED = (0.0, _HALF, _HALF, 0.0)
+_FRD_TO_FLU = (0.0, 1.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Axes:
+    """The axes in which another program's numbers are meant."""
+
+    world: WorldAxes
+    body: BodyAxes
+
+    def in_world(self, vectors: Vectors) -> Vectors:
+        """Returns north, east and down of vectors in the world's axes."""
+        return vectors if self.world == "ned" else vectors[:, [1, 0, 2]] * (1.0, 1.0, -1.0)
+
+    def in_body(self, vectors: Vectors) -> Vectors:
+        """Returns forward, right and down of vectors in the body's axes."""
+        return vectors if self.body == "frd" else vectors * (1.0, -1.0, -1.0)
+
+    def turned(self, quaternions: Quaternions) -> Quaternions:
+        """Returns quaternions w, x, y, z from our body to our world, of those from their body to theirs."""
+        if self.body == "flu":
+            quaternions = _product(quaternions, np.array([_FRD_TO_FLU]))
+        if self.world == "enu":
+            quaternions = _product(np.array([_ENU_TO_NED]), quaternions)
+        return quaternions
+
+
+def quaternions_of(
+    roll: Float[np.ndarray, "n"], pitch: Float[np.ndarray, "n"], yaw: Float[np.ndarray, "n"]
+) -> Quaternions:
+    """Returns quaternions w, x, y, z of turns about z, then y, then x, each about the axis as turned."""
+    zeros = np.zeros_like(roll)
+    about_z = np.column_stack([np.cos(yaw / 2), zeros, zeros, np.sin(yaw / 2)])
+    about_y = np.column_stack([np.cos(pitch / 2), zeros, np.sin(pitch / 2), zeros])
+    about_x = np.column_stack([np.cos(roll / 2), np.sin(roll / 2), zeros, zeros])
+    return _product(_product(about_z, about_y), about_x)
+
+
+def _product(left: Quaternions, right: Quaternions) -> Quaternions:
+    a, b, c, d = left.T
+    w, x, y, z = right.T
+    return np.column_stack(
+        [
+            a * w - b * x - c * y - d * z,
+            a * x + b * w + c * z - d * y,
+            a * y - b * z + c * w + d * x,
+            a * z + b * y - c * x + d * w,
+        ]
+    )

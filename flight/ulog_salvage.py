@@ -1,0 +1,106 @@
+"""What is whole in a damaged ULog of PX4: the messages that hang together, and how much is between them.
+
+A ULog has no checksums. A message counts as whole where its kind is known and, if it carries data, where it
+belongs to a topic that was announced and has that topic's size; after damage the next place is looked for
+from which several such messages follow one another. What was altered inside a message is not seen.
+"""
+
+import struct
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+MAGIC = b"ULog\x01\x12\x35"
+HEADER = 16
+"""Bytes before the first message."""
+
+_HEAD = struct.Struct("<HB")
+_ID = struct.Struct("<H")
+_TIME = struct.Struct("<HQ")
+_KINDS = frozenset(b"BFIMPQARDLCSO")
+_DATA, _ANNOUNCED = ord("D"), ord("A")
+# Messages that must follow one another before a place is trusted again.
+_IN_A_ROW = 8
+# Microseconds that data may be later than what came before.
+_LATEST = 3_600_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class WholeMessages:
+    """A ULog of whole messages alone: its bytes, and the bytes of the damaged one that were left out."""
+
+    content: bytes
+    lost: int
+
+
+@dataclass(slots=True)
+class _Known:
+    """What was learnt of a log so far: size by number of a topic (0 before its first data), latest time."""
+
+    sizes: dict[int, int] = field(default_factory=dict)
+    latest: int = 0
+
+
+def whole_messages(content: bytes) -> WholeMessages:
+    """Returns what is whole in the bytes of a ULog; all of an undamaged one."""
+    known, parts = _Known(), [content[:HEADER]]
+    position = begun = HEADER
+    while position < len(content):
+        end = _end(content, position, known)
+        if end:
+            _learn(content, position, end, known)
+            position = end
+            continue
+        parts.append(content[begun:position])
+        position = begun = _resumed(content, position + 1, known)
+    parts.append(content[begun:position])
+    kept = b"".join(parts)
+    return WholeMessages(kept, len(content) - len(kept))
+
+
+def _end(content: bytes, position: int, known: _Known) -> int:
+    """Returns where the message ends that begins at a place; 0 where none does."""
+    if position + _HEAD.size > len(content):
+        return 0
+    size, kind = _HEAD.unpack_from(content, position)
+    end: int = position + _HEAD.size + size
+    if end > len(content) or kind not in _KINDS:
+        return 0
+    if kind == _DATA:
+        if size < _TIME.size:
+            return 0
+        number, time = _TIME.unpack_from(content, position + _HEAD.size)
+        if known.sizes.get(number) not in {0, size} or (known.latest and time > known.latest + _LATEST):
+            return 0
+    return end
+
+
+def _learn(content: bytes, position: int, end: int, known: _Known) -> None:
+    size, kind = _HEAD.unpack_from(content, position)
+    if kind == _DATA:
+        number, time = _TIME.unpack_from(content, position + _HEAD.size)
+        known.sizes[number] = size
+        known.latest = max(known.latest, time)
+    elif kind == _ANNOUNCED and size > 3:
+        # One byte says which of several alike it is.
+        (number,) = _ID.unpack_from(content, position + _HEAD.size + 1)
+        known.sizes.setdefault(number, 0)
+
+
+def _resumed(content: bytes, position: int, known: _Known) -> int:
+    """Returns the next place from which whole messages follow one another; the end without one."""
+    while position < len(content):
+        ends = list(_chain(content, position, known))
+        if len(ends) == _IN_A_ROW or (ends and ends[-1] == len(content)):
+            return position
+        position += 1
+    return len(content)
+
+
+def _chain(content: bytes, position: int, known: _Known) -> Iterator[int]:
+    for _ in range(_IN_A_ROW):
+        position = _end(content, position, known)
+        if not position:
+            return
+        yield position
+        if position == len(content):
+            return

@@ -1,0 +1,16 @@
+"""Axes of a map: north up, east right, one metre as long as the other."""
+
+from matplotlib.axes import Axes
+from matplotlib.ticker import MaxNLocator
+
+from . import palette
+
+
+def dress_map(axes: Axes) -> None:
+    """Makes a map of axes."""
+    palette.dress(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("north, m", fontsize=palette.TEXT_SIZE)

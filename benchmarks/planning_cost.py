@@ -1,4 +1,4 @@
-"""What planning costs against depth, trims and levels, drawn: `python -m benchmarks.planning_cost FILE 7`.
+"""What planning costs against depth, trims and levels, drawn: `python -m benchmarks.planning_cost FILE 21`.
 
 CPU seconds of the worst-case search, tables warm, over random missions from all start trims: median, and
 the slowest. The libraries with more trims are synthetic, by the kinematic equations, seven maneuvers a trim.
@@ -36,8 +36,8 @@ def main(file: Path, missions: int) -> None:
         one.name: [(d, *cost(one, three, d, missions)) for d in DEPTHS] for one in (kinematic, gtmax)
     }
     trims: dict[str, Costs] = {
-        "synthetic, depth 4": [
-            (count, *cost(synthetic_library(count, 7 * count, seed=1), three, 4, missions)) for count in TRIMS
+        "synthetic, depth 6": [
+            (count, *cost(synthetic_library(count, 7 * count, seed=1), three, 6, missions)) for count in TRIMS
         ]
     }
     levels: dict[str, Costs] = {
@@ -89,5 +89,5 @@ def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
 if __name__ == "__main__":
     main(
         Path(sys.argv[1] if len(sys.argv) > 1 else "docs/planning-cost.png"),
-        int(sys.argv[2]) if len(sys.argv) > 2 else 7,
+        int(sys.argv[2]) if len(sys.argv) > 2 else 21,
     )

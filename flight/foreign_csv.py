@@ -23,7 +23,7 @@ POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "w
 QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
 CONTROLS = tuple(f"u{number}" for number in range(1, MOST_ACTUATORS + 1))
 NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
-"""What columns can be: position and velocity along the world's axes in metres and seconds (z and vz may lack),
+"""What columns can be: position and velocity along the world's axes in SI units (z and vz may lack),
 the quaternion or the angles (about z, y, x, in radians; yaw may be alone) from body to world, body rates in
 radians per second, controls."""
 

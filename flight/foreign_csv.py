@@ -23,8 +23,9 @@ POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "w
 QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
 CONTROLS = tuple(f"u{number}" for number in range(1, MOST_ACTUATORS + 1))
 NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
-"""What columns can be: position and velocity along the world's axes in metres and seconds, the quaternion or
-the angles (about z, y, x, in radians) from body to world, body rates in radians per second, controls."""
+"""What columns can be: position and velocity along the world's axes in SI units (z and vz may lack),
+the quaternion or the angles (about z, y, x, in radians; yaw may be alone) from body to world, body rates in
+radians per second, controls."""
 
 _MOST_LISTED, _LONGEST_LIST = 40, 600
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -101,8 +102,8 @@ def _sources(
     def vectors(names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:
         return np.column_stack([numbers[name] for name in names]) if set(names) <= numbers.keys() else None
 
-    sources = list(_linear_sources(vectors(POSITION), vectors(VELOCITY), time, axes))
-    velocity = "columns" if set(VELOCITY) <= numbers.keys() else "absent"
+    sources = list(_linear_sources(numbers, time, axes))
+    velocity = "columns" if set(VELOCITY[:2]) <= numbers.keys() else "absent"
     if velocity == "absent" and sources:
         sources.append(slope_source(sources[0]))
         velocity = "the slope of the position"
@@ -111,6 +112,10 @@ def _sources(
         quaternions = quaternions_of(*angles.T)
     if quaternions is not None:
         sources.append(attitude_source(time, axes.turned(quaternions)))
+    elif "yaw" in numbers:
+        level = quaternions_of(np.zeros(len(time)), np.zeros(len(time)), numbers["yaw"])
+        turned = attitude_source(time, axes.turned(level))
+        sources.append(Source(turned.time, {"heading": turned.columns["heading"]}))
     rates = vectors(RATES)
     if rates is not None:
         sources.append(Source(time, dict(zip(BODY_RATES, axes.in_body(rates).T, strict=True))))
@@ -121,15 +126,16 @@ def _sources(
 
 
 def _linear_sources(
-    position: Float[np.ndarray, "n 3"] | None,
-    velocity: Float[np.ndarray, "n 3"] | None,
-    time: Float[np.ndarray, "n"],
-    axes: Axes,
+    numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
 ) -> Iterator[Source]:
-    for vectors, start in ((position, ""), (velocity, "velocity_")):
-        if vectors is not None:
-            north, east, down = axes.in_world(vectors).T
-            yield Source(time, {f"{start}north": north, f"{start}east": east, f"{start}down": down})
+    """Yields positions and velocities; a map of two columns has no heights."""
+    for names, start in ((POSITION, ""), (VELOCITY, "velocity_")):
+        if set(names[:2]) <= numbers.keys():
+            high = names[2] in numbers
+            columns = [*(numbers[name] for name in names[:2]), numbers.get(names[2], np.zeros(len(time)))]
+            north, east, down = axes.in_world(np.column_stack(columns)).T
+            known = {f"{start}north": north, f"{start}east": east}
+            yield Source(time, known | {f"{start}down": down} if high else known)
 
 
 def _controls(numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"]) -> Series | None:

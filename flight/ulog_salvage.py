@@ -17,7 +17,7 @@ _HEAD = struct.Struct("<HB")
 _ID = struct.Struct("<H")
 _TIME = struct.Struct("<HQ")
 _KINDS = frozenset(b"BFIMPQARDLCSO")
-_DATA, _ANNOUNCED = ord("D"), ord("A")
+_DATA, _ANNOUNCED, _FORMAT = ord("D"), ord("A"), ord("F")
 # Messages that must follow one another before a place is trusted again.
 _IN_A_ROW = 8
 # Microseconds that data may be later than what came before.
@@ -64,6 +64,9 @@ def _end(content: bytes, position: int, known: _Known) -> int:
     size, kind = _HEAD.unpack_from(content, position)
     end: int = position + _HEAD.size + size
     if end > len(content) or kind not in _KINDS:
+        return 0
+    # A format is text; one that swallowed what follows a gap is not.
+    if kind == _FORMAT and not content[position + _HEAD.size : end].isascii():
         return 0
     if kind == _DATA:
         if size < _TIME.size:

@@ -22,16 +22,20 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("plans, plannings without one", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
         ("distance over the ground", _distance),
-        ("wind class, seed", lambda one: f"{one.wind}, {one.seed}"),
-        ("primitives", lambda one: str(sum(part.count for part in (*one.trims, *one.maneuvers)))),
+        ("wind class, seed", lambda one: NOT_KNOWN if one.kind == "import" else f"{one.wind}, {one.seed}"),
+        ("primitives", lambda one: str(_primitives(one) or NOT_KNOWN)),
         ("left their bounds", _bounds),
-        ("time-outs", lambda one: str(one.timeouts)),
+        ("time-outs", lambda one: str(one.timeouts) if _primitives(one) else NOT_KNOWN),
         ("faults", lambda one: str(len(one.faults)) if one.faults else NOT_KNOWN),
         *((f"{WORDS[field]}: truth minus command", _tracking(field)) for field in WORDS),
         ("navigation: position", _navigation),
     ]
     filled = [[name, *(value(summary) for summary in summaries)] for name, value in rows]
     return [row for row in filled if any(value != NOT_KNOWN for value in row[1:])]
+
+
+def _primitives(one: Summary) -> int:
+    return sum(part.count for part in (*one.trims, *one.maneuvers))
 
 
 def _goal(one: Summary) -> str:

@@ -129,6 +129,8 @@ def _outcome(summary: Summary) -> Content:
         return _tile("outcome", "recovered", summary.outcome, "bad")
     if summary.outcome != "completed":
         return _tile("outcome", "lost", summary.outcome, "bad")
+    if summary.kind == "import":
+        return _tile("log", "imported", f"{summary.duration:.1f} s; the outcome is not known")
     if summary.arrival is None:
         return _tile("outcome", "completed", f"{summary.duration:.1f} s", "good")
     if summary.arrival.time is None:

@@ -47,6 +47,20 @@ def test_columns_are_taken_by_their_names_in_the_axes_stated(tmp_path: Path) -> 
     assert not truth.holds("roll_rate")
 
 
+def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Path) -> None:
+    time = 0.025 * np.arange(400)
+    heading = 0.4 * time
+    columns = {"time": time, "x": 5.0 * np.sin(heading), "y": 5.0 * (1.0 - np.cos(heading)), "yaw": heading}
+    out = tmp_path / "flight.mcap"
+    assert run(["import", str(written(tmp_path, columns)), "--out", str(out)]) == 0
+    estimate = read_log(out)[ESTIMATE]
+    assert set(estimate.topic.field_names) == {"north", "east", "forward", "side", "heading", "yaw_rate"}
+    inner = slice(1, -1)
+    np.testing.assert_allclose(estimate["forward"][inner], 2.0, atol=1e-3)
+    np.testing.assert_allclose(estimate["side"][inner], 0.0, atol=1e-3)
+    np.testing.assert_allclose(estimate["yaw_rate"], 0.4, atol=1e-6)
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

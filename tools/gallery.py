@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/review.md and two of the README: `python -m tools.gallery`; flies, and opens in Chromium.
+"""Makes the pictures of docs/review.md, and two of the README: `python -m tools.gallery`; needs Chromium.
 
 That of an imported log is made where the log is named: `python -m tools.gallery sample_px4_events.ulg`.
 """

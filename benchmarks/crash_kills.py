@@ -126,6 +126,7 @@ def killed(kills: int, *, flights: int, workers: int, seed: int) -> Counter[str]
             place.mkdir()
             killing.until(kills, place)
             number += 1
+            print(f"{killing.counts['kills']} of {kills} kills", file=sys.stderr, flush=True)
         return killing.counts
 
 

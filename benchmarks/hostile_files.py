@@ -1,4 +1,4 @@
-"""Mutated logs, libraries, missions, plans, sequences and campaigns, handed to the command line.
+"""Mutated logs, libraries, missions, plans, sequences, campaigns and vehicles, handed to the command line.
 
 A mutation is wrong where the program ends in a traceback, takes longer than five seconds or much memory, says
 more than one line, or takes a damaged log for a whole one.
@@ -26,14 +26,17 @@ from types import FrameType
 import campaigns
 import libraries
 import missions
+import models
 import sequences
 from flight.campaign import read_campaign
 from flight.errors import FlightError
 from flight.log_file import log_bytes, read_log
+from flight.model_text import parse_model
 from flight.sequence import read_sequence
 from maneuver.app import BAD_INPUT, run
+from sim.parameters import read_parameters
 
-from .mutations import changed_bytes, changed_json, changed_log, changed_toml
+from .mutations import changed_bytes, changed_json, changed_log, changed_toml, changed_xml
 from .upper_limit import upper_limit
 
 LONGEST = 5
@@ -82,11 +85,14 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
     mission = (missions.FOLDER / "gtmax-1.toml").read_bytes()
     sequence = (sequences.FOLDER / "slow-walk.toml").read_bytes()
     campaign = (campaigns.FOLDER / "gtmax.toml").read_bytes()
+    vehicle, model = ((models.FOLDER / f"gtmax.{ending}").read_bytes() for ending in ("toml", "xml"))
     return (
         Kind("library", library, ".json", _command("library", "check"), changed_json),
         Kind("mission", mission, ".toml", _command("plan", "--library", "thesis-gtmax"), changed_toml),
         Kind("plan", plan.read_bytes(), ".json", _command("plan", "check"), changed_json),
         Kind("sequence", sequence, ".toml", _reading(read_sequence), changed_toml),
+        Kind("vehicle", vehicle, ".toml", _reading(read_parameters), changed_toml),
+        Kind("model", model, ".xml", _reading(_shape), changed_xml),
         Kind("campaign", campaign, ".toml", _reading(read_campaign), changed_toml),
         Kind(
             "log",
@@ -106,6 +112,10 @@ def _command(*words: str) -> Callable[[Path], int]:
 
 def _reviewed(path: Path) -> int:
     return run(["review", str(path), "--html", "--out", str(path.parent / "review"), "--force"])
+
+
+def _shape(path: Path) -> object:
+    return parse_model(path.read_bytes(), path.name)
 
 
 def _reading(read: Callable[[Path], object]) -> Callable[[Path], int]:

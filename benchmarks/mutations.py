@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import asdict, replace
 from random import Random
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 
@@ -51,6 +52,26 @@ def changed_json(content: bytes, chance: Random) -> bytes:
 def changed_toml(content: bytes, chance: Random) -> bytes:
     """Changes the tree of a TOML file: values, keys, entries."""
     return _toml(_changed_tree(tomllib.loads(content.decode()), chance)).encode("utf-8", "surrogatepass")
+
+
+def changed_xml(content: bytes, chance: Random) -> bytes:
+    """Changes elements and attributes of an XML file: values, names, depth, and what reaches outside."""
+    root = ElementTree.fromstring(content)
+    part = chance.choice(list(root.iter()))
+    words = chance.choice(("nan", "inf", "-1e999", "1e308", "", "/etc/passwd", "../../x", "0 0", "x" * 9999))
+    kind = chance.randrange(5)
+    if kind == 0 and part.attrib:
+        part.set(chance.choice(sorted(part.attrib)), words)
+    elif kind == 1:
+        part.set(chance.choice(("file", "meshdir", "name", "count", "size")), words)
+    elif kind == 2:
+        part.tag = chance.choice(("include", "mesh", "plugin", "replicate", "composite", "geom", "body"))
+    elif kind == 3:
+        for _ in range(chance.choice((1, 50, 400))):
+            part = ElementTree.SubElement(part, chance.choice(("body", "geom", "include")))
+    text = ElementTree.tostring(root)
+    entity = b'<!DOCTYPE m [<!ENTITY a "aaaaaaaaaa"><!ENTITY b SYSTEM "file:///etc/passwd">]>'
+    return entity + text if kind == 4 else text
 
 
 def changed_log(log: FlightLog, chance: Random) -> bytes:

@@ -3,13 +3,17 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field, FiniteFloat, PositiveInt
 
 from .errors import FlightError
-from .file_model import FileModel, read_toml
+from .file_model import FileModel, read_toml, schema_named
 from .maneuver_end import ManeuverEnd
 from .maneuver_end_file import ManeuverEndPart
+
+SCHEMA = "maneuver-campaign/1"
+"""What a file may name itself; one that does not is of this version."""
 
 
 class NoRuleForWindError(FlightError):
@@ -64,6 +68,7 @@ class Campaign:
 
 
 class _CampaignFile(FileModel):
+    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(default=SCHEMA, alias="schema")
     name: str
     library: str
     wind: str

@@ -3,10 +3,11 @@
 import json
 import tomllib
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
 
 from .errors import BadFileError, FlightError
 
@@ -21,6 +22,22 @@ class FileModel(BaseModel):
     """Base of what stands in files: no unknown keys, no silent conversions, immutable."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
+
+
+def schema_named(known: str) -> AfterValidator:
+    """Returns what refuses every schema but one, by name."""
+    return AfterValidator(partial(refuse_other_schema, known=known))
+
+
+def refuse_other_schema(schema: str, known: str) -> str:
+    """Returns the name of a file's schema, if it is the one that is known.
+
+    Raises:
+        ValueError: it is another; says both.
+    """
+    if schema != known:
+        raise ValueError(f"this program reads {known}, the file is {schema:.60}; another version may read it")
+    return schema
 
 
 def read_toml(path: Path, model: type[Model], build: Callable[[Model], Value]) -> Value:

@@ -5,10 +5,10 @@ import json
 from pathlib import Path
 from typing import Annotated, Any
 
-from pydantic import AfterValidator, Field, FiniteFloat, JsonValue, WithJsonSchema
+from pydantic import Field, FiniteFloat, JsonValue, WithJsonSchema
 
 from .conditions_file import ConditionsPart, conditions_content
-from .file_model import FileModel, parse_json, read_text
+from .file_model import FileModel, parse_json, read_text, schema_named
 from .library import Library
 from .maneuver import Maneuver, ManeuverError
 from .se2 import SE2
@@ -65,16 +65,10 @@ class _Maneuver(FileModel):
     interpolated: InterpolatedPart | None = None
 
 
-def _known_schema(schema: str) -> str:
-    if schema != SCHEMA:
-        raise ValueError(f"this program reads {SCHEMA}, the file is {schema}; another version may read it")
-    return schema
-
-
 class LibraryFile(FileModel):
     """A motion-primitive library, in SI units."""
 
-    schema_name: Annotated[str, AfterValidator(_known_schema), WithJsonSchema({"const": SCHEMA})] = Field(
+    schema_name: Annotated[str, schema_named(SCHEMA), WithJsonSchema({"const": SCHEMA})] = Field(
         alias="schema"
     )
     name: str

@@ -49,7 +49,11 @@ IMPORT_ATTACHMENT = "import.json"
 MODEL_ATTACHMENT = "model.xml"
 """The vehicle's shape, as MuJoCo's MJCF: x forward, y left, z up."""
 
+SCHEMA = "maneuver-flight-log/1"
+"""Version of this contract; a log that names none is of this one."""
+
 CONVENTIONS = {
+    "schema": SCHEMA,
     "world": "north, east, down; metres",
     "body": "heading frame: forward along the heading, side to the right, down",
     "angles": "radians, clockwise seen along the axis; heading from north, not wrapped",

@@ -22,8 +22,10 @@ from mcap.summary import Summary
 
 from .decision import DECISION
 from .errors import BadFileError
-from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
+from .file_model import refuse_other_schema
+from .log import SCHEMA, TOPICS, FlightHeader, FlightLog, Series, Topic
 from .log_check import refuse_contradictions
+from .log_writer import CONVENTIONS_METADATA
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
 from .log_writer import described_fields
@@ -96,6 +98,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
     if summary is None:
         raise ValueError("it has no summary")
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
+    refuse_other_schema(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
     if HEADER_METADATA not in metadata:
         raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:

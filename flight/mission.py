@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 from math import isfinite, pi
 from pathlib import Path
+from typing import Annotated
 
 from pydantic import Field, FiniteFloat, PositiveInt, model_validator
 
 from .arrival import Destination
-from .file_model import FileModel, read_toml
+from .file_model import FileModel, read_toml, schema_named
 from .se2 import SE2
+
+SCHEMA = "maneuver-mission/1"
+"""What a file may name itself; one that does not is of this version."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +83,7 @@ class _Planner(FileModel):
 
 
 class _MissionFile(FileModel):
+    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(default=SCHEMA, alias="schema")
     name: str
     start: _Start
     goal: _Goal

@@ -5,13 +5,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, FiniteFloat, NonNegativeFloat, PositiveInt
 
 from .certificate import Certificate, Refutation
 from .errors import BadFileError
-from .file_model import FileModel, parse_json, read_text
+from .file_model import FileModel, parse_json, read_text, schema_named
 from .se2 import SE2
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
@@ -139,7 +139,7 @@ class _Certificate(FileModel):
 
 
 class _PlanFile(FileModel):
-    schema_name: Literal["maneuver-plan/1"] = Field(alias="schema")
+    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(alias="schema")
     status: Status
     reason: str | None = None
     library: str

@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 from math import isfinite
 from pathlib import Path
+from typing import Annotated
 
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from .file_model import FileModel, read_toml
+from .file_model import FileModel, read_toml, schema_named
 from .se2 import SE2
+
+SCHEMA = "maneuver-sequence/1"
+"""What a file may name itself; one that does not is of this version."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,6 +66,7 @@ class _Uniform(FileModel):
 
 
 class _SequenceFile(FileModel):
+    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(default=SCHEMA, alias="schema")
     name: str
     start: _Start = _Start()
     trims: list[int]

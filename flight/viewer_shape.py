@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from .errors import BadFileError
 from .log import MODEL_ATTACHMENT, FlightLog
+from .model_text import parse_model
 from .z_up import VEHICLE
 
 Vector = Float[np.ndarray, "3"]
@@ -38,12 +39,12 @@ def vehicle_shape(log: FlightLog) -> SceneEntity:
         )
         return entity
     try:
-        model = ElementTree.fromstring(log.attachments[MODEL_ATTACHMENT])
+        model = parse_model(log.attachments[MODEL_ATTACHMENT], MODEL_ATTACHMENT)
         colors = {part.get("name"): part.get("rgba", _GREY) for part in model.iter("material")}
         for body in model.iter("body"):
             for geom in body.iter("geom"):
                 _add_solid(entity, geom, colors.get(geom.get("material"), _GREY))
-    except (ElementTree.ParseError, ValueError) as error:
+    except ValueError as error:
         raise BadFileError(MODEL_ATTACHMENT, f"is no model that can be drawn: {error}") from None
     return entity
 

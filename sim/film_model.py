@@ -10,6 +10,7 @@ import mujoco
 import models
 from flight.errors import BadFileError
 from flight.log import MODEL_ATTACHMENT, FlightLog
+from flight.model_text import parse_model
 
 MAIN_ROTOR, TAIL_ROTOR = ("blade", "main_rotor", "stabiliser_bar"), ("tail_blade", "tail_rotor")
 """Geoms that turn about the vertical and the sideward axis, in the order of their angles; the first is in
@@ -30,6 +31,7 @@ def film_model(log: FlightLog) -> mujoco.MjModel:
     text = log.attachments.get(MODEL_ATTACHMENT)
     if text is None:
         text = (models.FOLDER / "gtmax.xml").read_bytes()
+    parse_model(text, MODEL_ATTACHMENT)
     try:
         spec = mujoco.MjSpec.from_string(text.decode())
         shape = spec.compile()

@@ -12,7 +12,10 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import models
 from flight.errors import BadFileError
-from flight.file_model import first_problem, read_text
+from flight.file_model import first_problem, read_text, refuse_other_schema
+
+SCHEMA = "maneuver-vehicle/1"
+"""What a vehicle's file may name itself; one that does not is of this version."""
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -178,12 +181,16 @@ def read_parameters(path: Path | None = None) -> Parameters:
     """
     path = path or models.FOLDER / "gtmax.toml"
     try:
+        content = tomllib.loads(read_text(path))
+        refuse_other_schema(str(content.pop("schema", SCHEMA)), SCHEMA)
         # A strict model takes a table for a dataclass only from JSON.
-        return _reader().validate_json(json.dumps(tomllib.loads(read_text(path))))
+        return _reader().validate_json(json.dumps(content))
     except tomllib.TOMLDecodeError as error:
         raise BadFileError(path, f"is not TOML: {error}") from None
     except ValidationError as error:
         raise BadFileError(path, first_problem(error)) from None
+    except (ValueError, TypeError) as error:
+        raise BadFileError(path, str(error)) from None
 
 
 def parse_parameters(text: bytes, source: str) -> Parameters:

@@ -1,14 +1,20 @@
 """Files that somebody else wrote, or broke: each ends in an answer or in one line, never in a traceback."""
 
 import ast
+from dataclasses import replace
 from pathlib import Path
 from random import Random
 
 import pytest
 
 import benchmarks.hostile_files as hostile
+import models
+from flight.errors import FlightError
 from flight.log import TRUTH, FlightLog, Series
 from flight.log_check import refuse_contradictions
+from flight.log_file import publish_log, read_log
+from flight.model_text import parse_model
+from maneuver.app import run
 from tests.synthetic_log import synthetic_library, synthetic_log
 
 ROOT = Path(__file__).parents[1]
@@ -20,7 +26,9 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.Kind]:
     return {kind.name: kind for kind in hostile.kinds(tmp_path_factory.mktemp("good"))}
 
 
-@pytest.mark.parametrize("name", ["library", "mission", "plan", "sequence", "campaign", "log", "torn log"])
+@pytest.mark.parametrize(
+    "name", ["library", "mission", "plan", "sequence", "vehicle", "model", "campaign", "log", "torn log"]
+)
 def test_a_mutated_file_is_answered_or_refused_in_one_line(
     kinds: dict[str, hostile.Kind], name: str, tmp_path: Path
 ) -> None:
@@ -30,7 +38,7 @@ def test_a_mutated_file_is_answered_or_refused_in_one_line(
 
 
 def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, hostile.Kind], tmp_path: Path) -> None:
-    for name in ("library", "plan", "sequence", "campaign"):
+    for name in ("library", "plan", "sequence", "vehicle", "model", "campaign"):
         path = tmp_path / f"good{kinds[name].suffix}"
         path.write_bytes(kinds[name].content)
         assert kinds[name].use(path) == 0, name
@@ -90,3 +98,64 @@ def test_nothing_of_ours_runs_what_a_file_says() -> None:
 )
 def test_what_would_run_it_is_found(code: str) -> None:
     assert dangers(ast.parse(code))
+
+
+SHAPE = (
+    '<mujoco><worldbody><body name="helicopter"><freejoint/><geom type="box" size="{}"/></body>{}'
+    "</worldbody></mujoco>"
+)
+HARMFUL = {
+    "another file": SHAPE.format("1 1 1", '<include file="/etc/passwd"/>'),
+    "an absolute path": '<mujoco><asset><mesh name="m" file="/etc/passwd"/></asset></mujoco>',
+    "a folder": '<mujoco><compiler meshdir="/etc"/></mujoco>',
+    "a texture's file": '<mujoco><asset><texture name="t" fileup="../t.png" type="cube"/></asset></mujoco>',
+    "no number": SHAPE.format("nan 1 1", ""),
+    "infinity": SHAPE.format("1e999 1 1", ""),
+    "entities": '<!DOCTYPE m [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;">]><mujoco model="&b;"/>',
+    "copies by the million": SHAPE.format("1 1 1", '<replicate count="1000000"><geom/></replicate>'),
+    "a plug-in": '<mujoco><extension><plugin plugin="mujoco.elasticity.cable"/></extension></mujoco>',
+    "a vast texture": '<mujoco><asset><texture type="2d" width="99999" height="9"/></asset></mujoco>',
+    "too many parts": SHAPE.format("1 1 1", '<geom size="1"/>' * 3000),
+    "too large": SHAPE.format("1 1 1", "<!--" + "x" * 300_000 + "-->"),
+    "another encoding": "\ufeff" + SHAPE.format("1 1 1", '<include file="x"/>'),
+}
+
+
+@pytest.mark.parametrize("harm", HARMFUL)
+def test_a_shape_that_could_do_harm_is_refused_in_one_line(harm: str) -> None:
+    for encoding in ("utf-8", "utf-16"):
+        with pytest.raises(FlightError) as caught:
+            parse_model(HARMFUL[harm].encode(encoding), "model.xml")
+        assert "\n" not in str(caught.value)
+        assert str(caught.value).startswith("model.xml: ")
+
+
+def test_the_shipped_shape_and_a_plain_one_are_read() -> None:
+    assert parse_model((models.FOLDER / "gtmax.xml").read_bytes(), "model.xml").tag == "mujoco"
+    assert parse_model(SHAPE.format("1 1 1", "").encode(), "model.xml").tag == "mujoco"
+
+
+@pytest.mark.parametrize("harm", ["another file", "entities", "no number"])
+def test_a_log_with_a_harmful_shape_ends_in_one_line_and_exit_code_2(
+    harm: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
+    # Our own writer would draw the shape for viewers, and refuse.
+    monkeypatch.setattr("flight.log_writer.viewer_channels", lambda log: ())
+    path = tmp_path / "harmful.mcap"
+    publish_log(replace(log, attachments={**log.attachments, "model.xml": HARMFUL[harm].encode()}), path)
+    assert run(["review", str(path), "--still", str(tmp_path / "still.png")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("maneuver: ")
+    assert "model.xml" in line
+
+
+def test_a_log_that_would_unpack_to_more_than_is_allowed_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "bomb.mcap"
+    publish_log(synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1), path)
+    read_log(path)
+    monkeypatch.setattr("flight.log_file.LARGEST_LOG", path.stat().st_size)
+    with pytest.raises(FlightError, match="bytes of content, got more"):
+        read_log(path)

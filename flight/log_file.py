@@ -25,10 +25,9 @@ from .errors import BadFileError
 from .file_model import refuse_other_schema
 from .log import SCHEMA, TOPICS, FlightHeader, FlightLog, Series, Topic
 from .log_check import refuse_contradictions
-from .log_writer import CONVENTIONS_METADATA
+from .log_writer import CONVENTIONS_METADATA, described_fields
 from .log_writer import HEADER_METADATA as HEADER_METADATA
 from .log_writer import LARGEST_LOG as LARGEST_LOG
-from .log_writer import described_fields
 from .log_writer import log_bytes as log_bytes
 from .message_block import constant_fields, empty_messages, everywhere, topic_type
 from .publishing import publish_bytes as publish_bytes

@@ -9,7 +9,7 @@ SOURCES := benchmarks campaigns flight identification libraries maneuver mission
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help install demo test check gallery format lock clean
+.PHONY: help install viewers demo test check gallery format lock clean
 
 help:
 	@echo "make demo   the whole way, small: fly, identify, plan, fly the plan, review"
@@ -25,6 +25,10 @@ $(VENV)/installed: requirements.txt pyproject.toml
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	touch $@
+
+# Rerun's converter, half a gigabyte; without it the tests that ask it are skipped.
+viewers: install
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-viewers.txt
 
 demo: install
 	$(BIN)/maneuver demo --out demo --force
@@ -49,6 +53,9 @@ format: install
 lock:
 	$(PYTHON) -m piptools compile --quiet --strip-extras --allow-unsafe --extra dev --generate-hashes \
 		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --no-header --output-file requirements.txt pyproject.toml
+	$(PYTHON) -m piptools compile --quiet --strip-extras --allow-unsafe --extra dev --extra viewers --generate-hashes \
+		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --no-header --constraint requirements.txt \
+		--output-file requirements-viewers.txt pyproject.toml
 
 clean:
 	rm -rf $(VENV) demo

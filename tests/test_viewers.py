@@ -1,8 +1,10 @@
 """Logs as other programs see them: the layout shipped, Rerun's converter, an independent doctor."""
 
 import json
+import os
 import shutil
 import subprocess
+import sys
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -13,19 +15,24 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 
 from flight import z_up
+from flight.fault import parse_fault
 from flight.log import CONTROLS, NAVIGATION, TOPICS, TRUTH, FlightLog, Series
 from flight.log_file import log_bytes, read_log
 from flight.se2 import SE2
 from flight.sequence import Sequence
 from flight.viewer_channels import VIEWER_TOPICS
+from maneuver.app import run
 from maneuver.files import find_library, find_mission
 from maneuver.mission_flights import MissionTask, fly_helicopter
 from sim.campaign import fly_specification
-from sim.specification import specify_sequence
+from sim.specification import Departure, specify_sequence
+from tests.foreign_bags import ros2_bag
 from tests.synthetic_log import synthetic_library, synthetic_log
 
 LAYOUT = Path(__file__).parent.parent / "review" / "viewers" / "foxglove-layout.json"
-RERUN, DOCTOR = shutil.which("rerun"), shutil.which("pymcap-cli")
+# Beside the interpreter first: an environment need not be activated to be used.
+SEARCHED = f"{Path(sys.executable).parent}{os.pathsep}{os.environ.get('PATH', '')}"
+RERUN, DOCTOR = shutil.which("rerun", path=SEARCHED), shutil.which("pymcap-cli", path=SEARCHED)
 
 
 def values_of(content: Any, key: str) -> Iterator[Any]:
@@ -61,14 +68,21 @@ def _leaves(node: Any) -> Iterator[str]:
         yield from (leaf for side in ("first", "second") for leaf in _leaves(node[side]))
 
 
-@pytest.fixture(scope="module", params=["sequence", "mission", "bare"])
+@pytest.fixture(scope="module", params=["sequence", "mission", "fault", "imported", "bare"])
 def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Each kind of log on disk: a flown sequence, a flown mission, and one with little in it."""
+    """Each kind of log on disk: flown sequences, a mission, another program's, and one with little in it."""
     library = find_library("gtmax-sim")
+    path = tmp_path_factory.mktemp(request.param) / "flight.mcap"
     log: FlightLog
-    if request.param == "sequence":
+    if request.param in {"sequence", "fault"}:
         walk = Sequence("short", SE2.identity(), (1, 2), (2.0, 2.0), "gtmax")
-        log = fly_specification(specify_sequence(walk, seed=1), library)
+        faults = (parse_fault("gps dropout 1 2"),) if request.param == "fault" else ()
+        log = fly_specification(specify_sequence(walk, seed=1).depart(Departure(faults=faults)), library)
+    elif request.param == "imported":
+        bag = path.with_name("bag.mcap")
+        bag.write_bytes(ros2_bag(synthetic_log(synthetic_library(), (1, 2), (2.0, 2.0), seed=1)[TRUTH]))
+        assert run(["import", str(bag), "--pose", "/odom", "--out", str(path)]) == 0
+        return path
     elif request.param == "mission":
         mission = find_mission("gtmax-2")
         task = MissionTask(mission, library, policy="nominal", gamma=1.0, wind="calm", seed=1)
@@ -76,7 +90,6 @@ def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     else:
         whole = synthetic_log(synthetic_library(), (1, 2), (2.0, 2.0), seed=1)
         log = replace(whole, series={TRUTH.name: whole[TRUTH]}, attachments={})
-    path = tmp_path_factory.mktemp(request.param) / "flight.mcap"
     path.write_bytes(log_bytes(log))
     return path
 
@@ -97,11 +110,12 @@ def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path,
     subprocess.run([str(RERUN), "mcap", "convert", path, "-o", converted], check=True, capture_output=True)
     shown = subprocess.run([str(RERUN), "rrd", "print", "-vv", converted], check=True, capture_output=True)
     chunks = shown.stdout.decode().split("entity_path: ")
+    held = read_log(path).series
     for topic in TOPICS:
         if topic.name in topics_in(path):
             kept = [chunk for chunk in chunks if chunk.split()[0] == topic.name and "Float64" in chunk]
             assert kept, topic.name
-            for field in topic.field_names:
+            for field in held[topic.name].topic.field_names:
                 assert f'"{field}": non-null Float64' in kept[0], (topic.name, field)
 
 

@@ -100,6 +100,7 @@ def _parts(library: Library, observed: bool) -> Iterator[str]:
     if observed:
         yield "## Repeatability\n\n![All performances, seen from their entry](repeatability.png)\n"
         yield "## Deviations and bounds\n\n![Histograms of all deviations, with the bounds](deviations.png)\n"
+        yield "Nominal flights among the logs gave the values, not the bounds: they may lie outside.\n"
     printed = find_library(THESIS)
     if library.name != THESIS and comparable(library, printed):
         yield from _beside(list(ratios(library, printed)))

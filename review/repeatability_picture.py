@@ -22,6 +22,8 @@ MOST = 48
 # Inches a primitive, and how many bounds a histogram reaches; what lies further is put at its end.
 LINE, FURTHEST = 0.36, 1.45
 BINS = np.linspace(-FURTHEST, FURTHEST, 59)
+# What lies on the bound is inside it, in the last bin before it.
+ON_IT = 1 - 1e-9
 
 _TRIM_NUMBERS = (
     ("forward speed", 1.0, "m/s"),
@@ -133,7 +135,9 @@ def _histograms(
         palette.headline(panel, headline)
         for place, (_, off, bounds) in enumerate(lines):
             bound = max(float(bounds[column]), 1e-12)
-            counts, edges = np.histogram(np.clip(off[:, column] / bound, -FURTHEST, FURTHEST), bins=BINS)
+            counts, edges = np.histogram(
+                np.clip(ON_IT * off[:, column] / bound, -FURTHEST, FURTHEST), bins=BINS
+            )
             foot, height = -float(place), 0.85 * counts / max(counts.max(), 1)
             panel.stairs(foot + height, edges, baseline=foot, fill=True, color=palette.TRUE, alpha=0.75)
             panel.text(

@@ -340,6 +340,19 @@ def test_a_validation_keeps_whole_flights_of_its_own_and_no_others(
     assert (logs / "one.mcap").read_bytes() == log
 
 
+def test_the_status_of_a_validation_says_what_is_missing(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    words = ["validate", "--missions", "gtmax-2", "--plant", "automaton", "--true-gamma", "minus", "plus"]
+    words += ["--policies", "nominal", "--flights", "1", "--out", str(tmp_path / "out")]
+    assert run([*words, "--status"]) == 1
+    assert "missing              2" in capsys.readouterr().out
+    assert not (tmp_path / "out").exists()
+    assert run([*words, "--workers", "1"]) in {0, 1}
+    assert run([*words, "--status"]) == 0
+    assert run([*words[:-2], "--status"]) == 2
+
+
 def test_flown_campaigns_tell_what_became_of_their_flights(
     order: CampaignOrder, means: Means, tmp_path: Path
 ) -> None:

@@ -87,10 +87,13 @@ def test_a_regeneration_that_was_finished_is_known_again_and_another_is_not(
     assert run(words) == 0
     assert not (tmp_path / "made-flights").exists()
     made, stamp = out.read_bytes(), out.stat().st_mtime_ns
+    # As if it had been killed while it removed the flights.
+    (tmp_path / ".made-flights.removed").mkdir()
     capsys.readouterr()
     assert run(words) == 0
     assert "nothing is flown" in capsys.readouterr().err
     assert (out.read_bytes(), out.stat().st_mtime_ns) == (made, stamp)
+    assert not (tmp_path / ".made-flights.removed").exists()
     assert run([*words, "--seed", "2"]) == 2
     assert run([*words, "--trim-errors", "averaged"]) == 2
     assert out.read_bytes() == made

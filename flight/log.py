@@ -8,13 +8,14 @@ flight's start.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from enum import IntEnum
 
 from .actuator_topic import ACTUATORS as ACTUATORS
 from .errors import FlightError
 from .fault_topics import FAULT as FAULT
 from .fault_topics import FAULT_EFFECT as FAULT_EFFECT
+from .header import FlightHeader as FlightHeader
 from .library import Library
 from .library_file import parse_library
 from .se2 import Twist
@@ -166,10 +167,6 @@ TOPICS = (
 )
 
 
-# Between the two parts of a header's back-end.
-_PLANS = ", plans "
-
-
 class PrimitiveKind(IntEnum):
     """Values of `/primitive` `kind`."""
 
@@ -182,58 +179,6 @@ class MissingTopicError(FlightError):
 
     def __init__(self, topic: Topic, present: Mapping[str, object]) -> None:
         super().__init__(f"the log has no {topic.name}; it has {sorted(present)}")
-
-
-@dataclass(frozen=True, slots=True)
-class FlightHeader:
-    """What was flown, by what: enough, with the attachments, to repeat the flight.
-
-    Attributes:
-        kind: `sequence`, `campaign`, `mission` or `import`.
-        name: of the sequence, campaign or mission.
-        vehicle: what flew.
-        model_hash: SHA-256 of the vehicle's parameters and model.
-        seed: of every random number of the flight.
-        wind: wind class.
-        code_version: version of this program; after a `+`, of its code (`flight.code_version`).
-        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`; where it was
-            planned in flight, how plans were searched for too: `casadi-3.8.2 compiled, plans compiled`.
-        outcome: `completed`, or what went wrong.
-    """
-
-    kind: str
-    name: str
-    vehicle: str
-    model_hash: str
-    seed: int
-    wind: str
-    code_version: str
-    backend: str
-    outcome: str = "completed"
-
-    @property
-    def release(self) -> str:
-        """Version of the program, without that of its code."""
-        return self.code_version.partition("+")[0]
-
-    @property
-    def vehicle_backend(self) -> str:
-        """What evaluated the vehicle's expressions, and how."""
-        return self.backend.partition(_PLANS)[0]
-
-    @property
-    def search_backend(self) -> str:
-        """How plans were searched for; empty where none were."""
-        return self.backend.partition(_PLANS)[2]
-
-    def planned_by(self, search: str) -> "FlightHeader":
-        """Returns the header of a flight that was planned as it flew."""
-        return replace(self, backend=f"{self.vehicle_backend}{_PLANS}{search}")
-
-    @property
-    def arithmetic(self) -> str:
-        """What evaluated the expressions; interpreted or compiled it gives the same bits."""
-        return self.backend.partition(" ")[0]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -2,7 +2,7 @@
 
 import logging
 from collections.abc import Iterator
-from concurrent.futures import Executor
+from concurrent.futures import CancelledError, Executor
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,8 +12,15 @@ from flight.errors import FlightError
 PATIENCE = 15
 """Seconds in which a scheduler must answer."""
 
-RETRIES = 3
-"""Times that work is done again whose worker was lost."""
+
+class ClusterLostError(FlightError):
+    """A cluster went away while it was working, or lost one worker after another over the same work."""
+
+    def __init__(self, address: str, why: str) -> None:
+        super().__init__(
+            f"--cluster {address}: the work was lost there: {why}; files that are there are whole, and the "
+            "same command goes on from there"
+        )
 
 
 class NoClusterError(FlightError):
@@ -33,15 +40,18 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     Raises:
         FlightError: the extra is not installed.
         NoClusterError: nobody answers.
+        ClusterLostError: the cluster went away.
     """
     try:
-        from distributed import Client
+        from distributed import Client, KilledWorker
+        from distributed.comm.core import CommClosedError
     except ImportError:
         raise FlightError(
             "--cluster needs the package `distributed`: pip install 'maneuver-automaton[cluster]'"
         ) from None
     # What it has to say of connections that come and go is no word for users.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL)
+    for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
+        logging.getLogger(name).setLevel(logging.CRITICAL)
     by_file = {"scheduler_file": address} if Path(address).is_file() else {"address": address}
     client: Any
     try:
@@ -50,6 +60,8 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     except (OSError, ValueError) as error:
         raise NoClusterError(address, " ".join(str(error).split()) or type(error).__name__) from None
     try:
-        yield client.get_executor(retries=RETRIES)
+        yield client.get_executor()
+    except (CancelledError, CommClosedError, KilledWorker) as error:
+        raise ClusterLostError(address, type(error).__name__) from None
     finally:
-        client.close()
+        client.close(timeout=PATIENCE)

@@ -25,7 +25,7 @@ from .identify import publish_library, report
 from .keeping import survey
 from .means import HERE, MeansAsked, lend_means
 from .numbers import Count, Seed
-from .regenerated import made_before, remove_flights
+from .regenerated import finish_removal, made_before, remove_flights
 from .workers import default_workers, worker_pool
 
 
@@ -89,6 +89,7 @@ def regenerate(
     folder = logs or out.with_name(f"{out.stem}-flights")
     if status:
         return show_status(survey(order.works(folder), folder), as_json=json)
+    finish_removal(folder)
     if out.exists() and not force and not survey(order.works(folder), folder).complete:
         library = made_before(out, order, of=of, confidence=confidence, trim_errors=trim_errors)
         print(f"{out} is there already, and is what this command makes: nothing is flown", file=sys.stderr)

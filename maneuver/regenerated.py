@@ -58,8 +58,15 @@ def _flown_from(library: Library, order: CampaignOrder) -> bool:
 
 def remove_flights(flights: Sequence[CampaignFlight], folder: Path) -> None:
     """Removes a campaign's logs all at once, unless something else stands beside them."""
-    leaving = folder.with_name(f".{folder.name}.removed")
-    shutil.rmtree(leaving, ignore_errors=True)
     if set(folder.iterdir()) <= {flight.path for flight in flights}:
-        folder.rename(leaving)
-        shutil.rmtree(leaving)
+        folder.rename(_leaving(folder))
+        finish_removal(folder)
+
+
+def finish_removal(folder: Path) -> None:
+    """Removes what is left of logs where the program was stopped while it removed them."""
+    shutil.rmtree(_leaving(folder), ignore_errors=True)
+
+
+def _leaving(folder: Path) -> Path:
+    return folder.with_name(f".{folder.name}.removed")

@@ -144,6 +144,8 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
+    if means.cluster is not None and logs is not None and out is None:
+        raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
     if plant == "automaton" and (wind or logs):
         raise FlightError(
             "--plant automaton flies in no wind and writes no logs: give neither --wind nor --logs"

@@ -36,8 +36,7 @@ def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
             stack.callback(process.kill)
             return process
 
-        start(scheduler)
-        yield file, [start(worker) for _ in range(2)]
+        yield file, [start(words) for words in (scheduler, worker, worker)]
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -48,8 +47,8 @@ def test_missions_and_libraries_come_from_a_cluster_with_the_same_bytes(
     cluster: Cluster, tmp_path: Path
 ) -> None:
     file, _ = cluster
-    campaign = write_small_campaign(tmp_path, flights=3)
-    grid = ["--missions", "gtmax-2", "--policies", "nominal", "--flights", "2"]
+    campaign = write_small_campaign(tmp_path, flights=2)
+    grid = ["--missions", "gtmax-2", "--policies", "nominal", "--flights", "1"]
     for place, more in (("here", ["--workers", "1"]), ("there", ["--cluster", str(file)])):
         out, logs = tmp_path / place, tmp_path / f"{place}-logs"
         out.mkdir()
@@ -112,7 +111,7 @@ def test_workers_that_share_the_folder_write_into_it_themselves(cluster: Cluster
 def test_a_campaign_on_a_cluster_loses_nothing_when_a_worker_is_killed(
     cluster: Cluster, tmp_path: Path
 ) -> None:
-    file, (victim, _) = cluster
+    file, (_, victim, _) = cluster
     words = ["fly", "--campaign", str(write_small_campaign(tmp_path, flights=16))]
     out, here = tmp_path / "cluster", tmp_path / "here"
     command = [sys.executable, "-m", "maneuver", *words, "--out", str(out), "--cluster", str(file)]
@@ -126,3 +125,28 @@ def test_a_campaign_on_a_cluster_loses_nothing_when_a_worker_is_killed(
     assert run([*words, "--out", str(here), "--workers", "1"]) == 0
     assert contents(out) == contents(here)
     assert len(contents(out)) == 16
+
+
+def test_a_campaign_whose_scheduler_dies_ends_in_one_line_and_goes_on_here(
+    cluster: Cluster, tmp_path: Path
+) -> None:
+    file, (scheduler, *_) = cluster
+    words = [
+        "fly",
+        "--campaign",
+        str(write_small_campaign(tmp_path, flights=8)),
+        "--out",
+        str(tmp_path / "out"),
+    ]
+    command = [sys.executable, "-m", "maneuver", *words, "--cluster", str(file)]
+    with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+        while process.poll() is None and not list(tmp_path.glob("out/[!.]*")):
+            time.sleep(0.02)
+        scheduler.kill()
+        said = process.communicate()[1]
+    assert process.returncode == 2
+    assert len(said.splitlines()) == 1
+    assert "the same command goes on from there" in said
+    assert len(contents(tmp_path / "out")) < 8
+    assert run([*words, "--workers", "1"]) == 0
+    assert len(contents(tmp_path / "out")) == 8

@@ -92,6 +92,29 @@ def test_nothing_of_ours_runs_what_a_file_says() -> None:
         assert not dangers(ast.parse(path.read_text())), path
 
 
+READERS = {"SeekingReader", "NonSeekingReader", "make_reader", "get_chunk_data_stream"}
+
+
+def unchecked(tree: ast.AST) -> list[str]:
+    """Returns the readers of logs that are not told to verify checksums; their default does not."""
+    return [
+        call.func.id
+        for call in ast.walk(tree)
+        if isinstance(call, ast.Call) and isinstance(call.func, ast.Name) and call.func.id in READERS
+        if not any(
+            word.arg in {"validate_crcs", "validate_crc"} and ast.unparse(word.value) == "True"
+            for word in call.keywords
+        )
+    ]
+
+
+def test_every_reader_of_logs_verifies_checksums() -> None:
+    trees = {path: ast.parse(path.read_text()) for folder in OURS for path in (ROOT / folder).rglob("*.py")}
+    assert not [path for path, tree in trees.items() if unchecked(tree)]
+    assert unchecked(ast.parse("SeekingReader(stream)")) == ["SeekingReader"]
+    assert unchecked(ast.parse("make_reader(stream, validate_crcs=False)")) == ["make_reader"]
+
+
 @pytest.mark.parametrize(
     "code",
     ["eval(text)", "import pickle", "from pickle import loads", "os.system(text)", "run(text, shell=True)"],

@@ -1,12 +1,7 @@
 """Campaigns that are stopped: what is whole is kept, what is missing is flown, nothing else is touched."""
 
 import fcntl
-import json
 import os
-import signal
-import subprocess
-import sys
-import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -21,15 +16,12 @@ from flight.library import Library
 from flight.log_file import read_log
 from flight.publishing import Disk, publish_bytes
 from flight.work import OtherCodeError, State
-from maneuver.app import run
 from maneuver.campaign_flights import CampaignFlown, CampaignOrder, fly_whole_campaign
 from maneuver.files import find_campaign, find_library, find_mission
 from maneuver.flight_store import FLIGHTS, fly_all, keep_all
 from maneuver.keeping import BusyError, survey
 from maneuver.means import Means
 from maneuver.mission_flights import MissionTask
-
-ROOT = Path(__file__).parents[1]
 
 
 @pytest.fixture(scope="module")
@@ -219,92 +211,6 @@ def test_a_file_that_is_called_published_is_on_the_disk_with_its_name_and_its_fo
     publish_bytes(b"content", tmp_path / "new" / "newer" / "file", disk=Noting())
     assert steps == [f"sync {tmp_path.name}/", "sync new/", "sync", "rename file", "sync newer/"]
     assert publishing.partials(tmp_path / "new" / "newer") == []
-
-
-@pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
-def test_a_campaign_stopped_by_a_signal_says_so_and_resumes(tmp_path: Path, stop: signal.Signals) -> None:
-    campaign = write_small_campaign(tmp_path, flights=12)
-    words = ["fly", "--campaign", str(campaign), "--out", str(tmp_path / "flights"), "--workers", "2"]
-    command = [sys.executable, "-m", "maneuver", *words]
-    with subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True) as process:
-        while process.poll() is None and not list(tmp_path.glob("flights/small-*.mcap")):
-            time.sleep(0.02)
-        workers = children(process.pid)
-        process.send_signal(stop)
-        said = process.communicate()[1]
-    there = len(list(tmp_path.glob("flights/small-*.mcap")))
-    assert 0 < there < 12
-    if stop is signal.SIGKILL:
-        assert process.returncode == -stop
-    else:
-        assert process.returncode == 128 + stop
-        assert len(said.splitlines()) == 1
-        assert "the same command goes on from there" in said
-        assert not publishing.partials(tmp_path / "flights")
-    deadline = time.monotonic() + 20
-    while any(map(alive, workers)):
-        assert time.monotonic() < deadline, "workers outlive the program that started them"
-        time.sleep(0.05)
-    assert run([*words, "--status"]) == 1
-    seen = [read_log(path).header.name for path in sorted(tmp_path.glob("flights/small-*.mcap"))]
-    assert len(seen) == len(set(seen)) >= there
-
-
-def children(parent: int) -> list[int]:
-    return [int(word) for word in Path(f"/proc/{parent}/task/{parent}/children").read_text().split()]
-
-
-def alive(process: int) -> bool:
-    try:
-        return "State:\tZ" not in Path(f"/proc/{process}/status").read_text()
-    except OSError:
-        return False
-
-
-def test_status_says_what_is_there_and_flies_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    campaign = write_small_campaign(tmp_path, flights=2)
-    words = ["--campaign", str(campaign), "--flights", "2"]
-    fly = ["fly", *words, "--out", str(tmp_path / "flights")]
-    assert run([*fly, "--status", "--json"]) == 1
-    said = json.loads(capsys.readouterr().out)
-    assert (said["flights"], said["whole"], said["missing"]) == (
-        2,
-        [],
-        ["small-0000.mcap", "small-0001.mcap"],
-    )
-    assert not (tmp_path / "flights").exists()
-    assert run([*fly, "--workers", "1"]) == 0
-    assert run([*fly, "--status"]) == 0
-    # The same flights serve a regeneration, which says the same of them.
-    make = ["regenerate", *words, "--logs", str(tmp_path / "flights"), "--out", str(tmp_path / "made.json")]
-    assert run([*make, "--status"]) == 0
-    assert not (tmp_path / "made.json").exists()
-
-
-def test_a_regeneration_that_was_finished_is_known_again_and_another_is_not(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    campaign, out = write_small_campaign(tmp_path, flights=2), tmp_path / "made.json"
-    words = ["regenerate", "--campaign", str(campaign), "--out", str(out), "--workers", "1"]
-    assert run(words) == 0
-    assert not (tmp_path / "made-flights").exists()
-    made, stamp = out.read_bytes(), out.stat().st_mtime_ns
-    capsys.readouterr()
-    assert run(words) == 0
-    assert "nothing is flown" in capsys.readouterr().err
-    assert (out.read_bytes(), out.stat().st_mtime_ns) == (made, stamp)
-    assert run([*words, "--seed", "2"]) == 2
-    assert run([*words, "--trim-errors", "averaged"]) == 2
-    assert out.read_bytes() == made
-    # Killed between the library and its data sheet, with the flights there: the sheet is made.
-    logs = ["--logs", str(tmp_path / "kept")]
-    assert run([*words, *logs, "--force"]) == 0
-    sheet = out.with_suffix(".md").read_bytes()
-    out.with_suffix(".md").unlink()
-    assert run([*words, *logs]) == 0
-    assert (out.read_bytes(), out.with_suffix(".md").read_bytes()) == (made, sheet)
 
 
 @pytest.fixture(scope="module")

@@ -23,8 +23,6 @@ from pathlib import Path
 from random import Random
 from types import FrameType
 
-from scipy.stats import binomtest
-
 import campaigns
 import libraries
 import missions
@@ -36,6 +34,7 @@ from flight.sequence import read_sequence
 from maneuver.app import BAD_INPUT, run
 
 from .mutations import changed_bytes, changed_json, changed_log, changed_toml
+from .upper_limit import upper_limit
 
 LONGEST = 5
 """Seconds of computing: the machine may be busy with something else."""
@@ -179,7 +178,7 @@ def main() -> None:
     for (kind_name, result), count in sorted(outcomes.items()):
         print(f"{kind_name:10s} {count:6d}  {result}")
     wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
-    upper = binomtest(wrong, arguments.mutations).proportion_ci(0.9, method="exact").high
+    upper = upper_limit(wrong, arguments.mutations)
     print(f"{wrong} of {arguments.mutations} wrong; 95 % upper limit {100 * upper:.3f} %")
 
 

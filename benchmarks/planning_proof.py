@@ -22,6 +22,7 @@ from planner.worst_case import WorstCase
 
 from .brute_force import brute_force
 from .planning_missions import random_mission, shipped_libraries
+from .upper_limit import upper_limit
 
 LEVELS = (0.0, 0.05, 0.1, 0.3, 0.5, 0.8, 1.0)
 DEPTHS = (1, 2, 3, 4, 5)
@@ -58,8 +59,8 @@ def main(missions: int, brute: int, proofs: int, seed: int) -> int:
     print(f"{missions} missions: {dict(statuses)}")
     print(f"  brute force found the same cost within {AGREEMENT:g} s {tried['same']} times")
     for what in ("failed the check", "above brute force", "called infeasible wrongly", "not certified"):
-        limit = f"; at most {100 * _limit(tried[what]):.3g} % with 95 % confidence" if not wrong[what] else ""
-        print(f"  {what}: {wrong[what]} of {tried[what]}{limit}")
+        limit = 100 * upper_limit(wrong[what], tried[what])
+        print(f"  {what}: {wrong[what]} of {tried[what]}; at most {limit:.3g} % with 95 % confidence")
     return wrong.total()
 
 
@@ -84,11 +85,6 @@ def _compare(
     wrong["called infeasible wrongly"] += lost
     if above or lost:
         print(f"{plan.status} {plan.cost} s, brute force {cost} s: {library.name} {plan.gamma} {mission}")
-
-
-def _limit(count: int) -> float:
-    """Returns the upper limit of a share of which none was seen, with 95 % confidence."""
-    return float(1 - 0.05 ** (1 / count)) if count else 1.0
 
 
 if __name__ == "__main__":

@@ -10,9 +10,9 @@ import random
 from collections import Counter
 from pathlib import Path
 
-from scipy.stats import binomtest
-
 from flight.log_recovery import Salvage, holds, recovered_bytes, salvage
+
+from .upper_limit import upper_limit
 
 
 def main() -> None:
@@ -36,7 +36,7 @@ def main() -> None:
     for outcome, count in outcomes.most_common():
         print(f"{count:6d} of {arguments.truncations} {outcome}")
     wrong = sum(count for outcome, count in outcomes.items() if outcome.startswith("wrong"))
-    upper = binomtest(wrong, arguments.truncations).proportion_ci(0.9, method="exact").high
+    upper = upper_limit(wrong, arguments.truncations)
     print(f"{wrong:6d} of {arguments.truncations} wrong; 95 % upper limit {100 * upper:.2f} %")
 
 

@@ -5,6 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from .alarm import ALARM, alarms_of
 from .arrival import first_arrival
 from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from .errors import FlightError
@@ -29,7 +30,7 @@ class Event:
     Attributes:
         time: seconds since the flight's start.
         level: how serious it is.
-        source: `primitive`, `plan`, `fault`, `goal`, `log` or `flight`.
+        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log` or `flight`.
         text: one sentence.
     """
 
@@ -42,7 +43,7 @@ class Event:
 def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight, by time; an attachment that is broken is an event too."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _arrival):
+    for part in (_primitives, _plannings, _faults, _alarms, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -88,6 +89,13 @@ def _faults(log: FlightLog) -> list[Event]:
         Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
         for number, flown in faults_flown(log).items()
     ]
+
+
+def _alarms(log: FlightLog) -> list[Event]:
+    if ALARM.name not in log.series:
+        return []
+    found = alarms_of(log[ALARM])
+    return [Event(alarm.time, Level.ERROR, "alarm", alarm.sentence) for alarm in found]
 
 
 def _arrival(log: FlightLog) -> list[Event]:

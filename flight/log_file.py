@@ -21,6 +21,7 @@ from mcap.reader import SeekingReader
 from mcap.records import ChunkIndex
 from mcap.summary import Summary
 
+from .alarm import ALARM
 from .decision import DECISION
 from .errors import AlreadyExistsError, BadFileError, CannotWriteError
 from .log import TOPICS, FlightHeader, FlightLog, Series, Topic
@@ -153,7 +154,7 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
 
 
 def _parse_series(content: bytes, summary: Summary) -> dict[str, Series]:
-    by_name = {topic.name: topic for topic in (*TOPICS, DECISION)}
+    by_name = {topic.name: topic for topic in (*TOPICS, DECISION, ALARM)}
     topics = {
         channel.id: by_name[channel.topic]
         for channel in summary.channels.values()

@@ -12,6 +12,7 @@ from flight.library_file import library_hash
 from flight.log_file import publish_bytes
 from flight.version import VERSION
 from sim.parameters import model_hash
+from sim.specification import Departure
 
 from .files import refuse_existing
 from .mission_flights import MissionResult, MissionTask, fly_mission
@@ -53,6 +54,8 @@ def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: 
         "seed": task.seed,
         "settings": asdict(task.settings),
         "max_nodes": task.max_nodes,
+        "departure": TypeAdapter(Departure).dump_python(task.departure, mode="json"),
+        "envelope": asdict(task.envelope),
         "log": None if task.log is None else str(task.log),
     }
     name = hashlib.sha256(json.dumps(content, sort_keys=True).encode()).hexdigest()[:24]

@@ -10,7 +10,10 @@ from typing import Literal
 
 import numpy as np
 
+from flight.alarm import ALARM, Alarm, alarms_of
 from flight.decision import DECISION, decision_series
+from flight.envelope import SAFE, Exit, SafeEnvelope, first_exit
+from flight.fault_record import fault_effects
 from flight.library import Library
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
@@ -25,7 +28,7 @@ from planner.receding_horizon import Settings, fly
 from planner.remainder import Step
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
-from sim.specification import DEFAULT_ALTITUDE, PLAIN, Departure, FlightSpecification, pose
+from sim.specification import DEFAULT_ALTITUDE, SUPERVISED, Departure, FlightSpecification, pose
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
@@ -59,6 +62,7 @@ class MissionTask:
         settings: how the loop is closed.
         max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
         departure: of the helicopter's flight from the plain one.
+        envelope: in which the helicopter counts as safe.
         log: where the flight log goes; None keeps none.
         force: overwrite the log.
     """
@@ -72,7 +76,8 @@ class MissionTask:
     plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
     max_nodes: int | None = None
-    departure: Departure = PLAIN
+    departure: Departure = SUPERVISED
+    envelope: SafeEnvelope = SAFE
     log: Path | None = None
     force: bool = False
 
@@ -104,6 +109,9 @@ class MissionResult:
         planning_times: seconds of the processor that each planning took; they do not repeat.
         performances: of the helicopter's primitives beside their errors.
         legs: what was flown.
+        alarms: that the helicopter raised.
+        left: where it left its safe envelope; None where it did not.
+        effects: the largest of each of its faults, in the order asked for; 0 where one did not act.
     """
 
     mission: str
@@ -113,6 +121,7 @@ class MissionResult:
     wind: str
     seed: int
     reached: bool
+    claimed: bool
     flown_time: float
     predicted_time: float | None
     closest: float | None
@@ -124,6 +133,9 @@ class MissionResult:
     planning_times: tuple[float, ...] = ()
     performances: tuple[Performance, ...] = ()
     legs: tuple[LegFlown, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    left: Exit | None = None
+    effects: tuple[float, ...] = ()
 
 
 def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
@@ -150,11 +162,16 @@ def mission_seed(seed: int, mission: str, number: int) -> int:
 def fly_mission(task: MissionTask) -> MissionResult:
     """Flies a mission once, and keeps the helicopter's log where one is wanted."""
     judged: tuple[Performance, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    left: Exit | None = None
+    effects: tuple[float, ...] = ()
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
         flown, log = fly_helicopter(task, planner)
-        judged = performances(log)
+        judged, left = performances(log), first_exit(log, task.envelope)
+        alarms = alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+        effects = fault_effects(log)
         if task.log is not None:
             publish_log(log, task.log, force=task.force)
     else:
@@ -167,6 +184,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         wind=task.wind,
         seed=task.seed,
         reached=flown.reached,
+        claimed=flown.claimed,
         flown_time=flown.flown_time,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest if isfinite(flown.closest) else None,
@@ -178,6 +196,9 @@ def fly_mission(task: MissionTask) -> MissionResult:
         planning_times=tuple(planner.times),
         performances=judged,
         legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        alarms=alarms,
+        left=left,
+        effects=effects,
     )
 
 

@@ -40,8 +40,9 @@ def fly(
 
     A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
     is used up, its way to rest is flown. Nothing that is flown so can reach the goal: that takes a plan. The
-    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost,
-    or at the limit of plannings.
+    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost
+    or finds something wrong with itself, or at the limit of plannings. It ends where the vehicle takes itself
+    to be at the goal; whether it is, is judged on its true track.
 
     Args:
         vehicle: what flies; its pose is what it believes.
@@ -68,7 +69,7 @@ class _Loop:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
         self._library, self._settings = library, settings
         self._hash = library_hash(library)
-        self._record = FlightRecord(goal)
+        self._record = FlightRecord(goal, settings.certainty)
         self._left = Remainder(vehicle.trim, tail=way_to_rest(library, vehicle.trim))
         self._levels: Levels | None = None
         self._level = 0.0
@@ -84,13 +85,13 @@ class _Loop:
         reason = f"{self._settings.max_activations} plannings did not lead to the goal"
         for _ in range(self._settings.max_activations):
             ended = self._activate()
-            if self._record.arrived:
+            if self._record.claimed:
                 reason = "reached the goal"
                 break
             if ended:
                 reason = ended
                 break
-        if not self._record.arrived and not self._lost and self._record.legs:
+        if not self._record.claimed and not self._lost and self._record.legs:
             self._come_to_rest()
         return self._record.close(self._vehicle.time, reason)
 
@@ -210,8 +211,10 @@ class _Loop:
         self._retreat()
         while self._left.trims:
             step, self._left = self._left.step(0.0)
-            if self._fly((step,)):
+            if self._fly((step,)) and self._record.decisions[-1].kind is not DecisionKind.ALARM:
                 return
+        if self._settings.wait:
+            self._fly((Step(self._vehicle.trim, self._settings.wait),))
 
     def _fly(self, steps: tuple[Step, ...]) -> str:
         """Flies steps, notes them, and learns from them.
@@ -233,6 +236,9 @@ class _Loop:
                 return str(error)
             on_a_plan = not self._record.refused or not self._record.plans
             self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.fallback)
+            if leg.alarm:
+                self._record.decide(vehicle.time, DecisionKind.ALARM, cost=inf, level=self._level)
+                return f"alarm: {leg.alarm}"
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
             if self._levels is not None:

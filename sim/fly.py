@@ -1,23 +1,11 @@
 """The flight loop: the simulated helicopter as a `flight.vehicle.Vehicle` that keeps its log."""
 
-import json
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
 
 from flight.errors import FlightLostError, NoManeuverEndError
 from flight.library import Library
-from flight.library_file import library_text
-from flight.log import (
-    INITIAL_STATE_ATTACHMENT,
-    LIBRARY_ATTACHMENT,
-    MODEL_ATTACHMENT,
-    SPECIFICATION_ATTACHMENT,
-    VEHICLE_ATTACHMENT,
-    FlightHeader,
-    FlightLog,
-    PrimitiveKind,
-)
+from flight.log import FlightHeader, FlightLog, PrimitiveKind
 from flight.maneuver import Maneuver
 from flight.maneuver_end import ManeuverEndJudge, Verdict
 from flight.se2 import SE2
@@ -33,11 +21,13 @@ from .helicopter import Helicopter, move_in_plane
 from .maneuver_generator import ManeuverGenerator
 from .motion import Motion
 from .navigation import IdealNavigation, Navigation, Navigator
-from .parameters import Parameters, model_hash, model_text, read_parameters
+from .parameters import Parameters, model_hash, read_parameters
 from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
+from .repeating_files import repeating_files
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
+from .supervisor import Supervisor
 from .wind import DrydenWind, wind_class
 
 
@@ -52,6 +42,9 @@ class SimulatedHelicopter:
         parameters: the vehicle; that of `models/gtmax.toml` where None.
         gains: of the controller.
         backend: what evaluates expressions; the best that there is where None. No number depends on it.
+
+    Attributes:
+        supervisor: what watches the flight; None where nothing does.
 
     Raises:
         NoManeuverEndError: the library does not say when a maneuver has ended.
@@ -102,6 +95,7 @@ class SimulatedHelicopter:
         # What runs before the helicopter moves.
         self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
         self._faults: Faults | None = None
+        self.supervisor: Supervisor | None = None
         self._periods = 0
         self._timed_out = False
         self._outcome = "completed"
@@ -124,6 +118,8 @@ class SimulatedHelicopter:
                 parts=self._parts,
             )
             self._parts = faults.parts
+        if specification.supervised and self._lost is None:
+            self.supervisor = Supervisor(signals, self.navigation, height=specification.altitude)
 
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
@@ -174,7 +170,7 @@ class SimulatedHelicopter:
         return Motion._make(self._signals.truth.tolist())
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim for a time in seconds, to the nearest control period.
+        """Holds the trim for a time in seconds, to the nearest control period, or to its first alarm.
 
         Raises:
             FlightLostError: the flight ended in the ground or diverged.
@@ -184,10 +180,12 @@ class SimulatedHelicopter:
         with self._keeping(first):
             for _ in range(round(duration / CONTROL_PERIOD)):
                 self._advance()
+                if self._alarm_since(first):
+                    break
         return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver to its end, judged on the estimate, or to its time-out.
+        """Performs a maneuver to its end, judged on the estimate, to its time-out or to its first alarm.
 
         Raises:
             ValueError: the maneuver leaves another trim than the one held.
@@ -205,7 +203,7 @@ class SimulatedHelicopter:
         judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
         verdict = Verdict.UNDER_WAY
         with self._keeping(first):
-            while verdict is Verdict.UNDER_WAY:
+            while verdict is Verdict.UNDER_WAY and not self._alarm_since(first):
                 self._advance()
                 if self._periods % PERIODS_A_SAMPLE == 0:
                     verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
@@ -218,13 +216,25 @@ class SimulatedHelicopter:
         try:
             yield
         except FlightLostError as error:
-            error.track = self._recorder.track(first, self._periods)
+            error.track, _ = self._recorder.tracks(first, self._periods)
             raise
 
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
-        track = self._recorder.track(first, self._periods)
-        return Leg((self._periods - first) / CONTROL_RATE, settled=settled, track=track)
+        track, believed = self._recorder.tracks(first, self._periods)
+        return Leg(
+            (self._periods - first) / CONTROL_RATE,
+            settled=settled,
+            track=track,
+            believed=believed,
+            spread=self._recorder.spread(first, self._periods),
+            alarm=self._alarm_since(first),
+        )
+
+    def _alarm_since(self, period: int) -> str:
+        """Returns the first alarm of the flight, if it was raised after a control period."""
+        alarms = () if self.supervisor is None else self.supervisor.alarms
+        return alarms[0].sentence if alarms and alarms[0].time > period / CONTROL_RATE else ""
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
         """Returns the log of the flight up to now.
@@ -244,16 +254,10 @@ class SimulatedHelicopter:
             backend=name_backend(self._backend),
             outcome=self._outcome,
         )
-        files = {
-            SPECIFICATION_ATTACHMENT: specification.to_json(),
-            LIBRARY_ATTACHMENT: library_text(self._library).encode(),
-            VEHICLE_ATTACHMENT: json.dumps(asdict(self._parameters), indent=1).encode(),
-            MODEL_ATTACHMENT: model_text(),
-            INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
-            **(attachments or {}),
-        }
-        log = self._recorder.log(header, files)
-        return log if self._faults is None else self._faults.add_to(log)
+        files = repeating_files(specification, self._library, self._parameters, self._initial_state)
+        log = self._recorder.log(header, {**files, **(attachments or {})})
+        log = log if self._faults is None else self._faults.add_to(log)
+        return log if self.supervisor is None else self.supervisor.add_to(log)
 
     def _advance(self) -> None:
         """Flies one control period."""
@@ -276,6 +280,8 @@ class SimulatedHelicopter:
         self._recorder.add_motion()
         if self._faults:
             self._faults.note()
+        if self.supervisor:
+            self.supervisor.run()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
         self._recorder.add_primitive(

@@ -1,5 +1,6 @@
 """What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
 
+import operator
 from dataclasses import dataclass, fields
 
 from pydantic import Field, FiniteFloat, model_validator
@@ -38,6 +39,7 @@ class Departure:
     ideal_navigation: bool = False
     adaptive: bool = True
     faults: tuple[Fault, ...] = ()
+    supervised: bool = False
 
     def __post_init__(self) -> None:
         """Refuses sensors that fail where there are none."""
@@ -47,6 +49,7 @@ class Departure:
 
 
 PLAIN = Departure()
+SUPERVISED = Departure(supervised=True)
 
 
 class FlightSpecification(FileModel):
@@ -63,6 +66,7 @@ class FlightSpecification(FileModel):
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
         faults: what goes wrong, with times from time 0.
+        supervised: whether the vehicle watches itself, and breaks off what it does at its first alarm.
         start: true pose at time 0.
         start_trim: id of the trim held at time 0, and for the settling time before it.
         settling_time: s.
@@ -80,6 +84,7 @@ class FlightSpecification(FileModel):
     altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
     ideal_navigation: bool = False
     faults: tuple[Fault, ...] = ()
+    supervised: bool = Field(default=False, exclude_if=operator.not_)
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
@@ -97,7 +102,7 @@ class FlightSpecification(FileModel):
     @model_validator(mode="after")
     def _something_that_can_fail(self) -> "FlightSpecification":
         try:
-            Departure(self.ideal_navigation, self.adaptive, self.faults)
+            Departure(self.ideal_navigation, self.adaptive, self.faults, self.supervised)
         except NoSensorsError as error:
             raise ValueError(str(error)) from None
         return self

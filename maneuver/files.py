@@ -29,7 +29,16 @@ def find_library(name: str) -> Library:
     Raises:
         FlightError: there is none, or it is broken.
     """
-    return read_library(_find("library", name, libraries.FOLDER, ".json"))
+    return read_library(library_path(name))
+
+
+def library_path(name: str) -> Path:
+    """Returns where a library is, by path or shipped name.
+
+    Raises:
+        NoSuchFileError: there is none.
+    """
+    return _find("library", name, libraries.FOLDER, ".json")
 
 
 def find_mission(name: str) -> Mission:

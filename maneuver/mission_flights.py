@@ -2,7 +2,7 @@
 
 import hashlib
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field, replace
 from math import isfinite
 from pathlib import Path
@@ -19,19 +19,23 @@ from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
 from flight.mission import Mission
 from flight.plan import plan_content
-from flight.vehicle import Leg, Vehicle
+from flight.vehicle import Vehicle
 from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
 from planner.flown import Flown
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.receding_horizon import Settings, fly
-from planner.remainder import Step
+from planner.tube import leaves_tube
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
 from sim.specification import DEFAULT_ALTITUDE, SUPERVISED, Departure, FlightSpecification, pose
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
+from .mission_result import LegFlown as LegFlown
+from .mission_result import MissionResult as MissionResult
+from .mission_result import leg_flown
+from .mission_result import walk_flown as walk_flown
 from .policies import FlownPolicy
 from .timed_planner import TimedPlanner
 
@@ -43,8 +47,8 @@ Plant = Literal["helicopter", "random"] | float
 """What flies: the simulated helicopter; the automaton, its primitives with errors that know nothing of one
 another; or the automaton at one true gamma."""
 
-TRACK_STEP = 0.2
-"""Seconds between the points of a track that is kept for pictures."""
+TUBES = (1.0, 0.7)
+"""Shares of the library's errors that tubes are made of: what it claims, and what it does not."""
 
 
 @dataclass(frozen=True)
@@ -82,74 +86,6 @@ class MissionTask:
     force: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class LegFlown:
-    """One primitive of a closed-loop flight, for pictures.
-
-    Attributes:
-        trim: id of the trim held at its begin.
-        to_trim: id of the trim that a maneuver leads to; None for a coast.
-        start: seconds since the flight's start.
-        duration: seconds.
-        track: north and east in metres, to the millimetre, along the true track.
-    """
-
-    trim: int
-    to_trim: int | None
-    start: float
-    duration: float
-    track: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class MissionResult:
-    """What a closed-loop flight came to: `planner.flown.Flown` without plans.
-
-    Attributes:
-        planning_times: seconds of the processor that each planning took; they do not repeat.
-        performances: of the helicopter's primitives beside their errors.
-        legs: what was flown.
-        alarms: that the helicopter raised.
-        left: where it left its safe envelope; None where it did not.
-        effects: the largest of each of its faults, in the order asked for; 0 where one did not act.
-    """
-
-    mission: str
-    policy: FlownPolicy
-    gamma: float
-    plant: str
-    wind: str
-    seed: int
-    reached: bool
-    claimed: bool
-    flown_time: float
-    predicted_time: float | None
-    closest: float | None
-    activations: int
-    failures: int
-    fallbacks: int
-    reason: str
-    log: Path | None
-    planning_times: tuple[float, ...] = ()
-    performances: tuple[Performance, ...] = ()
-    legs: tuple[LegFlown, ...] = ()
-    alarms: tuple[Alarm, ...] = ()
-    left: Exit | None = None
-    effects: tuple[float, ...] = ()
-
-
-def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
-    """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
-    trims, held = [legs[0].trim], [0.0]
-    for leg in legs:
-        if leg.to_trim is None:
-            held[-1] += leg.duration
-        else:
-            trims.append(leg.to_trim)
-            held.append(0.0)
-    return trims, held
-
-
 def mission_seed(seed: int, mission: str, number: int) -> int:
     """Returns the seed of one flight of a mission: other air than any campaign's, or other mission's.
 
@@ -165,6 +101,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
     alarms: tuple[Alarm, ...] = ()
     left: Exit | None = None
     effects: tuple[float, ...] = ()
+    left_tube: tuple[tuple[float, float | None], ...] = ()
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
@@ -172,6 +109,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
         judged, left = performances(log), first_exit(log, task.envelope)
         alarms = alarms_of(log[ALARM]) if ALARM.name in log.series else ()
         effects = fault_effects(log)
+        left_tube = tuple((share, _left_tube(task.library, flown, share)) for share in TUBES)
         if task.log is not None:
             publish_log(log, task.log, force=task.force)
     else:
@@ -195,10 +133,11 @@ def fly_mission(task: MissionTask) -> MissionResult:
         log=task.log,
         planning_times=tuple(planner.times),
         performances=judged,
-        legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        legs=tuple(leg_flown(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
         alarms=alarms,
         left=left,
         effects=effects,
+        left_tube=left_tube,
     )
 
 
@@ -257,13 +196,8 @@ def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) ->
     return fly(vehicle, task.mission, planner=planner, library=task.library, settings=task.settings)
 
 
-def _leg(step: Step, leg: Leg) -> LegFlown:
-    """Keeps a point of the track now and then, and both ends."""
-    times = leg.track[:, 0]
-    wanted = np.arange(times[0], times[-1], TRACK_STEP)
-    rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
-    track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
-    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
+def _left_tube(library: Library, flown: Flown, share: float) -> float | None:
+    return leaves_tube(library, flown.steps, flown.legs, flown.times, share=share)
 
 
 def _mission_json(task: MissionTask) -> bytes:

@@ -31,6 +31,7 @@ from .files import find_library, find_mission, refuse_existing
 from .numbers import Count, Seconds
 from .policies import PlannedPolicy
 from .prices import png, show_prices
+from .promised import promised_times, with_promise
 from .signs import signs
 
 NO_PLAN = 1
@@ -120,6 +121,7 @@ def plan(
     ).plan(task)
     if certify:
         answer = certified(answer, primitives, task)
+    answer = with_promise(answer, task, promised_times(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
@@ -219,6 +221,8 @@ def show(answer: Plan, library: Library) -> None:
     console.print(f"{answer.status}, {verdict}{bound}; {1e3 * answer.solve_time:.0f} ms", soft_wrap=True)
     if answer.reason:
         console.print(answer.reason, soft_wrap=True)
+    if answer.time_promise is not None:
+        console.print(answer.time_promise.sentence(answer.cost), soft_wrap=True)
 
 
 def _planner(

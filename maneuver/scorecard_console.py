@@ -39,6 +39,13 @@ def show(card: Scorecard) -> None:
                 f"{promise.kept.count} of {promise.kept.of} are",
                 soft_wrap=True,
             )
+    for tube in card.tubes:
+        verdict = "refutes" if tube.refuted else "does not refute"
+        console.print(
+            f"{tube.wind}: {tube.left} of {tube.flights} flights left the tube of {tube.share:g} times the "
+            f"errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
+            soft_wrap=True,
+        )
 
 
 def _where(cells: Sequence[Cell]) -> str:

@@ -71,7 +71,8 @@ class ControlLaw:
         )
         inputs = _network_inputs(seen)
         learnt = element.output(weights, inputs)
-        tilt, free = self._tilt(seen, wanted, learnt)
+        excess_yaw = self._excess_yaw(seen, wanted, memory)
+        tilt, free = self._tilt(seen, wanted, learnt, wanted.yaw + excess_yaw)
         model, model_rates = _model(memory)
         asked = self._reference_model(wanted, tilt, memory)
         errors = Errors(
@@ -98,23 +99,35 @@ class ControlLaw:
         bar_back, bar_right = self._bar(cyclic, body_rates, memory)
         return controls, Memory(
             *(model[0], model_rates[0], model[1], model_rates[1]),
-            *(bar_back, bar_right, errors.heading, servos),
+            *(bar_back, bar_right, errors.heading, excess_yaw, servos),
             *(ca.vec(trained.inner), ca.vec(trained.outer)),
         )
 
-    def _tilt(self, seen: Seen, wanted: Wanted, learnt: ca.SX) -> tuple[ca.SX, ca.SX]:
-        """Returns roll and pitch beyond the trim's, and whether they are within their limit (1 or 0)."""
+    def _tilt(self, seen: Seen, wanted: Wanted, learnt: ca.SX, turn: ca.SX) -> tuple[ca.SX, ca.SX]:
+        """Returns roll and pitch beyond the trim's, and whether they are within their limit (1 or 0).
+
+        `turn` is the yaw rate of the turn that is believed to be flown.
+        """
         gains, gravity = self._gains, self._parameters.environment.gravity
         c, s = ca.cos(seen.heading), ca.sin(seen.heading)
         learnt_forward, learnt_side = c * learnt[0] + s * learnt[1], -s * learnt[0] + c * learnt[1]
         # The trim holds the reference's own turn; what the vehicle flies differs by this.
         forward = wanted.forward_rate + gains.velocity * (wanted.forward - seen.forward)
-        forward -= seen.yaw_rate * seen.side + learnt_forward
+        forward -= turn * seen.side + learnt_forward
         side = wanted.side_rate + gains.velocity * (wanted.side - seen.side)
-        side += seen.yaw_rate * seen.forward - wanted.yaw * wanted.forward - learnt_side
+        side += turn * seen.forward - wanted.yaw * wanted.forward - learnt_side
         tilt = ca.vertcat(side, -forward) / gravity
         limited = ca.fmax(-gains.tilt_limit, ca.fmin(gains.tilt_limit, tilt))
         return limited, ca.if_else(ca.norm_1(tilt - limited) > 0, 0, 1)
+
+    def _excess_yaw(self, seen: Seen, wanted: Wanted, memory: Memory) -> ca.SX:
+        """Returns the yaw rate past the reference's that is believed to be a turn.
+
+        Banking at once for all of it closes a loop through roll and tail whose gain is speed over gravity:
+        0.3 rad of bank for each rad/s at 10 ft/s, 2.5 rad at 80 ft/s, where it swings.
+        """
+        keep = ca.exp(-self._step / self._gains.turn_time)
+        return keep * memory.excess_yaw + (1.0 - keep) * (seen.yaw_rate - wanted.yaw)
 
     def _reference_model(self, wanted: Wanted, tilt: ca.SX, memory: Memory) -> ca.SX:
         """Returns the angular accelerations in roll and pitch that the reference model asks for."""

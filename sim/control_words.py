@@ -26,7 +26,10 @@ class InversionModel(NamedTuple):
 
 
 class Memory(NamedTuple):
-    """What the controller remembers: reference model, bar and servos as reckoned, heading error, weights."""
+    """What the controller remembers: reference model, bar and servos as reckoned, yaw, weights.
+
+    `excess_yaw` is the yaw rate past the reference's that is believed to be a turn, rad/s.
+    """
 
     roll: ca.SX
     roll_rate: ca.SX
@@ -35,12 +38,13 @@ class Memory(NamedTuple):
     bar_back: ca.SX
     bar_right: ca.SX
     heading_error: ca.SX
+    excess_yaw: ca.SX
     servos: ca.SX
     inner_weights: ca.SX
     outer_weights: ca.SX
 
 
-MEMORY_SIZES = (1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
+MEMORY_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
 """Entries of each part, in the order in which they are laid out."""
 
 

@@ -103,7 +103,7 @@ def first_memory(trim: TrimPoint) -> np.ndarray:
     """Returns the memory of a controller that has always held a trim."""
     parts = (
         *(trim.roll, 0.0, trim.pitch, 0.0),
-        *(0.0, 0.0, 0.0),
+        *(0.0, 0.0, 0.0, 0.0),
         trim[2:],
         element.first_inner_weights(),
         np.zeros(element.OUTER_WEIGHTS),

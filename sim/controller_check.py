@@ -1,6 +1,6 @@
 """What is asked of the controller: margins at every trim, delay, and what the adaptive element buys."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from .closed_loop import Response, respond
 from .controller import Controller
 from .figure import Figure
 from .gains import Gains
-from .margins import close_loop, margins, stable
+from .margins import PATHS, Loop, close_loop, margins, stable
 from .parameters import Parameters, change_vehicle
 
 GAIN_BAR, PHASE_BAR = 6.0, 45.0
@@ -21,6 +21,9 @@ TRIMS = tuple(
     Twist(speed * _FOOT, 0.0, rate)
     for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
 )
+# Straight flight from where those end to the end of the speed range.
+FAST_FLIGHT = tuple(Twist(speed * _FOOT, 0.0, 0.0) for speed in (16, 32, 48, 64, 80))
+_MASSES = (0.8, 1.0, 1.2)
 _CHANGED = {
     "as believed": {},
     "mass +20 %": {"mass": 1.2},
@@ -38,23 +41,38 @@ _WILD = 1.0
 def check_margins(
     parameters: Parameters, *, gains: Gains | None = None, extra_delay: float = 0.0
 ) -> Iterator[Figure]:
-    """Yields, for every path, its smallest margins over all trims and masses, with the full delay."""
+    """Yields, for every path, its smallest margins over trims and masses, with the full delay.
+
+    First at the trims of Table 9, then in straight flight up to 80 ft/s.
+    """
     controller = Controller(parameters, height=_HEIGHT, step=_STEP, gains=gains)
-    worst: dict[str, tuple[float, float]] = {}
-    settled = True
-    for mass in (0.8, 1.0, 1.2):
-        vehicle = change_vehicle(parameters, mass=mass, extra_delay=extra_delay)
-        for velocity in TRIMS:
-            loop = close_loop(vehicle, controller, parameters, velocity, height=_HEIGHT, step=_STEP)
-            settled = settled and stable(loop)
-            for path, margin in margins(loop).items():
-                gain, phase = worst.get(path, (np.inf, np.inf))
-                worst[path] = min(gain, margin.gain), min(phase, margin.phase)
-    where = f"{len(TRIMS)} trims, mass -20 %, 0, +20 %"
-    for path, (gain, phase) in worst.items():
-        yield Figure("margins", f"gain at {path}", gain, "dB", low=GAIN_BAR, beside=where)
-        yield Figure("margins", f"phase at {path}", phase, "deg", low=PHASE_BAR, beside=where)
-    yield Figure("margins", "loops that settle, share", float(settled), "-", low=1.0, beside=where)
+    for velocities, where, prefix in (
+        (TRIMS, f"{len(TRIMS)} trims", ""),
+        (FAST_FLIGHT, "16 to 80 ft/s", "fast, "),
+    ):
+        loops = [
+            close_loop(
+                change_vehicle(parameters, mass=mass, extra_delay=extra_delay),
+                *(controller, parameters, velocity),
+                height=_HEIGHT,
+                step=_STEP,
+            )
+            for mass in _MASSES
+            for velocity in velocities
+        ]
+        yield from _smallest(loops, prefix, beside=f"{where}, mass -20 %, 0, +20 %")
+
+
+def _smallest(loops: Sequence[Loop], prefix: str, *, beside: str) -> Iterator[Figure]:
+    """Yields the smallest margins of every path over all loops, and the share of loops that settle."""
+    found = [margins(loop) for loop in loops]
+    for path in PATHS:
+        gain = min(margin[path].gain for margin in found)
+        phase = min(margin[path].phase for margin in found)
+        yield Figure("margins", f"{prefix}gain at {path}", gain, "dB", low=GAIN_BAR, beside=beside)
+        yield Figure("margins", f"{prefix}phase at {path}", phase, "deg", low=PHASE_BAR, beside=beside)
+    settled = sum(stable(loop) for loop in loops) / len(loops)
+    yield Figure("margins", f"{prefix}loops that settle, share", settled, "-", low=1.0, beside=beside)
 
 
 def check_delay(parameters: Parameters) -> Iterator[Figure]:

@@ -194,8 +194,11 @@ def _response(
     system: tuple[Float[np.ndarray, "..."], ...], turn: Complex[np.ndarray, "n"]
 ) -> Complex[np.ndarray, "n outputs inputs"]:
     a, b, c, d = system
-    # States that reach no output, such as frozen weights, are left out.
-    kept = np.nonzero(np.abs(c).sum(axis=0) + np.abs(a - np.diag(np.diag(a))).sum(axis=0))[0]
+    # States that reach nothing or that nothing reaches, such as frozen weights, are left out.
+    across = np.abs(a - np.diag(np.diag(a)))
+    reaching = np.abs(c).sum(axis=0) + across.sum(axis=0)
+    reached = np.abs(b).sum(axis=1) + across.sum(axis=1)
+    kept = np.nonzero(reaching * reached)[0]
     a, b, c = a[np.ix_(kept, kept)], b[kept], c[:, kept]
     inverse = np.linalg.solve(
         turn[:, None, None] * np.eye(len(a)) - a, np.broadcast_to(b, (len(turn), *b.shape))

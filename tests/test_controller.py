@@ -63,6 +63,57 @@ def test_margins_are_missed_by_gains_too_high_or_delay_too_long(gains: Gains, ex
     assert not all(figure.holds for figure in figures)
 
 
+def nudged(velocity: Twist, *, gains: Gains | None = None, adaptive: bool = True) -> Response:
+    """Flies on for 30 s after a second of something else: 1 m/s slower, 0.5 m/s sideways, 0.1 rad/s."""
+    nudge = Twist(velocity.forward - 1.0, 0.5, 0.1)
+    return respond([(nudge, 1.0), (velocity, 30.0)], vehicle=PARAMETERS, gains=gains, adaptive=adaptive)
+
+
+def swing(flown: Response, name: str) -> float:
+    """Returns the breadth of an angle's swing in the last 5 s, in degrees."""
+    return float(np.degrees(np.ptp(flown.column(name)[-500:])))
+
+
+# The vehicle banks at once for all of a yaw rate.
+AT_ONCE = replace(Gains(), turn_time=1e-6)
+
+
+@pytest.mark.parametrize("adaptive", [True, False])
+@pytest.mark.parametrize("speed", range(0, 81, 8))
+def test_in_straight_flight_up_to_80_ft_s_nose_and_wings_come_to_rest(speed: float, adaptive: bool) -> None:
+    flown = nudged(Twist(speed * FOOT, 0.0, 0.0), adaptive=adaptive)
+    assert max(swing(flown, name) for name in ("roll", "pitch", "heading")) < 0.02
+    assert np.abs(flown.column("roll_rate")[-500:]).max() < 1e-4
+    assert abs(flown.column("forward")[-1] - speed * FOOT) < 0.1
+
+
+@pytest.mark.parametrize("adaptive", [True, False])
+@pytest.mark.parametrize("speed", [56, 64, 72, 80])
+def test_banking_at_once_for_a_swing_of_the_tail_keeps_it_swinging(speed: float, adaptive: bool) -> None:
+    """The negative control: a turn that is believed without its lag."""
+    flown = nudged(Twist(speed * FOOT, 0.0, 0.0), gains=AT_ONCE, adaptive=adaptive)
+    assert swing(flown, "roll") > 5.0
+    assert swing(flown, "pitch") > 0.5
+
+
+def test_banking_at_once_has_its_margins_at_the_slow_trims_only() -> None:
+    missed = {figure.name for figure in check_margins(PARAMETERS, gains=AT_ONCE) if not figure.holds}
+    assert "fast, gain at lateral" in missed
+    assert "fast, loops that settle, share" in missed
+    assert all(name.startswith("fast, ") for name in missed)
+
+
+@pytest.mark.parametrize(("gains", "calm"), [(Gains(), True), (AT_ONCE, False)])
+def test_who_has_flown_fast_in_turbulence_hovers_as_before(gains: Gains, calm: bool) -> None:
+    speeds = (0, 16, 32, 48, 64, 80, 64, 48, 32, 16, 0)
+    legs = [(Twist(speed * FOOT, 0.0, 0.0), 8.0) for speed in speeds]
+    flown = respond(legs, vehicle=PARAMETERS, gains=gains, wind="gtmax")
+    before, after = (
+        np.abs(flown.column("pitch_rate")[place]).max() for place in (slice(800), slice(-200, None))
+    )
+    assert bool(after < 2.0 * before) == calm
+
+
 def test_margins_of_a_known_loop_are_read_right() -> None:
     # 2 / (s (s + 1)^2): phase -180 deg at 1 rad/s, where the gain is 1; half of it has 6 dB.
     frequencies = np.geomspace(0.01, 100.0, 20_000)

@@ -30,6 +30,11 @@ class AlarmKind(IntEnum):
     HEADING_STUCK = 15
     ALTIMETER_STUCK = 16
     POSITION_UNKNOWN = 17
+    TURBULENCE = 18
+
+
+ADVICE = frozenset({AlarmKind.TURBULENCE})
+"""Alarms that do not end a mission: the vehicle is well, but outside what its library was identified in."""
 
 
 MEANINGS: dict[AlarmKind, tuple[str, str]] = {
@@ -51,6 +56,7 @@ MEANINGS: dict[AlarmKind, tuple[str, str]] = {
     AlarmKind.HEADING_STUCK: ("heading reads the same to the bit", "s"),
     AlarmKind.ALTIMETER_STUCK: ("altimeter reads the same to the bit", "s"),
     AlarmKind.POSITION_UNKNOWN: ("standard deviation of the position, as the filter claims it", "m"),
+    AlarmKind.TURBULENCE: ("wind at 20 ft, as the turbulence shows it", "m/s"),
 }
 """What is watched, and its unit."""
 

@@ -5,7 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from .alarm import ALARM, alarms_of
+from .alarm import ADVICE, ALARM, alarms_of
 from .arrival import first_arrival
 from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from .errors import FlightError
@@ -95,7 +95,15 @@ def _alarms(log: FlightLog) -> list[Event]:
     if ALARM.name not in log.series:
         return []
     found = alarms_of(log[ALARM])
-    return [Event(alarm.time, Level.ERROR, "alarm", alarm.sentence) for alarm in found]
+    return [
+        Event(
+            alarm.time,
+            Level.WARNING if alarm.kind in ADVICE else Level.ERROR,
+            "alarm",
+            alarm.sentence,
+        )
+        for alarm in found
+    ]
 
 
 def _arrival(log: FlightLog) -> list[Event]:

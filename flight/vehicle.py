@@ -22,6 +22,8 @@ class Leg:
         believed: the same as the vehicle believes it; None where that is the truth.
         spread: standard deviation of the believed position in metres, the largest on the way, as the vehicle
             claims it.
+        turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
+            None where it does not know.
         alarm: what the vehicle found wrong with itself, and broke the leg off for; empty where nothing.
     """
 
@@ -30,6 +32,7 @@ class Leg:
     track: Float[np.ndarray, "n 4"]
     believed: Float[np.ndarray, "n 4"] | None = None
     spread: float = 0.0
+    turbulence: float | None = None
     alarm: str = ""
 
 

@@ -55,8 +55,8 @@ class Outcomes:
 def outcomes(case: FaultCase, rows: Sequence[MissionResult]) -> Outcomes:
     """Returns what the flights of a fault came to."""
     came_to = Counter(outcome(row) for row in rows)
-    firsts = [min(row.alarms, key=lambda alarm: alarm.time) for row in rows if row.alarms]
-    passed = [row for row in rows if row.reached and outcome(row) is Outcome.SAFE and not row.alarms]
+    firsts = [min(row.serious_alarms, key=lambda alarm: alarm.time) for row in rows if row.serious_alarms]
+    passed = [row for row in rows if row.reached and outcome(row) is Outcome.SAFE and not row.serious_alarms]
     return Outcomes(
         flights=len(rows),
         acted=sum(map(acted, rows)),

@@ -21,6 +21,8 @@ from flight.mission import Mission
 from flight.plan import plan_content
 from flight.vehicle import Vehicle
 from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
+from planner.calibrated import CalibratedGamma
+from planner.committed import Committed
 from planner.flown import Flown
 from planner.nominal import Nominal
 from planner.policy import Planner
@@ -29,6 +31,7 @@ from planner.tube import leaves_tube
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
 from sim.specification import DEFAULT_ALTITUDE, SUPERVISED, Departure, FlightSpecification, pose
+from sim.wind import wind_class
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
@@ -184,6 +187,11 @@ def planner_of(
     """Returns the planner of a policy for a library."""
     if policy == "nominal":
         return Nominal(library, max_nodes=max_nodes)
+    if policy == "calibrated":
+        wind = wind_class(library.conditions.wind).wind_at_20_ft
+        return CalibratedGamma(library, wind, max_nodes=max_nodes)
+    if policy == "committed":
+        return Committed(library, gamma, max_nodes=max_nodes)
     return WorstCase(library, gamma, max_nodes=max_nodes)
 
 
@@ -193,7 +201,15 @@ def _planner(task: MissionTask) -> Planner:
 
 def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
     planner = planner or _planner(task)
-    return fly(vehicle, task.mission, planner=planner, library=task.library, settings=task.settings)
+    learn = planner.learn if isinstance(planner, TimedPlanner | CalibratedGamma) else None
+    return fly(
+        vehicle,
+        task.mission,
+        planner=planner,
+        library=task.library,
+        settings=task.settings,
+        on_leg=learn,
+    )
 
 
 def _left_tube(library: Library, flown: Flown, share: float) -> float | None:

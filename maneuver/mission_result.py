@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flight.alarm import Alarm
+from flight.alarm import ADVICE, Alarm
 from flight.envelope import Exit
 from flight.vehicle import Leg
 from planner.remainder import Step
@@ -75,6 +75,11 @@ class MissionResult:
     left: Exit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
+
+    @property
+    def serious_alarms(self) -> tuple[Alarm, ...]:
+        """Alarms that end a mission."""
+        return tuple(alarm for alarm in self.alarms if alarm.kind not in ADVICE)
 
 
 def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:

@@ -26,7 +26,7 @@ def outcome(row: MissionResult) -> Outcome:
         return Outcome.WRONG
     if row.left is None:
         return Outcome.SAFE
-    said = min((alarm.time for alarm in row.alarms), default=None)
+    said = min((alarm.time for alarm in row.serious_alarms), default=None)
     return Outcome.LOST if said is not None and said <= row.left.time + GRACE else Outcome.WRONG
 
 

@@ -1,5 +1,6 @@
 """Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -10,7 +11,7 @@ from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import SE2
-from flight.vehicle import Vehicle
+from flight.vehicle import Leg, Vehicle
 
 from .flown import FlightRecord, Flown
 from .levels import Levels
@@ -35,6 +36,7 @@ def fly(
     planner: Planner,
     library: Library,
     settings: Settings | None = None,
+    on_leg: Callable[[Leg], None] | None = None,
 ) -> Flown:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
@@ -50,6 +52,7 @@ def fly(
         planner: the policy; what it answers is checked.
         library: of the maneuvers that plans name.
         settings: how the loop is closed.
+        on_leg: is told every leg that was flown; a planner may learn from it.
 
     Raises:
         NoToleranceError: neither the mission nor the settings give a tolerance above 0.
@@ -59,19 +62,26 @@ def fly(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    return _Loop(vehicle, goal, planner, library, settings).fly()
+    return _Loop(vehicle, goal, planner, library, settings, on_leg=on_leg).fly()
 
 
 class _Loop:
     def __init__(
-        self, vehicle: Vehicle, goal: Mission, planner: Planner, library: Library, settings: Settings
+        self,
+        vehicle: Vehicle,
+        goal: Mission,
+        planner: Planner,
+        library: Library,
+        settings: Settings,
+        *,
+        on_leg: Callable[[Leg], None] | None,
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
-        self._library, self._settings = library, settings
+        self._library, self._settings, self._on_leg = library, settings, on_leg
         self._hash = library_hash(library)
         self._record = FlightRecord(goal, settings.certainty)
         self._left = Remainder(vehicle.trim, tail=way_to_rest(library, vehicle.trim))
-        self._levels: Levels | None = None
+        self._levels = Levels(library, goal.goal)
         self._level = 0.0
         self._lost = False
 
@@ -168,12 +178,10 @@ class _Loop:
 
     def _scenario(self, plan: Plan) -> Scenario:
         """Returns the scenario whose coasting times are flown."""
-        if self._levels is None:
-            gammas = [scenario.gamma for scenario in plan.scenarios]
-            self._levels = Levels(self._library, gammas, self._goal.goal)
         if not self._settings.learn_level:
             return plan.deciding
-        shown = self._levels.shown(otherwise=plan.deciding.gamma)
+        gammas = [scenario.gamma for scenario in plan.scenarios]
+        shown = self._levels.shown(gammas, otherwise=plan.deciding.gamma)
         return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
 
     def _arrives(self, rest: Remainder, start: SE2) -> float:
@@ -239,6 +247,8 @@ class _Loop:
                 return f"alarm: {leg.alarm}"
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
-            if self._levels is not None:
+            if self._record.decisions:
                 self._levels.see(step, begin, vehicle.pose)
+            if self._on_leg is not None:
+                self._on_leg(leg)
         return ""

@@ -27,8 +27,8 @@ from .repeating_files import repeating_files
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
-from .supervisor import Supervisor
-from .wind import DrydenWind, wind_class
+from .supervisor import Supervisor, limits_for
+from .weather import Weather
 
 
 class SimulatedHelicopter:
@@ -70,16 +70,7 @@ class SimulatedHelicopter:
         self._signals = signals = Signals()
         self._helicopter = Helicopter(parameters, step=specification.step, signals=signals, backend=backend)
         self._steps = round(CONTROL_PERIOD / specification.step)
-        self._wind = DrydenWind(
-            wind_class(specification.wind),
-            height=specification.altitude,
-            span=2.0 * parameters.main_rotor.radius,
-            direction=specification.wind_from,
-            step=CONTROL_PERIOD,
-            rng=random_stream(specification.seed, Stream.WIND),
-            signals=signals,
-            backend=backend,
-        )
+        self._wind = Weather(specification, parameters, signals, backend)
         self._generator = ManeuverGenerator(
             self._trim.velocity, step=CONTROL_PERIOD, signals=signals, backend=backend
         )
@@ -119,7 +110,9 @@ class SimulatedHelicopter:
             )
             self._parts = faults.parts
         if specification.supervised and self._lost is None:
-            self.supervisor = Supervisor(signals, self.navigation, height=specification.altitude)
+            self.supervisor = Supervisor(
+                signals, self.navigation, height=specification.altitude, limits=limits_for(library)
+            )
 
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
@@ -134,6 +127,7 @@ class SimulatedHelicopter:
         displacement = specification.start_pose @ self.truth.pose.inverse()
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
+        self._wind.begin()
         self._controller.turn(displacement.heading)
         self.navigation.move(displacement)
 
@@ -228,13 +222,16 @@ class SimulatedHelicopter:
             track=track,
             believed=believed,
             spread=self._recorder.spread(first, self._periods),
+            turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
         )
 
     def _alarm_since(self, period: int) -> str:
         """Returns the first alarm of the flight, if it was raised after a control period."""
-        alarms = () if self.supervisor is None else self.supervisor.alarms
-        return alarms[0].sentence if alarms and alarms[0].time > period / CONTROL_RATE else ""
+        if self.supervisor is None or not self.supervisor.alarms:
+            return ""
+        alarm = self.supervisor.first_alarm(after=period / CONTROL_RATE)
+        return "" if alarm is None else alarm.sentence
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
         """Returns the log of the flight up to now.

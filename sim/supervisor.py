@@ -7,16 +7,19 @@ any more are noticed as well as readings that are wrong and believed.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from math import exp, hypot, isfinite, isnan, sqrt
+from math import exp, hypot, inf, isfinite, isnan, sqrt
 from types import MappingProxyType
 
-from flight.alarm import ALARM, Alarm, AlarmKind, alarm_series
+from flight.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarm_series
+from flight.library import Library
 from flight.log import FlightLog
 
 from .filter_equations import GATE
 from .navigation import Navigation, Navigator
 from .signals import Signals
 from .specification import CONTROL_PERIOD
+from .turbulence import TurbulenceMeter
+from .wind import WIND_CLASSES
 
 PERIODS_A_LOOK = 10
 """Control periods between two looks; as many as between two fixes."""
@@ -45,11 +48,24 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
         AlarmKind.HEADING_STUCK: 0.35,
         AlarmKind.ALTIMETER_STUCK: 0.35,
         AlarmKind.POSITION_UNKNOWN: 0.25,
+        AlarmKind.TURBULENCE: inf,
     }
 )
 """What is allowed: above all that sound flights came to in the wind of `gtmax` and `moderate`, as
 `benchmarks.alarm_limits` prints them. Silence and stuck readings are chosen: the filter does without for as
-long."""
+long. How hard it may blow is the library's to say."""
+
+BEYOND = 2.5
+"""How much harder than the wind of a library it may seem to blow before the vehicle says so."""
+
+_INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmKind.ALTIMETER_AMISS})
+
+
+def limits_for(library: Library) -> Mapping[AlarmKind, float]:
+    """Returns what is allowed where a library is flown with: turbulence as far as its wind class is known."""
+    known = WIND_CLASSES.get(library.conditions.wind)
+    beyond = inf if known is None or not known.wind_at_20_ft else BEYOND * known.wind_at_20_ft
+    return {**LIMITS, AlarmKind.TURBULENCE: beyond}
 
 
 class Supervisor:
@@ -78,6 +94,7 @@ class Supervisor:
         self._height, self._limits = height, limits
         self._squares = dict.fromkeys((AlarmKind.VELOCITY, AlarmKind.DESCENT, AlarmKind.YAW_RATE), 0.0)
         self._readings = _Readings(navigation) if isinstance(navigation, Navigation) else None
+        self._meter = TurbulenceMeter(_LOOK)
         self._periods = 0
         self.alarms: list[Alarm] = []
         self.largest: dict[AlarmKind, float] = {}
@@ -89,6 +106,18 @@ class Supervisor:
             self._readings.note()
         if self._periods % PERIODS_A_LOOK == 0:
             self._look()
+
+    @property
+    def turbulence(self) -> float | None:
+        """How hard it seems to blow: wind at 20 ft in m/s; None where that is not known."""
+        if any(alarm.kind in _INNOVATIONS for alarm in self.alarms):
+            return None
+        return self._meter.wind_at_20_ft
+
+    def first_alarm(self, *, after: float) -> Alarm | None:
+        """Returns the first alarm that ends a mission, if it was raised after a time in seconds."""
+        first = next((alarm for alarm in self.alarms if alarm.kind not in ADVICE), None)
+        return first if first is not None and first.time > after else None
 
     def add_to(self, log: FlightLog) -> FlightLog:
         """Returns a log that tells of the alarms too, if there were any."""
@@ -123,6 +152,9 @@ class Supervisor:
             mean = _KEPT * self._squares[kind] + (1.0 - _KEPT) * error**2
             self._squares[kind] = mean
             yield kind, sqrt(mean)
+        self._meter.see((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
+        if (turbulence := self.turbulence) is not None:
+            yield AlarmKind.TURBULENCE, turbulence
         if self._readings is not None:
             yield from self._readings.look()
 

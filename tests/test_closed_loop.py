@@ -52,14 +52,18 @@ def flown(
 
 
 def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_plans_for() -> None:
-    """It promises to whoever knows the level before flying; the loop learns it on the way, sometimes late."""
+    """It promises to whoever knows the level before flying; the loop learns it on the way, sometimes late.
+
+    The promise is the plan's time as it is stated before the flight; the loop flies on for its latency first.
+    """
+    late = 2 * Settings().latency.configured
     results = [
         flown(shipped(name), gamma, planner=WorstCase(LIBRARY, 1.0))
         for name in THESIS_MISSIONS
         for gamma in (-1.0, 0.0, 1.0)
     ]
     assert all(result.reached and result.failures == result.fallbacks == 0 for result in results)
-    assert sum(result.flown_time <= result.predicted_time for result in results) >= 12
+    assert sum(result.flown_time <= result.predicted_time + late for result in results) >= 12
 
 
 def test_a_loop_that_neither_learns_nor_keeps_breaks_the_promise() -> None:
@@ -181,12 +185,14 @@ def test_planning_in_a_maneuver_has_the_plan_ready_at_its_end() -> None:
 
 @pytest.mark.parametrize("gamma", [-1.0, 0.0, 1.0])
 def test_the_level_shows_itself_in_one_primitive(gamma: float) -> None:
-    levels = Levels(LIBRARY, (0.0, -1.0, 1.0), (30.0, 10.0))
-    assert levels.shown(otherwise=-1.0) == -1.0
+    levels = Levels(LIBRARY, (30.0, 10.0))
+    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
     begin = SE2(1.0, 2.0, 0.3)
     step = Step(2, 0.0, 3)
     levels.see(step, begin, step.exit(begin, LIBRARY, gamma))
-    assert levels.shown(otherwise=-1.0) == gamma
+    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
+    # Levels that are asked for later are judged by all that was seen.
+    assert levels.shown((0.5 * gamma, gamma), otherwise=-1.0) == gamma
 
 
 @pytest.mark.parametrize("trim", [trim.id for trim in LIBRARY.trims])

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flight.alarm import ALARM, Alarm, AlarmKind, alarms_of
+from flight.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_of
 from flight.decision import DecisionKind
 from flight.envelope import Exit, SafeEnvelope, first_exit
 from flight.errors import FlightLostError
@@ -55,7 +55,8 @@ def alarms(log: FlightLog) -> tuple[Alarm, ...]:
 
 @pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
 def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
-    assert alarms(flight(wind=wind)) == ()
+    said = {alarm.kind for alarm in alarms(flight(wind=wind))}
+    assert said <= (ADVICE if wind == "moderate" else set())
 
 
 @pytest.mark.parametrize(

@@ -42,8 +42,8 @@ def show(card: Scorecard) -> None:
     for tube in card.tubes:
         verdict = "refutes" if tube.refuted else "does not refute"
         console.print(
-            f"{tube.wind}: {tube.left} of {tube.flights} flights left the tube of {tube.share:g} times the "
-            f"errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
+            f"{tube.policy}, {tube.wind}: {tube.left} of {tube.flights} flights left the tube of "
+            f"{tube.share:g} times the errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
             soft_wrap=True,
         )
 

@@ -64,7 +64,16 @@ library claims to stay inside; `chance` is that of so many outside, or more, if 
 deviation is given in parts of the error."""
 
 
-TUBE_HEADS = ("wind", "errors times", "left it", "allowed share, at most", "chance, at most", "claims are")
+TUBE_HEADS = (
+    "policy",
+    "gamma",
+    "wind",
+    "errors times",
+    "left it",
+    "allowed share, at most",
+    "chance, at most",
+    "claims are",
+)
 
 TUBE_NOTE = """Flights that left the enclosure of the library's errors with independent signs between two
 plannings, beside the share of flights in which the claims of their primitives, all together, let them. The
@@ -142,6 +151,8 @@ def _blame_parts(blamed: dict[str, tuple[Blame, ...]]) -> list[str]:
 def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
     rows = [
         [
+            tube.policy,
+            f"{tube.gamma:g}",
             tube.wind,
             f"{tube.share:g}",
             f"{tube.left}/{tube.flights}",

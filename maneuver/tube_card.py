@@ -9,6 +9,9 @@ from jaxtyping import Float
 from flight.library import Library
 
 from .mission_flights import MissionResult
+from .policies import FlownPolicy
+
+_Key = tuple[FlownPolicy, float, str, float]
 
 DOUBT = 0.01
 """Chance below which a claim counts as refuted."""
@@ -16,9 +19,11 @@ DOUBT = 0.01
 
 @dataclass(frozen=True, slots=True)
 class TubeCard:
-    """Flights of one wind class against one tube.
+    """Flights of one policy in one wind class against one tube.
 
     Attributes:
+        policy: which planner.
+        gamma: uncertainty level planned for.
         wind: wind class.
         share: of the library's errors that the tube is made of.
         flights: in which every primitive flown claims a coverage.
@@ -27,6 +32,8 @@ class TubeCard:
         chance: of so many that left it, or more, if the claims held; an upper limit.
     """
 
+    policy: FlownPolicy
+    gamma: float
     wind: str
     share: float
     flights: int
@@ -41,20 +48,22 @@ class TubeCard:
 
 
 def tube_cards(results: Iterable[MissionResult], library: Library) -> tuple[TubeCard, ...]:
-    """Returns a card for each wind class and each tube.
+    """Returns a card for each policy, level, wind class and tube.
 
     A primitive claims a share of flights in which all its performances stay inside its errors. A flight that
     leaves its tube has left the errors of one of its primitives: that happens in no larger share of flights
     than what the claims of its different primitives leave, all together, whatever else they have in common.
-    Flights are independent of one another; their allowed shares differ.
+    Flights of one policy are independent of one another; those of two meet the same air. Their allowed shares
+    differ.
     """
-    found: dict[tuple[str, float], list[tuple[bool, float]]] = {}
+    found: dict[_Key, list[tuple[bool, float]]] = {}
     for row in results:
         allowed = allowed_share(row, library)
         for share, left in row.left_tube:
             if allowed is not None:
-                found.setdefault((row.wind, share), []).append((left is not None, allowed))
-    return tuple(_card(wind, share, flights) for (wind, share), flights in found.items())
+                key = (row.policy, row.gamma, row.wind, share)
+                found.setdefault(key, []).append((left is not None, allowed))
+    return tuple(_card(*key, flights=flights) for key, flights in found.items())
 
 
 def allowed_share(row: MissionResult, library: Library) -> float | None:
@@ -69,10 +78,14 @@ def allowed_share(row: MissionResult, library: Library) -> float | None:
     return min(1.0, sum(1.0 - coverage for coverage in claimed))
 
 
-def _card(wind: str, share: float, flights: Sequence[tuple[bool, float]]) -> TubeCard:
+def _card(
+    policy: FlownPolicy, gamma: float, wind: str, share: float, *, flights: Sequence[tuple[bool, float]]
+) -> TubeCard:
     left = sum(gone for gone, _ in flights)
     allowed = [share for _, share in flights]
     return TubeCard(
+        policy=policy,
+        gamma=gamma,
         wind=wind,
         share=share,
         flights=len(flights),

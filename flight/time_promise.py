@@ -1,4 +1,4 @@
-"""A time that most flights keep: a factor on what a plan takes, found by flying other missions.
+"""A time that most flights keep: a factor on what the loop foretells, found by flying other missions.
 
 It is no part of a library, whose numbers are of primitives, but stands beside it: `NAME.times.toml` beside
 `NAME.json`, with the library's hash.
@@ -18,17 +18,18 @@ SUFFIX = ".times.toml"
 
 @dataclass(frozen=True, slots=True)
 class TimePromise:
-    """What share of flights is at the goal within what multiple of a plan's time.
+    """What share of flights is at the goal within what multiple of the time that the loop foretells.
 
     Attributes:
         policy: of the plans.
         gamma: uncertainty level of the plans.
         wind: class in which the helicopter flew.
         share: of flights.
-        factor: on the seconds that a plan takes.
+        factor: on the seconds of a plan to the part of the tolerance that the loop aims at, and its latency.
         missions: that it was found on.
         flights: likewise, all missions together.
         seed: that they were drawn with.
+        time: seconds that this is for one plan; None where it is said of none.
     """
 
     policy: str
@@ -39,16 +40,19 @@ class TimePromise:
     missions: int
     flights: int
     seed: int
+    time: float | None = None
 
     @property
     def source(self) -> str:
         """From what it was found, for people."""
         return f"{self.missions} missions, {self.flights} flights in wind {self.wind}, seed {self.seed}"
 
-    def sentence(self, cost: float) -> str:
-        """What is promised of a plan that takes so many seconds, for people."""
-        time = f"{self.factor * cost:.1f} s, {self.factor:.2f} times that"
-        return f"{self.share:.0%} of flights are there within {time} ({self.source})"
+    @property
+    def sentence(self) -> str:
+        """What is promised, for people."""
+        multiple = f"{self.factor:.2f} times what the loop foretells"
+        when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
+        return f"{self.share:.0%} of flights are there within {when} ({self.source})"
 
 
 class TimePromisePart(FileModel):
@@ -62,6 +66,7 @@ class TimePromisePart(FileModel):
     missions: PositiveInt
     flights: PositiveInt
     seed: int = Field(ge=0)
+    time: FiniteFloat | None = Field(default=None, gt=0)
 
     def promise(self) -> TimePromise:
         """Returns it as a value."""

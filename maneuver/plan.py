@@ -116,12 +116,13 @@ def plan(
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     if certify and policy == "committed":
         raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
-    answer = _planner(
+    planner = _planner(
         primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
-    ).plan(task)
+    )
+    answer = planner.plan(task)
     if certify:
         answer = certified(answer, primitives, task)
-    answer = with_promise(answer, task, promised_times(library, primitives))
+    answer = with_promise(answer, task, planner, promised_times(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
@@ -222,7 +223,7 @@ def show(answer: Plan, library: Library) -> None:
     if answer.reason:
         console.print(answer.reason, soft_wrap=True)
     if answer.time_promise is not None:
-        console.print(answer.time_promise.sentence(answer.cost), soft_wrap=True)
+        console.print(answer.time_promise.sentence, soft_wrap=True)
 
 
 def _planner(

@@ -2,13 +2,14 @@
 
 import sys
 from dataclasses import replace
-from pathlib import Path
 
 from flight.library import Library
 from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.time_promise import TimePromise, read_times, times_path
+from planner.loop_settings import Settings
+from planner.policy import Planner
 
 from .files import library_path
 from .random_missions import TOLERANCE
@@ -31,19 +32,25 @@ def promised_times(name: str, library: Library) -> tuple[TimePromise, ...]:
     return found or ()
 
 
-def with_promise(plan: Plan, mission: Mission, promises: tuple[TimePromise, ...]) -> Plan:
-    """Returns a plan with what share of flights keeps what time, where that was found for such missions.
+def with_promise(plan: Plan, mission: Mission, planner: Planner, promises: tuple[TimePromise, ...]) -> Plan:
+    """Returns a plan with the time that most flights keep, where that was found for such missions.
 
     The missions flown for it want no heading and no trim at the goal, and had one tolerance: a smaller one
-    takes longer.
+    takes longer. The loop that flew them aims inside the tolerance, and flies on while it thinks.
+
+    Args:
+        plan: answers the mission.
+        mission: as it was asked.
+        planner: that answered.
+        promises: that stand beside the library.
     """
     wanted = (mission.goal_heading, mission.goal_trim) != (None, None)
-    if not plan.found or wanted or mission.tolerance < TOLERANCE:
-        return plan
     own = [one for one in promises if (one.policy, one.gamma) == (plan.policy, plan.gamma)]
-    return replace(plan, time_promise=own[0]) if own else plan
-
-
-def promise_file(name: str) -> Path:
-    """Returns where the promises of a library stand."""
-    return times_path(library_path(name))
+    if not plan.found or not own or wanted or mission.tolerance < TOLERANCE:
+        return plan
+    loop = Settings()
+    aimed = planner.plan(replace(mission, tolerance=loop.aim * mission.tolerance))
+    if not aimed.found:
+        return plan
+    time = own[0].factor * (loop.latency.configured + aimed.cost)
+    return replace(plan, time_promise=replace(own[0], time=time))

@@ -25,8 +25,8 @@ class Flown:
             the vehicle ended its flight for that.
         claimed: whether the vehicle ended its flight because it took itself to be at the goal.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy's plan takes from the start to the final tolerance, as it is
-            stated before the flight; infinite without a plan.
+        predicted_time: seconds that the policy promises from the start to the part of the tolerance that
+            plans aim at, thinking included; infinite without a plan.
         closest: metres between the goal and the nearest point of the true track.
         activations: how often it was planned.
         failures: how often that gave no plan that could be flown: none, too late, or failing its check.

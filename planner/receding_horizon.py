@@ -86,10 +86,12 @@ class _Loop:
         self._lost = False
 
     def fly(self) -> Flown:
-        # What a plan says before the flight: for the tolerance that is wanted, without time to think.
-        vehicle = self._vehicle
-        promise = self._planner.plan(replace(self._goal, start=vehicle.pose, start_trim=vehicle.trim))
-        self._record.predicted_time = promise.cost
+        # The promise is for the part of the tolerance that plans aim at in the end; those flown first may aim
+        # at a wider one.
+        thinking = self._settings.latency.configured
+        steps, _ = self._left.window(thinking)
+        promise = self._planner.plan(self._asked(steps, share=0.0))
+        self._record.predicted_time = thinking + promise.cost
         reason = f"{self._settings.max_activations} plannings did not lead to the goal"
         for _ in range(self._settings.max_activations):
             ended = self._activate()

@@ -1,5 +1,6 @@
 """The scorecard: shares with their intervals, quantiles, and promises that hold on other missions."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -139,9 +140,14 @@ def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureF
     out = tmp_path / "plan.json"
     assert run(("plan", "gtmax-2", "--library", str(library), "--out", str(out))) == 0
     plan = read_plan(out)
-    assert plan.time_promise == made
-    assert made.sentence(plan.cost) in capsys.readouterr().out.replace("\n", " ")
-    assert f"within {made.factor * plan.cost:.1f} s" in made.sentence(plan.cost)
+    promised = plan.time_promise
+    assert promised is not None
+    assert promised.time is not None
+    assert replace(promised, time=None) == made
+    # The loop aims inside the tolerance, and thinks first: a little longer than the plan.
+    assert made.factor * plan.cost < promised.time < made.factor * (plan.cost + 1.0)
+    said = capsys.readouterr().out.replace("\n", " ")
+    assert f"90% of flights are there within {promised.time:.1f} s" in said
     # Of the nominal policy nothing was found, and nothing for missions that want a heading.
     assert run(("plan", "gtmax-2", "--library", str(library), "--policy", "nominal")) == 0
     assert "of flights are there" not in capsys.readouterr().out

@@ -20,6 +20,7 @@ class DecisionKind(IntEnum):
     REFUSED = 4
     FALLBACK = 5
     ARRIVED = 6
+    ALARM = 7
 
 
 DECISION = Topic(
@@ -31,7 +32,8 @@ DECISION = Topic(
             "kind",
             "-",
             "0 plan adopted, 1 plan under way kept, 2 planning found no plan, 3 plan too late, 4 plan failed "
-            "its check, 5 way to rest begun, 6 goal reached",
+            "its check, 5 way to rest begun, 6 goal reached as far as the vehicle knows, 7 mission given up "
+            "for an alarm",
         ),
         Field("activation", "-", "number of the planning, from 1"),
         Field("cost", "s", "promised by the plan from where it begins; 0 without one"),

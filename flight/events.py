@@ -5,6 +5,7 @@ from enum import IntEnum
 
 import numpy as np
 
+from .alarm import ADVICE, ALARM, alarms_of
 from .arrival import first_arrival
 from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from .errors import FlightError
@@ -30,7 +31,7 @@ class Event:
     Attributes:
         time: seconds since the flight's start.
         level: how serious it is.
-        source: `primitive`, `plan`, `fault`, `goal`, `log`, `flight`, or `autopilot` of another kind.
+        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight`, `autopilot` of another kind.
         text: one sentence.
     """
 
@@ -43,7 +44,7 @@ class Event:
 def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight, by time; an attachment that is broken is an event too."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _told, _arrival):
+    for part in (_primitives, _plannings, _faults, _alarms, _told, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -98,6 +99,21 @@ def _told(log: FlightLog) -> list[Event]:
         earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
         events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
     return events
+
+
+def _alarms(log: FlightLog) -> list[Event]:
+    if ALARM.name not in log.series:
+        return []
+    found = alarms_of(log[ALARM])
+    return [
+        Event(
+            alarm.time,
+            Level.WARNING if alarm.kind in ADVICE else Level.ERROR,
+            "alarm",
+            alarm.sentence,
+        )
+        for alarm in found
+    ]
 
 
 def _arrival(log: FlightLog) -> list[Event]:

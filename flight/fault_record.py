@@ -86,6 +86,18 @@ def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
     return found
 
 
+def fault_effects(log: FlightLog) -> tuple[float, ...]:
+    """Returns the largest effect of each fault asked for; 0 where one did not begin.
+
+    Raises:
+        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+    """
+    flown = faults_flown(log)
+    return tuple(
+        flown[number].effect if number in flown else 0.0 for number, _ in enumerate(faults_of(log), start=1)
+    )
+
+
 def _largest_effect(log: FlightLog, number: int) -> float:
     if FAULT_EFFECT.name not in log.series:
         return 0.0

@@ -20,6 +20,7 @@ from mcap.reader import SeekingReader
 from mcap.records import ChunkIndex, Schema
 from mcap.summary import Summary
 
+from .alarm import ALARM
 from .decision import DECISION
 from .errors import BadFileError
 from .file_model import refuse_other_schema
@@ -39,7 +40,7 @@ _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
 
 
-def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION)) -> FlightLog:
+def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)) -> FlightLog:
     """Reads a log, every byte of it checked.
 
     Args:

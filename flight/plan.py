@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from math import inf
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -13,6 +13,7 @@ from .certificate import Certificate, Refutation
 from .errors import BadFileError
 from .file_model import FileModel, parse_json, read_text, schema_named
 from .se2 import SE2
+from .time_promise import TimePromise, TimePromisePart
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Policy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
@@ -65,6 +66,7 @@ class Plan:
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
         miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
             where one set of coasting times is flown at all of them.
+        time_promise: which share of flights keeps which multiple of the cost, where that was found by flying.
         at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one
             does.
     """
@@ -87,6 +89,7 @@ class Plan:
     alpha: float | None = None
     tail: tuple[int, ...] = ()
     miss: float | None = None
+    time_promise: TimePromise | None = None
     at_smallest_tolerance: "Plan | None" = None
 
     @property
@@ -160,6 +163,7 @@ class _PlanFile(FileModel):
     tail: tuple[int, ...] = ()
     alpha: FiniteFloat | None = None
     miss: NonNegativeFloat | None = None
+    time_promise: TimePromisePart | None = None
     at_smallest_tolerance: "_PlanFile | None" = None
 
 
@@ -183,6 +187,7 @@ def plan_content(plan: Plan) -> dict[str, Any]:
         "scenarios": [_scenario_content(scenario) for scenario in plan.scenarios],
         "tail": list(plan.tail) or None,
         "miss": plan.miss,
+        "time_promise": None if plan.time_promise is None else asdict(plan.time_promise),
         "lower_bound": plan.lower_bound,
         "certificate": None if plan.certificate is None else _certificate_content(plan.certificate),
         "verified": plan.verified,
@@ -252,6 +257,7 @@ def _to_plan(content: _PlanFile) -> Plan:
         alpha=content.alpha,
         tail=content.tail,
         miss=content.miss,
+        time_promise=None if content.time_promise is None else content.time_promise.promise(),
         certificate=None if content.certificate is None else _to_certificate(content.certificate),
         solve_time=content.solve_time,
         at_smallest_tolerance=_to_plan(wider) if (wider := content.at_smallest_tolerance) else None,

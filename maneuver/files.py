@@ -3,11 +3,13 @@
 from pathlib import Path
 
 import campaigns
+import faults
 import libraries
 import missions
 import sequences
 from flight.campaign import Campaign, read_campaign
 from flight.errors import AlreadyExistsError, FlightError
+from flight.fault_matrix import FaultMatrix, read_fault_matrix
 from flight.library import Library
 from flight.library_file import read_library
 from flight.mission import Mission, read_mission
@@ -27,7 +29,16 @@ def find_library(name: str) -> Library:
     Raises:
         FlightError: there is none, or it is broken.
     """
-    return read_library(_find("library", name, libraries.FOLDER, ".json"))
+    return read_library(library_path(name))
+
+
+def library_path(name: str) -> Path:
+    """Returns where a library is, by path or shipped name.
+
+    Raises:
+        NoSuchFileError: there is none.
+    """
+    return _find("library", name, libraries.FOLDER, ".json")
 
 
 def find_mission(name: str) -> Mission:
@@ -55,6 +66,15 @@ def find_campaign(name: str) -> Campaign:
         FlightError: there is none, or it is broken.
     """
     return read_campaign(_find("campaign", name, campaigns.FOLDER, ".toml"))
+
+
+def find_fault_matrix(name: str) -> FaultMatrix:
+    """Reads a fault matrix by path or shipped name.
+
+    Raises:
+        FlightError: there is none, or it is broken.
+    """
+    return read_fault_matrix(_find("fault matrix", name, faults.FOLDER, ".toml"))
 
 
 def refuse_existing(path: Path, *, force: bool) -> None:

@@ -15,6 +15,7 @@ from flight.log_identity import difference, identity
 from flight.work import Done, Found, State, refuse_other_code
 from planner.kernel.build import search_backend
 from sim.parameters import model_hash
+from sim.specification import Departure
 
 from .files import refuse_existing
 from .keeping import accept_others, complete, refuse_to_replace
@@ -120,7 +121,8 @@ def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: 
         "seed": task.seed,
         "settings": asdict(task.settings),
         "max_nodes": task.max_nodes,
-        "departure": asdict(task.departure),
+        "departure": TypeAdapter(Departure).dump_python(task.departure, mode="json"),
+        "envelope": asdict(task.envelope),
         "log": None if task.log is None else str(task.log),
     }
     words = json.dumps(content, sort_keys=True, default=str)

@@ -12,6 +12,7 @@ from cyclopts.validators import Number
 from flight.errors import FlightError
 from flight.fault import parse_fault
 from flight.log_file import publish_log, read_log
+from flight.wind_change import parse_wind_change
 from planner.latency import Latency
 from planner.receding_horizon import Settings
 from sim.campaign import fly_specification
@@ -43,7 +44,10 @@ WORDS = {
     "timeouts": "time-outs",
 }
 # What a result holds for scorecards and pictures.
-NOT_SAID = {"gamma", "plant", "planning_times", "performances", "legs"}
+NOT_SAID = {
+    *("gamma", "plant", "planning_times", "performances", "legs"),
+    *("claimed", "alarms", "left", "effects", "left_tube"),
+}
 UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
 
 
@@ -60,6 +64,8 @@ def fly(
     ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
     adaptation: bool = True,
     fault: tuple[str, ...] = (),
+    wind_change: tuple[str, ...] = (),
+    supervision: bool = True,
     seed: Seed = 1,
     flights: Count | None = None,
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
@@ -92,6 +98,8 @@ def fly(
 
         maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
 
+        maneuver fly --mission gtmax-2 --policy calibrated --wind-change "5 light"
+
         maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
 
     Args:
@@ -108,6 +116,8 @@ def fly(
         adaptation: whether the controller's adaptive element learns.
         fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
             exists stands in docs/helicopter.md, and in the answer to one that does not.
+        wind_change: time in s and the wind class that it changes to, such as `20 light`; may be repeated.
+        supervision: whether the vehicle of a mission watches itself, and gives up at its first alarm.
         seed: of all chance.
         flights: of a campaign, to give bounds; the campaign's number by default.
         nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
@@ -119,7 +129,13 @@ def fly(
         force: overwrite OUT and VIDEO; of a campaign, replace logs of other flights.
         json: print what was flown as JSON.
     """
-    departure = Departure(ideal_sensors, adaptation, tuple(parse_fault(words) for words in fault))
+    departure = Departure(
+        ideal_navigation=ideal_sensors,
+        adaptive=adaptation,
+        faults=tuple(map(parse_fault, fault)),
+        supervised=supervision and mission is not None,
+        wind_changes=tuple(map(parse_wind_change, wind_change)),
+    )
     order = _Order(library, wind, departure, seed, out, force)
     if video is not None:
         _refuse_video(video, campaign, force=force)

@@ -1,33 +1,42 @@
 """Missions flown in closed loop: what `fly`, `validate` and `demo` share."""
 
 import hashlib
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from math import isfinite
-from pathlib import Path
 
 import numpy as np
 
+from flight.alarm import ALARM, Alarm, alarms_of
 from flight.decision import DECISION, decision_series
+from flight.envelope import Exit, first_exit
+from flight.fault_record import fault_effects
 from flight.library import Library
 from flight.log import MISSION_ATTACHMENT, PLANS_ATTACHMENT, FlightLog
 from flight.log_file import publish_log
-from flight.vehicle import Leg, Vehicle
+from flight.vehicle import Vehicle
 from planner.automaton_vehicle import AutomatonVehicle, independent_gammas
+from planner.calibrated import CalibratedGamma
+from planner.committed import Committed
 from planner.flown import Flown
 from planner.kernel.build import search_backend
 from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.receding_horizon import fly
-from planner.remainder import Step
+from planner.tube import leaves_tube
 from planner.worst_case import WorstCase
 from sim.backend import Backend
 from sim.fly import SimulatedHelicopter
 from sim.parameters import Parameters
+from sim.wind import wind_class
 
 from .blame import Performance, performances
 from .campaign_flights import derived_seed
 from .mission_log import mission_json, mission_specification, plans_json
+from .mission_result import LegFlown as LegFlown
+from .mission_result import MissionResult as MissionResult
+from .mission_result import leg_flown
+from .mission_result import walk_flown as walk_flown
 from .mission_task import MissionTask as MissionTask
 from .mission_task import Plant as Plant
 from .policies import FlownPolicy
@@ -37,69 +46,8 @@ from .timed_planner import TimedPlanner
 _MISSION_STREAM = 102
 _GAMMA_STREAM = 103
 
-TRACK_STEP = 0.2
-"""Seconds between the points of a track that is kept for pictures."""
-
-
-@dataclass(frozen=True, slots=True)
-class LegFlown:
-    """One primitive of a closed-loop flight, for pictures.
-
-    Attributes:
-        trim: id of the trim held at its begin.
-        to_trim: id of the trim that a maneuver leads to; None for a coast.
-        start: seconds since the flight's start.
-        duration: seconds.
-        track: north and east in metres, to the millimetre, along the true track.
-    """
-
-    trim: int
-    to_trim: int | None
-    start: float
-    duration: float
-    track: tuple[tuple[float, float], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class MissionResult:
-    """What a closed-loop flight came to: `planner.flown.Flown` without plans.
-
-    Attributes:
-        planning_times: seconds of the processor that each planning took; they do not repeat.
-        performances: of the helicopter's primitives beside their errors.
-        legs: what was flown.
-    """
-
-    mission: str
-    policy: FlownPolicy
-    gamma: float
-    plant: str
-    wind: str
-    seed: int
-    reached: bool
-    flown_time: float
-    predicted_time: float | None
-    closest: float | None
-    activations: int
-    failures: int
-    fallbacks: int
-    reason: str
-    log: Path | None
-    planning_times: tuple[float, ...] = ()
-    performances: tuple[Performance, ...] = ()
-    legs: tuple[LegFlown, ...] = ()
-
-
-def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
-    """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
-    trims, held = [legs[0].trim], [0.0]
-    for leg in legs:
-        if leg.to_trim is None:
-            held[-1] += leg.duration
-        else:
-            trims.append(leg.to_trim)
-            held.append(0.0)
-    return trims, held
+TUBES = (1.0, 0.7)
+"""Shares of the library's errors that tubes are made of: what it claims, and what it does not."""
 
 
 def mission_seed(seed: int, mission: str, number: int) -> int:
@@ -123,11 +71,18 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     """Flies a mission once, writes nothing, and returns what it came to, with the helicopter's log."""
     judged: tuple[Performance, ...] = ()
     log: FlightLog | None = None
+    alarms: tuple[Alarm, ...] = ()
+    left: Exit | None = None
+    effects: tuple[float, ...] = ()
+    left_tube: tuple[tuple[float, float | None], ...] = ()
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
         flown, log = fly_helicopter(task, planner)
-        judged = performances(log)
+        judged, left = performances(log), first_exit(log, task.envelope)
+        alarms = alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+        effects = fault_effects(log)
+        left_tube = tuple((share, _left_tube(task.library, flown, share)) for share in TUBES)
     else:
         flown = fly_automaton(task, planner)
     result = MissionResult(
@@ -138,6 +93,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         wind=task.wind,
         seed=task.seed,
         reached=flown.reached,
+        claimed=flown.claimed,
         flown_time=flown.flown_time,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest if isfinite(flown.closest) else None,
@@ -148,7 +104,11 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         log=task.log,
         planning_times=tuple(planner.times),
         performances=judged,
-        legs=tuple(_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        legs=tuple(leg_flown(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        alarms=alarms,
+        left=left,
+        effects=effects,
+        left_tube=left_tube,
     )
     return result, log
 
@@ -202,6 +162,11 @@ def planner_of(
     """Returns the planner of a policy for a library."""
     if policy == "nominal":
         return Nominal(library, max_nodes=max_nodes)
+    if policy == "calibrated":
+        wind = wind_class(library.conditions.wind).wind_at_20_ft
+        return CalibratedGamma(library, wind, max_nodes=max_nodes)
+    if policy == "committed":
+        return Committed(library, gamma, max_nodes=max_nodes)
     return WorstCase(library, gamma, max_nodes=max_nodes)
 
 
@@ -211,13 +176,16 @@ def _planner(task: MissionTask) -> Planner:
 
 def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
     planner = planner or _planner(task)
-    return fly(vehicle, task.mission, planner=planner, library=task.library, settings=task.settings)
+    learn = planner.learn if isinstance(planner, TimedPlanner | CalibratedGamma) else None
+    return fly(
+        vehicle,
+        task.mission,
+        planner=planner,
+        library=task.library,
+        settings=task.settings,
+        on_leg=learn,
+    )
 
 
-def _leg(step: Step, leg: Leg) -> LegFlown:
-    """Keeps a point of the track now and then, and both ends."""
-    times = leg.track[:, 0]
-    wanted = np.arange(times[0], times[-1], TRACK_STEP)
-    rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
-    track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
-    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
+def _left_tube(library: Library, flown: Flown, share: float) -> float | None:
+    return leaves_tube(library, flown.steps, flown.legs, flown.times, share=share)

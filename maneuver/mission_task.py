@@ -4,10 +4,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
+from flight.envelope import SAFE, SafeEnvelope
 from flight.library import Library
 from flight.mission import Mission
 from planner.receding_horizon import Settings
-from sim.specification import PLAIN, Departure
+from sim.specification import SUPERVISED, Departure
 
 from .policies import FlownPolicy
 
@@ -31,6 +32,7 @@ class MissionTask:
         settings: how the loop is closed.
         max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
         departure: of the helicopter's flight from the plain one.
+        envelope: in which the helicopter counts as safe.
         log: where the flight log goes; None keeps none.
         force: overwrite the log.
     """
@@ -44,6 +46,7 @@ class MissionTask:
     plant: Plant = "helicopter"
     settings: Settings = field(default_factory=Settings)
     max_nodes: int | None = None
-    departure: Departure = PLAIN
+    departure: Departure = SUPERVISED
+    envelope: SafeEnvelope = SAFE
     log: Path | None = None
     force: bool = False

@@ -28,6 +28,7 @@ from .files import find_library, find_mission, refuse_existing
 from .numbers import Count, Seconds
 from .policies import PlannedPolicy
 from .prices import png, show_prices
+from .promised import promised_times, with_promise
 from .signs import signs
 
 NO_PLAN = 1
@@ -112,13 +113,15 @@ def plan(
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     if certify and policy == "committed":
         raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
-    answer = _planner(
+    planner = _planner(
         primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
-    ).plan(task)
+    )
+    answer = planner.plan(task)
     if certify:
         from planner.certified import certified
 
         answer = certified(answer, primitives, task)
+    answer = with_promise(answer, task, planner, promised_times(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
@@ -220,6 +223,8 @@ def show(answer: Plan, library: Library) -> None:
     console.print(f"{answer.status}, {verdict}{bound}; {1e3 * answer.solve_time:.0f} ms", soft_wrap=True)
     if answer.reason:
         console.print(answer.reason, soft_wrap=True)
+    if answer.time_promise is not None:
+        console.print(answer.time_promise.sentence, soft_wrap=True)
 
 
 def _planner(

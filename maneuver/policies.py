@@ -2,7 +2,9 @@
 
 from typing import Literal
 
-FlownPolicy = Literal["nominal", "worst-case"]
+FlownPolicy = Literal["nominal", "worst-case", "calibrated", "committed"]
+"""What can be flown; `calibrated` is the worst case at a level that follows the turbulence."""
+
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
 
 PlannedPolicy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]

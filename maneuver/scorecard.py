@@ -2,8 +2,8 @@
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, inf, isfinite
-from statistics import median
+from math import ceil, inf, isfinite, sqrt
+from statistics import NormalDist, median
 
 from scipy.stats import binomtest
 
@@ -21,6 +21,19 @@ class Share:
     of: int
     low: float
     high: float
+
+    @classmethod
+    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Share":
+        """Returns the share of what holds, where only groups are independent of one another.
+
+        The interval is Wilson's for as many trials as there are groups: rather too wide than too narrow.
+        """
+        count, of, number = sum(map(sum, groups)), sum(map(len, groups)), len(groups)
+        z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2)
+        share = sum(sum(group) / len(group) for group in groups) / number
+        middle = (share + z**2 / (2 * number)) / (1 + z**2 / number)
+        half = z * sqrt(share * (1 - share) / number + (z / (2 * number)) ** 2) / (1 + z**2 / number)
+        return cls(count, of, max(middle - half, 0.0), min(middle + half, 1.0))
 
     @classmethod
     def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Share":
@@ -139,67 +152,3 @@ def quantile(values: Sequence[float], share: float) -> float:
 
 def _finite(value: float) -> float | None:
     return value if isfinite(value) else None
-
-
-@dataclass(frozen=True, slots=True)
-class Promise:
-    """A time that is promised with a plan, made on one set of missions and put to the test on another.
-
-    Attributes:
-        policy: which planner.
-        gamma: uncertainty level planned for.
-        plant: what flew.
-        wind: wind class.
-        share: of flights that are to reach the goal within the promised time.
-        factor: promised time in parts of the predicted one; None where too few flights reached the goal.
-        missions: of the set that it was made on.
-        flights: likewise.
-        kept: flights of the other set that kept it.
-    """
-
-    policy: FlownPolicy
-    gamma: float
-    plant: str
-    wind: str
-    share: float
-    factor: float | None
-    missions: int
-    flights: int
-    kept: Share
-
-
-def promises(results: Iterable[MissionResult], *, share: float) -> tuple[Promise, ...]:
-    """Returns what can be promised: every second mission sets the factor, the others test it.
-
-    The factor is the split-conformal quantile of flown over predicted time: of n flights the one that
-    ceil((n + 1) share) flights keep.
-
-    Args:
-        results: of all flights.
-        share: of flights that are to keep the promise.
-    """
-    made = []
-    for rows in by_condition(results).values():
-        missions = list(dict.fromkeys(row.mission for row in rows))
-        known = [ratio(row) for row in rows if row.mission in missions[::2]]
-        tested = [row for row in rows if row.mission in missions[1::2]]
-        if tested:
-            made.append(_promise(known, tested, len(missions[::2]), share))
-    return tuple(made)
-
-
-def _promise(known: list[float], tested: list[MissionResult], missions: int, share: float) -> Promise:
-    place = ceil((len(known) + 1) * share)
-    factor = sorted(known)[place - 1] if place <= len(known) else inf
-    first = tested[0]
-    return Promise(
-        policy=first.policy,
-        gamma=first.gamma,
-        plant=first.plant,
-        wind=first.wind,
-        share=share,
-        factor=_finite(factor),
-        missions=missions,
-        flights=len(known),
-        kept=Share.counted(tested, lambda row: isfinite(factor) and ratio(row) <= factor),
-    )

@@ -41,6 +41,13 @@ def show(card: Scorecard) -> None:
                 f"of others {promise.kept.count} of {promise.kept.of} are",
                 soft_wrap=True,
             )
+    for tube in card.tubes:
+        verdict = "refutes" if tube.refuted else "does not refute"
+        console.print(
+            f"{tube.policy}, {tube.wind}: {tube.left} of {tube.flights} flights left the tube of "
+            f"{tube.share:g} times the errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
+            soft_wrap=True,
+        )
 
 
 def _where(cells: Sequence[Cell]) -> str:

@@ -10,7 +10,9 @@ from flight.words import counted
 
 from .blame import Blame
 from .mission_flights import MissionResult
-from .scorecard import Cell, Promise, Share
+from .promise_card import Promise
+from .scorecard import Cell, Share
+from .tube_card import TubeCard
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,6 +26,7 @@ class Scorecard:
         cells: a cell for each mission and condition.
         promises: calibrated times.
         blamed: how the primitives kept their errors, by wind class.
+        tubes: how flights kept their tubes, by wind class.
     """
 
     command: str
@@ -32,6 +35,7 @@ class Scorecard:
     cells: tuple[Cell, ...]
     promises: tuple[Promise, ...]
     blamed: dict[str, tuple[Blame, ...]]
+    tubes: tuple[TubeCard, ...] = ()
 
 
 HEADS = (
@@ -46,6 +50,12 @@ time that the first plan promised. Intervals are Wilson's. `flown` and `predicte
 counts flights that did not reach the goal as endless. Planning times are the processor's."""
 
 
+PROMISE_HEADS = ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %")
+
+PROMISE_NOTE = """A factor on the predicted time. What stands beside the library, found on other missions, is
+tested on all of these; where nothing does, every second mission sets the factor, and the others test it. The
+interval is Wilson's for as many trials as there are missions, however often each was flown."""
+
 BLAME_HEADS = (
     *("primitive", "flights", "performances", "outside", "claimed inside", "chance"),
     *("furthest", "of", "flight", "at, s"),
@@ -54,6 +64,22 @@ BLAME_HEADS = (
 BLAME_NOTE = """Flights in which an error of the library was exceeded, beside the share of flights that the
 library claims to stay inside; `chance` is that of so many outside, or more, if the claim held. The furthest
 deviation is given in parts of the error."""
+
+
+TUBE_HEADS = (
+    "policy",
+    "gamma",
+    "wind",
+    "errors times",
+    "left it",
+    "allowed share, at most",
+    "chance, at most",
+    "claims are",
+)
+
+TUBE_NOTE = """Flights that left the enclosure of the library's errors with independent signs between two
+plannings, beside the share of flights in which the claims of their primitives, all together, let them. The
+same with smaller errors than the library claims is the control: it has to be refuted."""
 
 
 def markdown(card: Scorecard) -> str:
@@ -65,12 +91,13 @@ def markdown(card: Scorecard) -> str:
         _table(HEADS, [_row(cell) for cell in card.totals]),
         NOTES,
         "## Promised times",
-        "Every second mission sets the factor on the predicted time, the others test it.",
+        PROMISE_NOTE,
         _table(
-            ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %"),
+            PROMISE_HEADS,
             [_promise_row(promise) for promise in card.promises],
         ),
         *_blame_parts(card.blamed),
+        *_tube_parts(card.tubes),
         "## Every mission",
         _table(HEADS, [_row(cell) for cell in card.cells]),
     ]
@@ -123,6 +150,23 @@ def _blame_parts(blamed: dict[str, tuple[Blame, ...]]) -> list[str]:
     return parts
 
 
+def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
+    rows = [
+        [
+            tube.policy,
+            f"{tube.gamma:g}",
+            tube.wind,
+            f"{tube.share:g}",
+            f"{tube.left}/{tube.flights}",
+            f"{tube.allowed:.3f}",
+            f"{tube.chance:.2g}",
+            "refuted" if tube.refuted else "not refuted",
+        ]
+        for tube in tubes
+    ]
+    return ["## Tubes", TUBE_NOTE, _table(TUBE_HEADS, rows)] if rows else []
+
+
 def _blame_row(row: Blame) -> list[str]:
     return [
         f"{row.kind} {row.id}",
@@ -166,7 +210,8 @@ def _promise_row(promise: Promise) -> list[str]:
         promise.wind,
         f"{promise.share:.0%}",
         number(promise.factor),
-        f"{counted(promise.missions, 'mission')}, {counted(promise.flights, 'flight')}",
+        ("the library: " if promise.stated else "")
+        + f"{counted(promise.missions, 'mission')}, {counted(promise.flights, 'flight')}",
         *_share(promise.kept),
     ]
 

@@ -6,6 +6,8 @@ from time import thread_time
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
+from flight.vehicle import Leg
+from planner.calibrated import CalibratedGamma
 from planner.policy import Planner
 
 
@@ -25,6 +27,11 @@ class TimedPlanner:
         """Asks once from every trim, as before a departure: what a planner prepares once is prepared then."""
         for trim in self._library.trims:
             self._planner.plan(replace(mission, start_trim=trim.id))
+
+    def learn(self, leg: Leg) -> None:
+        """Hands a leg that was flown on to a planner that learns from it."""
+        if isinstance(self._planner, CalibratedGamma):
+            self._planner.learn(leg)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the other planner's answer."""

@@ -10,9 +10,11 @@ from cyclopts.types import NonNegativeFloat, PositiveFloat
 
 from flight.errors import FlightError
 from flight.library import Library
+from flight.library_file import library_hash
 from flight.log_file import publish_bytes
 from flight.mission import Mission
 from flight.publishing import remove_partials
+from flight.time_promise import times_text
 from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
@@ -27,10 +29,13 @@ from .means import HERE, MeansAsked, lend_means
 from .mission_flights import MissionResult, walk_flown
 from .numbers import Count, Seed
 from .policies import FLOWN_POLICIES, FlownPolicy
+from .promise_card import promises, time_promises
+from .promised import promised_times
 from .random_missions import random_missions
-from .scorecard import Cell, promises, scorecard, totals
+from .scorecard import Cell, scorecard, totals
 from .scorecard_console import show
 from .scorecard_files import Scorecard, comma_separated, json_text, markdown
+from .tube_card import tube_cards
 from .validation_grid import Grid
 from .validation_pictures import write_validation_pictures
 from .workers import default_workers, worker_pool
@@ -73,6 +78,7 @@ def validate(
     max_activations: Count = 200,
     out: Path | None = None,
     logs: Path | None = None,
+    calibrate: Path | None = None,
     means: MeansAsked = HERE,
     status: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
@@ -93,6 +99,8 @@ def validate(
         maneuver validate --suite random --missions 100 --flights 10 --out random-missions
 
         maneuver validate --missions gtmax-1 --policies worst-case --wind gtmax light --logs flights
+
+        maneuver validate --suite random --seed 2001 --flights 1 --calibrate my-library.times.toml
 
         maneuver validate --plant automaton --gamma 0.3 0.5 1 --true-gamma minus random
 
@@ -121,6 +129,8 @@ def validate(
         max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
         max_activations: plannings after which a flight is given up.
         out: folder for flights, scorecard and pictures; none by default.
+        calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
+            NAME.times.toml beside the library NAME.json; for --suite random.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
         means: who flies.
         status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
@@ -130,6 +140,7 @@ def validate(
     if suite == "tables":
         return _tables(out, means.workers or default_workers(), force=force)
     flown_with = find_library(library)
+    _refuse_calibration(calibrate, suite, plant, force=force)
     try:
         settings = Settings(
             activation_interval=activation_interval,
@@ -174,13 +185,16 @@ def validate(
         results = fly_all(grid.tasks(), folder=out, logs=logs, means=lent, force=force)
     helicopter = [one for one in results if one.plant == "helicopter" and one.legs]
     warn_of_walks(flown_with, [walk_flown(one.legs) for one in helicopter])
+    stated = promised_times(library, flown_with)
+    drawn = seed if suite == "random" else -1
     card = Scorecard(
         command=_command(),
         library=flown_with.name,
         totals=totals(results),
         cells=scorecard(results),
-        promises=promises(results, share=PROMISED),
+        promises=promises(results, share=PROMISED, stated=stated, seed=drawn),
         blamed=_blamed(results, flown_with),
+        tubes=tube_cards(results, flown_with),
     )
     if out is not None:
         remove_partials(out)
@@ -190,11 +204,32 @@ def validate(
         write_validation_pictures(
             out, results, grid.missions, flown_with, totals=card.totals, promises=card.promises
         )
+    _calibrate(calibrate, helicopter, flown_with, seed=seed, force=force)
     if json:
         sys.stdout.write(json_text(card, results))
     else:
         show(card)
     return _code(card.cells)
+
+
+def _refuse_calibration(path: Path | None, suite: str, plant: str, *, force: bool) -> None:
+    if path is None:
+        return
+    if (suite, plant) != ("random", "helicopter"):
+        raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
+    refuse_existing(path, force=force)
+
+
+def _calibrate(
+    path: Path | None, results: Sequence[MissionResult], library: Library, *, seed: int, force: bool
+) -> None:
+    if path is None:
+        return
+    made, lacking = time_promises(results, share=PROMISED, seed=seed)
+    for policy in lacking:
+        print(f"too few flights of {policy} reached their goal: it promises no time", file=sys.stderr)
+    text = times_text(made, library_hash=library_hash(library), command=_command())
+    publish_bytes(text.encode(), path, force=force)
 
 
 def _tables(folder: Path | None, workers: int, *, force: bool) -> int:

@@ -18,7 +18,8 @@ from review.pictures import publish_picture
 from review.prediction_picture import prediction_picture
 
 from .mission_flights import LegFlown, MissionResult, planner_of
-from .scorecard import Cell, Promise, Share
+from .promise_card import Promise
+from .scorecard import Cell, Share
 
 MOST_MAPS = 24
 """Maps of what was flown, all plants and winds together; more would not be looked at."""

@@ -21,10 +21,12 @@ class Flown:
     """What a closed-loop flight came to.
 
     Attributes:
-        reached: whether the true track entered the final tolerance, in the trim wanted there, on a plan.
+        reached: whether the true track entered the final tolerance, in the trim wanted there, on a plan, and
+            the vehicle ended its flight for that.
+        claimed: whether the vehicle ended its flight because it took itself to be at the goal.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy promises from the start to the final tolerance, thinking
-            included; infinite without a plan.
+        predicted_time: seconds that the policy promises from the start to the part of the tolerance that
+            plans aim at, thinking included; infinite without a plan.
         closest: metres between the goal and the nearest point of the true track.
         activations: how often it was planned.
         failures: how often that gave no plan that could be flown: none, too late, or failing its check.
@@ -40,6 +42,7 @@ class Flown:
     """
 
     reached: bool
+    claimed: bool
     flown_time: float
     predicted_time: float
     closest: float
@@ -62,10 +65,13 @@ class FlightRecord:
 
     Attributes:
         goal: as it is judged.
+        certainty: standard deviations of the believed position that must be inside the goal's tolerance.
         predicted_time: promised at the start.
+        claimed: whether the vehicle took itself to be at the goal, on a plan and in the trim wanted there.
     """
 
     goal: Mission
+    certainty: float = 0.0
     predicted_time: float = inf
     plans: list[Plan] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
@@ -75,6 +81,7 @@ class FlightRecord:
     legs: list[Leg] = field(default_factory=list)
     steps: list[Step] = field(default_factory=list)
     counted: list[bool] = field(default_factory=list)
+    claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
         """Notes a question and its answer."""
@@ -88,7 +95,21 @@ class FlightRecord:
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
-        self.counted.append(on_a_plan and self.goal.goal_trim in {None, held})
+        counts = on_a_plan and self.goal.goal_trim in {None, held}
+        self.counted.append(counts)
+        if counts and not self.claimed and not leg.alarm and self._takes_itself_to_arrive(leg):
+            self.claimed = True
+            self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
+
+    def _takes_itself_to_arrive(self, leg: Leg) -> bool:
+        sure = self.goal.tolerance - self.certainty * leg.spread
+        believed = leg.track if leg.believed is None else leg.believed
+        goal = replace(self.goal.destination, tolerance=sure)
+        return sure > 0 and first_arrival([believed], goal).time is not None
+
+    @property
+    def _level(self) -> float:
+        return self.decisions[-1].level if self.decisions else 0.0
 
     def decide(self, time: float, kind: DecisionKind, *, cost: float, level: float) -> None:
         """Notes a decision about the planning noted last."""
@@ -110,13 +131,8 @@ class FlightRecord:
             self.legs.append(Leg(duration, settled=False, track=error.track))
             self.counted.append(False)
 
-    @property
-    def arrived(self) -> bool:
-        """Whether the goal was reached."""
-        return self.arrival().time is not None
-
-    def arrival(self) -> Arrival:
-        """Returns when the goal was reached, on a plan and in the trim wanted there."""
+    def _arrival(self) -> Arrival:
+        """Returns when the goal was truly reached, on a plan and in the trim wanted there."""
         tracks = [leg.track for leg, counts in zip(self.legs, self.counted, strict=True) if counts]
         return first_arrival(tracks, self.goal.destination)
 
@@ -130,17 +146,17 @@ class FlightRecord:
             time: seconds since the start at which it ended.
             reason: how, one sentence.
         """
-        arrival = self.arrival()
-        if arrival.time is not None:
-            last = self.decisions[-1]
-            met = replace(last, time=arrival.time, kind=DecisionKind.ARRIVED)
-            self.decisions = sorted([*self.decisions, met], key=lambda one: one.time)
+        arrival = self._arrival()
+        reached = self.claimed and arrival.time is not None
+        if self.claimed and not reached:
+            reason = f"took itself to be at the goal, which it came no nearer to than {arrival.closest:.2f} m"
         kinds = [one.kind for one in self.decisions]
         return Flown(
-            reached=arrival.time is not None,
-            flown_time=time if arrival.time is None else arrival.time,
+            reached=reached,
+            claimed=self.claimed,
+            flown_time=arrival.time if reached and arrival.time is not None else time,
             predicted_time=self.predicted_time,
-            closest=arrival.closest if arrival.time is not None else self._closest(),
+            closest=arrival.closest if reached else self._closest(),
             activations=len(self.plans),
             failures=sum(kind in REFUSALS for kind in kinds),
             fallbacks=kinds.count(DecisionKind.FALLBACK),

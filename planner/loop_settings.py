@@ -28,6 +28,9 @@ class Settings:
             to the goal, to be taken instead.
         learn_level: whether the coasting times flown are those of the uncertainty level that the vehicle has
             shown so far, not those of the deciding one.
+        certainty: standard deviations of its believed position by which the vehicle must be inside the
+            tolerance before it takes itself to be at the goal.
+        wait: seconds for which rest is held where a flight was given up.
     """
 
     activation_interval: float = 0.5
@@ -39,6 +42,8 @@ class Settings:
     replan_in_maneuver: bool = False
     hysteresis: float = 1.0
     learn_level: bool = True
+    certainty: float = 3.0
+    wait: float = 0.0
 
     def __post_init__(self) -> None:
         """Refuses a loop that cannot run."""
@@ -55,5 +60,9 @@ class Settings:
             raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
         if not 0 < self.aim <= 1:
             raise ValueError(f"aim must be in (0, 1], got {self.aim}")
+        if not 0 <= self.certainty < inf:
+            raise ValueError(f"certainty must be >= 0 standard deviations, got {self.certainty}")
+        if not 0 <= self.wait <= LONGEST_INTERVAL:
+            raise ValueError(f"wait must be >= 0 and <= {LONGEST_INTERVAL} s, got {self.wait} s")
         if not 0 <= self.hysteresis < inf:
             raise ValueError(f"hysteresis must be >= 0 s, got {self.hysteresis} s")

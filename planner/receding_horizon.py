@@ -1,5 +1,6 @@
 """Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf
 
@@ -10,7 +11,7 @@ from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import SE2
-from flight.vehicle import Vehicle
+from flight.vehicle import Leg, Vehicle
 
 from .flown import FlightRecord, Flown
 from .levels import Levels
@@ -35,13 +36,15 @@ def fly(
     planner: Planner,
     library: Library,
     settings: Settings | None = None,
+    on_leg: Callable[[Leg], None] | None = None,
 ) -> Flown:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
     A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
     is used up, its way to rest is flown. Nothing that is flown so can reach the goal: that takes a plan. The
-    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost,
-    or at the limit of plannings.
+    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost
+    or finds something wrong with itself, or at the limit of plannings. It ends where the vehicle takes itself
+    to be at the goal; whether it is, is judged on its true track.
 
     Args:
         vehicle: what flies; its pose is what it believes.
@@ -49,6 +52,7 @@ def fly(
         planner: the policy; what it answers is checked.
         library: of the maneuvers that plans name.
         settings: how the loop is closed.
+        on_leg: is told every leg that was flown; a planner may learn from it.
 
     Raises:
         NoToleranceError: neither the mission nor the settings give a tolerance above 0.
@@ -58,19 +62,26 @@ def fly(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    return _Loop(vehicle, goal, planner, library, settings).fly()
+    return _Loop(vehicle, goal, planner, library, settings, on_leg=on_leg).fly()
 
 
 class _Loop:
     def __init__(
-        self, vehicle: Vehicle, goal: Mission, planner: Planner, library: Library, settings: Settings
+        self,
+        vehicle: Vehicle,
+        goal: Mission,
+        planner: Planner,
+        library: Library,
+        settings: Settings,
+        *,
+        on_leg: Callable[[Leg], None] | None,
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
-        self._library, self._settings = library, settings
+        self._library, self._settings, self._on_leg = library, settings, on_leg
         self._hash = library_hash(library)
-        self._record = FlightRecord(goal)
+        self._record = FlightRecord(goal, settings.certainty)
         self._left = Remainder(vehicle.trim, tail=way_to_rest(library, vehicle.trim))
-        self._levels: Levels | None = None
+        self._levels = Levels(library, goal.goal)
         self._level = 0.0
         self._lost = False
 
@@ -84,13 +95,13 @@ class _Loop:
         reason = f"{self._settings.max_activations} plannings did not lead to the goal"
         for _ in range(self._settings.max_activations):
             ended = self._activate()
-            if self._record.arrived:
+            if self._record.claimed:
                 reason = "reached the goal"
                 break
             if ended:
                 reason = ended
                 break
-        if not self._record.arrived and not self._lost and self._record.legs:
+        if not self._record.claimed and not self._lost and self._record.legs:
             self._come_to_rest()
         return self._record.close(self._vehicle.time, reason)
 
@@ -169,12 +180,10 @@ class _Loop:
 
     def _scenario(self, plan: Plan) -> Scenario:
         """Returns the scenario whose coasting times are flown."""
-        if self._levels is None:
-            gammas = [scenario.gamma for scenario in plan.scenarios]
-            self._levels = Levels(self._library, gammas, self._goal.goal)
         if not self._settings.learn_level:
             return plan.deciding
-        shown = self._levels.shown(otherwise=plan.deciding.gamma)
+        gammas = [scenario.gamma for scenario in plan.scenarios]
+        shown = self._levels.shown(gammas, otherwise=plan.deciding.gamma)
         return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
 
     def _arrives(self, rest: Remainder, start: SE2) -> float:
@@ -210,8 +219,10 @@ class _Loop:
         self._retreat()
         while self._left.trims:
             step, self._left = self._left.step(0.0)
-            if self._fly((step,)):
+            if self._fly((step,)) and self._record.decisions[-1].kind is not DecisionKind.ALARM:
                 return
+        if self._settings.wait:
+            self._fly((Step(self._vehicle.trim, self._settings.wait),))
 
     def _fly(self, steps: tuple[Step, ...]) -> str:
         """Flies steps, notes them, and learns from them.
@@ -233,8 +244,13 @@ class _Loop:
                 return str(error)
             on_a_plan = not self._record.refused or not self._record.plans
             self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.fallback)
+            if leg.alarm:
+                self._record.decide(vehicle.time, DecisionKind.ALARM, cost=inf, level=self._level)
+                return f"alarm: {leg.alarm}"
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
-            if self._levels is not None:
+            if self._record.decisions:
                 self._levels.see(step, begin, vehicle.pose)
+            if self._on_leg is not None:
+                self._on_leg(leg)
         return ""

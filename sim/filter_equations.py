@@ -71,9 +71,10 @@ def predict(
 
 
 def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]) -> ca.Function:
-    """Returns (past, fix, inertial reading, state) -> (motion, state).
+    """Returns (past, fix, inertial reading, state) -> (motion, tests, state).
 
-    The fix is `age` seconds old. It is compared with the antenna of the nominal state and the inertial
+    Tests are the innovations in standard deviations, each after those before it were taken in, believed or
+    not. The fix is `age` seconds old. It is compared with the antenna of the nominal state and the inertial
     reading of then, `past`; what the error of now says of the error of then enters the slopes.
 
     Args:
@@ -97,15 +98,19 @@ def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[f
     slopes[3:, 3:6] = ca.SX.eye(3)
     slopes[3:, 6:9] = -turn @ ca.skew(swing) + age * leaning
     slopes[3:, 9:12] = age * turn
-    error = ca.SX.zeros(ESTIMATED)
+    error, tests = ca.SX.zeros(ESTIMATED), []
     for row in range(6):
-        error, covariance = _correct(error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2)
-    results = _believe(inject(nominal, error), covariance, heading, reading)
+        error, covariance, test = _correct(
+            error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2
+        )
+        tests.append(test)
+    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    results = [motion, ca.vertcat(*tests), after]
     return ca.Function("correct_fix", [past, fix, reading, state], ca.cse(results))
 
 
 def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -> ca.Function:
-    """Returns (heading and height, inertial reading, state) -> (motion, state).
+    """Returns (heading and height, inertial reading, state) -> (motion, tests, state); see `correct_fix`.
 
     Args:
         heading_sigma: standard deviation of the heading's noise, rad.
@@ -120,18 +125,25 @@ def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -
     slopes[0, 7], slopes[0, 8] = turn[2, 1] / level, turn[2, 2] / level
     slopes[0, ERRORS - 1] = 1.0
     innovation = ca.remainder(seen[0] - ca.atan2(turn[1, 0], turn[0, 0]), 2.0 * pi)
-    error, covariance = _correct(ca.SX.zeros(ESTIMATED), covariance, slopes, innovation, heading_sigma**2)
+    error, covariance, first = _correct(
+        ca.SX.zeros(ESTIMATED), covariance, slopes, innovation, heading_sigma**2
+    )
     slopes = ca.SX(1, ERRORS)
     slopes[0, 2] = -1.0
-    error, covariance = _correct(error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2)
-    results = _believe(inject(nominal, error), covariance, heading, reading)
+    error, covariance, second = _correct(
+        error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2
+    )
+    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    results = [motion, ca.vertcat(first, second), after]
     return ca.Function("correct_slow", [seen, reading, state], ca.cse(results))
 
 
 def _correct(
     error: ca.SX, covariance: ca.SX, slopes: ca.SX, innovation: ca.SX, variance: ca.SX | float
-) -> tuple[ca.SX, ca.SX]:
+) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Takes one number in, with Schmidt's gain; nothing where the innovation is past the gate.
+
+    Returns error, covariance, and the innovation in standard deviations.
 
     Between estimated errors, and between them and the considered, Joseph's form comes to a difference; the
     covariance of the considered stays.
@@ -144,7 +156,7 @@ def _correct(
     gain = ca.if_else(believed, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
     smaller = covariance
     smaller[:ESTIMATED, :] -= gain @ reach.T
-    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller)
+    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller), left / ca.sqrt(spread)
 
 
 def split(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:

@@ -28,7 +28,8 @@ from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
 from .signals import Signals
 from .specification import CONTROL_PERIOD, CONTROL_RATE, FlightSpecification
 from .streams import Stream, random_stream
-from .wind import DrydenWind, wind_class
+from .supervisor import Supervisor, limits_for
+from .weather import Weather
 
 
 class SimulatedHelicopter:
@@ -42,6 +43,9 @@ class SimulatedHelicopter:
         parameters: the vehicle; that of `models/gtmax.toml` where None.
         gains: of the controller.
         backend: what evaluates expressions; the best that there is where None. No number depends on it.
+
+    Attributes:
+        supervisor: what watches the flight; None where nothing does.
 
     Raises:
         NoManeuverEndError: the library does not say when a maneuver has ended.
@@ -67,16 +71,7 @@ class SimulatedHelicopter:
         self._signals = signals = Signals()
         self._helicopter = Helicopter(parameters, step=specification.step, signals=signals, backend=backend)
         self._steps = round(CONTROL_PERIOD / specification.step)
-        self._wind = DrydenWind(
-            wind_class(specification.wind),
-            height=specification.altitude,
-            span=2.0 * parameters.main_rotor.radius,
-            direction=specification.wind_from,
-            step=CONTROL_PERIOD,
-            rng=random_stream(specification.seed, Stream.WIND),
-            signals=signals,
-            backend=backend,
-        )
+        self._wind = Weather(specification, parameters, signals, backend)
         self._generator = ManeuverGenerator(
             self._trim.velocity, step=CONTROL_PERIOD, signals=signals, backend=backend
         )
@@ -92,6 +87,7 @@ class SimulatedHelicopter:
         # What runs before the helicopter moves.
         self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
         self._faults: Faults | None = None
+        self.supervisor: Supervisor | None = None
         self._periods = 0
         self._timed_out = False
         self._outcome = "completed"
@@ -114,6 +110,10 @@ class SimulatedHelicopter:
                 parts=self._parts,
             )
             self._parts = faults.parts
+        if specification.supervised and self._lost is None:
+            self.supervisor = Supervisor(
+                signals, self.navigation, height=specification.altitude, limits=limits_for(library)
+            )
 
     def _settle(self) -> None:
         """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
@@ -128,6 +128,7 @@ class SimulatedHelicopter:
         displacement = specification.start_pose @ self.truth.pose.inverse()
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
         self._wind.turn(displacement.heading)
+        self._wind.begin()
         self._controller.turn(displacement.heading)
         self.navigation.move(displacement)
 
@@ -164,7 +165,7 @@ class SimulatedHelicopter:
         return Motion._make(self._signals.truth.tolist())
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim for a time in seconds, to the nearest control period.
+        """Holds the trim for a time in seconds, to the nearest control period, or to its first alarm.
 
         Raises:
             FlightLostError: the flight ended in the ground or diverged.
@@ -174,10 +175,12 @@ class SimulatedHelicopter:
         with self._keeping(first):
             for _ in range(round(duration / CONTROL_PERIOD)):
                 self._advance()
+                if self._alarm_since(first):
+                    break
         return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver to its end, judged on the estimate, or to its time-out.
+        """Performs a maneuver to its end, judged on the estimate, to its time-out or to its first alarm.
 
         Raises:
             ValueError: the maneuver leaves another trim than the one held.
@@ -195,7 +198,7 @@ class SimulatedHelicopter:
         judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
         verdict = Verdict.UNDER_WAY
         with self._keeping(first):
-            while verdict is Verdict.UNDER_WAY:
+            while verdict is Verdict.UNDER_WAY and not self._alarm_since(first):
                 self._advance()
                 if self._periods % PERIODS_A_SAMPLE == 0:
                     verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
@@ -208,13 +211,28 @@ class SimulatedHelicopter:
         try:
             yield
         except FlightLostError as error:
-            error.track = self._recorder.track(first, self._periods)
+            error.track, _ = self._recorder.tracks(first, self._periods)
             raise
 
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
-        track = self._recorder.track(first, self._periods)
-        return Leg((self._periods - first) / CONTROL_RATE, settled=settled, track=track)
+        track, believed = self._recorder.tracks(first, self._periods)
+        return Leg(
+            (self._periods - first) / CONTROL_RATE,
+            settled=settled,
+            track=track,
+            believed=believed,
+            spread=self._recorder.spread(first, self._periods),
+            turbulence=None if self.supervisor is None else self.supervisor.turbulence,
+            alarm=self._alarm_since(first),
+        )
+
+    def _alarm_since(self, period: int) -> str:
+        """Returns the first alarm of the flight, if it was raised after a control period."""
+        if self.supervisor is None or not self.supervisor.alarms:
+            return ""
+        alarm = self.supervisor.first_alarm(after=period / CONTROL_RATE)
+        return "" if alarm is None else alarm.sentence
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
         """Returns the log of the flight up to now.
@@ -231,7 +249,8 @@ class SimulatedHelicopter:
             **(attachments or {}),
         }
         log = self._recorder.log(header, files)
-        return log if self._faults is None else self._faults.add_to(log)
+        log = log if self._faults is None else self._faults.add_to(log)
+        return log if self.supervisor is None else self.supervisor.add_to(log)
 
     def _advance(self) -> None:
         """Flies one control period."""
@@ -254,6 +273,8 @@ class SimulatedHelicopter:
         self._recorder.add_motion()
         if self._faults:
             self._faults.note()
+        if self.supervisor:
+            self.supervisor.run()
 
     def _note_primitive(self, kind: PrimitiveKind, number: int, *, from_trim: int) -> None:
         self._recorder.add_primitive(

@@ -82,6 +82,10 @@ class Navigation:
         true_errors: as they are; as the filter takes them to be where None.
         signals: where it finds the truth and leaves the estimate; its own where None.
         backend: what evaluates sensors and filter.
+
+    Attributes:
+        fix_tests: innovations of the last fix in standard deviations: position and velocity, world axes.
+        slow_tests: likewise of heading and height.
     """
 
     def __init__(
@@ -109,10 +113,19 @@ class Navigation:
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
         self._past = np.zeros(NOMINAL + 6)
         *functions, measure = _functions(errors, step, gravity)
+        self.fix_tests, self.slow_tests = np.zeros(6), np.zeros(2)
         self._predict, self._correct_fix, self._correct_slow = (
-            Recursion(function, (*seen, sensors.inertial, self._state), (signals.estimate,), backend=backend)
-            for function, seen in zip(
-                functions, ((), (self._past, sensors.fix), (sensors.heading_and_height,)), strict=True
+            Recursion(
+                function,
+                (*seen, sensors.inertial, self._state),
+                (signals.estimate, *tests),
+                backend=backend,
+            )
+            for function, seen, tests in zip(
+                functions,
+                ((), (self._past, sensors.fix), (sensors.heading_and_height,)),
+                ((), (self.fix_tests,), (self.slow_tests,)),
+                strict=True,
             )
         )
         self._sigmas = np.zeros(SPREAD)

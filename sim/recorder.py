@@ -1,6 +1,7 @@
 """Keeps what happens in a flight, and makes the flight log of it."""
 
 from collections.abc import Mapping
+from math import hypot
 
 import numpy as np
 from jaxtyping import Float
@@ -71,11 +72,23 @@ class Recorder:
         if sigmas is not None:
             self._spreads.append(sigmas)
 
-    def track(self, first: int, last: int) -> Float[np.ndarray, "n 4"]:
-        """Returns time, true north, east and heading: every second control period, and the last."""
+    def tracks(self, first: int, last: int) -> tuple[Float[np.ndarray, "n 4"], Float[np.ndarray, "n 4"]]:
+        """Returns time, north, east and heading, true and believed.
+
+        A row for every second control period, and the last.
+        """
         periods = np.append(np.arange(first, last, PERIODS_A_SAMPLE), last)
-        motion = self._motion.values()[periods]
-        return np.column_stack([periods / CONTROL_RATE, motion[:, :2], motion[:, _HEADING]])
+        truth, estimate = np.split(self._motion.values()[periods][:, : 2 * _MOTION], 2, axis=1)
+        times = periods / CONTROL_RATE
+        true, believed = (
+            np.column_stack([times, motion[:, :2], motion[:, _HEADING]]) for motion in (truth, estimate)
+        )
+        return true, believed
+
+    def spread(self, first: int, last: int) -> float:
+        """Returns the largest standard deviation of the horizontal position that was claimed, in metres."""
+        rows = self._spreads[first // PERIODS_A_SPREAD : last // PERIODS_A_SPREAD + 1]
+        return max((hypot(north, east) for north, east, *_ in rows), default=0.0)
 
     def log(self, header: FlightHeader, attachments: Mapping[str, bytes]) -> FlightLog:
         """Returns all that was noted as a flight log."""

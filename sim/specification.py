@@ -1,6 +1,8 @@
 """What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
 
+import operator
 from dataclasses import dataclass, fields
+from itertools import pairwise
 
 from pydantic import Field, FiniteFloat, model_validator
 
@@ -9,11 +11,15 @@ from flight.fault import SENSORS, Fault
 from flight.file_model import FileModel, parse_json
 from flight.se2 import SE2
 from flight.sequence import Sequence
+from flight.wind_change import WindChange
 
 DEFAULT_ALTITUDE = 30.0
 
 CONTROL_RATE = 100
 """Hz."""
+
+FADE = 5.0
+"""Seconds in which a wind fades into the next."""
 
 CONTROL_PERIOD = 1.0 / CONTROL_RATE
 
@@ -31,6 +37,15 @@ class NoSensorsError(FlightError):
         super().__init__(f"fault {fault!r} needs sensors; with ideal ones the vehicle believes the truth")
 
 
+class WindOrderError(FlightError):
+    """The wind was to change again before the last change was over."""
+
+    def __init__(self, times: list[float]) -> None:
+        super().__init__(
+            f"the wind must change {FADE:g} s apart or more, in order, got {', '.join(map(str, times))} s"
+        )
+
+
 @dataclass(frozen=True, slots=True)
 class Departure:
     """How a flight departs from the plain one; fields as in `FlightSpecification`."""
@@ -38,15 +53,21 @@ class Departure:
     ideal_navigation: bool = False
     adaptive: bool = True
     faults: tuple[Fault, ...] = ()
+    supervised: bool = False
+    wind_changes: tuple[WindChange, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuses sensors that fail where there are none."""
+        """Refuses sensors that fail where there are none, and winds that come before the last has come."""
         failing = [fault.words for fault in self.faults if fault.where in SENSORS]
         if self.ideal_navigation and failing:
             raise NoSensorsError(failing[0])
+        times = [change.time for change in self.wind_changes]
+        if any(later < before + FADE for before, later in pairwise(times)):
+            raise WindOrderError(times)
 
 
 PLAIN = Departure()
+SUPERVISED = Departure(supervised=True)
 
 
 class FlightSpecification(FileModel):
@@ -63,6 +84,8 @@ class FlightSpecification(FileModel):
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
         faults: what goes wrong, with times from time 0.
+        wind_changes: other wind classes that come, in the order of their times.
+        supervised: whether the vehicle watches itself, and breaks off what it does at its first alarm.
         start: true pose at time 0.
         start_trim: id of the trim held at time 0, and for the settling time before it.
         settling_time: s.
@@ -80,6 +103,8 @@ class FlightSpecification(FileModel):
     altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
     ideal_navigation: bool = False
     faults: tuple[Fault, ...] = ()
+    supervised: bool = Field(default=False, exclude_if=operator.not_)
+    wind_changes: tuple[WindChange, ...] = Field(default=(), exclude_if=operator.not_)
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
@@ -95,10 +120,10 @@ class FlightSpecification(FileModel):
         return self
 
     @model_validator(mode="after")
-    def _something_that_can_fail(self) -> "FlightSpecification":
+    def _possible_departure(self) -> "FlightSpecification":
         try:
-            Departure(self.ideal_navigation, self.adaptive, self.faults)
-        except NoSensorsError as error:
+            Departure(self.ideal_navigation, self.adaptive, self.faults, self.supervised, self.wind_changes)
+        except (NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
 

@@ -12,6 +12,7 @@ class Stream(IntEnum):
     NAVIGATION = 1
 
 
-def random_stream(seed: int, stream: Stream) -> np.random.Generator:
-    """Returns a source; the same seed and name give the same numbers."""
-    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=(stream.value,))))
+def random_stream(seed: int, stream: Stream, number: int = 0) -> np.random.Generator:
+    """Returns a source; the same seed, name and number give the same numbers."""
+    key = (stream.value, number) if number else (stream.value,)
+    return np.random.Generator(np.random.PCG64(np.random.SeedSequence(seed, spawn_key=key)))

@@ -181,12 +181,14 @@ def test_planning_in_a_maneuver_has_the_plan_ready_at_its_end() -> None:
 
 @pytest.mark.parametrize("gamma", [-1.0, 0.0, 1.0])
 def test_the_level_shows_itself_in_one_primitive(gamma: float) -> None:
-    levels = Levels(LIBRARY, (0.0, -1.0, 1.0), (30.0, 10.0))
-    assert levels.shown(otherwise=-1.0) == -1.0
+    levels = Levels(LIBRARY, (30.0, 10.0))
+    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
     begin = SE2(1.0, 2.0, 0.3)
     step = Step(2, 0.0, 3)
     levels.see(step, begin, step.exit(begin, LIBRARY, gamma))
-    assert levels.shown(otherwise=-1.0) == gamma
+    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
+    # Levels that are asked for later are judged by all that was seen.
+    assert levels.shown((0.5 * gamma, gamma), otherwise=-1.0) == gamma
 
 
 @pytest.mark.parametrize("trim", [trim.id for trim in LIBRARY.trims])

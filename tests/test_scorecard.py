@@ -1,10 +1,19 @@
 """The scorecard: shares with their intervals, quantiles, and promises that hold on other missions."""
 
+from dataclasses import replace
+from pathlib import Path
+
 import numpy as np
 import pytest
 
+import libraries
+from flight.library_file import library_hash, read_library
+from flight.plan import read_plan
+from flight.time_promise import TimePromise, read_times, times_path, times_text
+from maneuver.app import run
 from maneuver.mission_flights import MissionResult
-from maneuver.scorecard import promises, quantile, scorecard, totals
+from maneuver.promise_card import conformal_factor, promises, time_promises
+from maneuver.scorecard import Share, quantile, scorecard, totals
 
 
 def result(mission: str, number: int, *, flown: float = 10.0, reached: bool = True) -> MissionResult:
@@ -16,6 +25,7 @@ def result(mission: str, number: int, *, flown: float = 10.0, reached: bool = Tr
         wind="gtmax",
         seed=number,
         reached=reached,
+        claimed=reached,
         flown_time=flown,
         predicted_time=10.0,
         closest=0.5 if reached else 3.0,
@@ -56,7 +66,7 @@ def test_a_quantile_is_a_value_that_so_many_keep() -> None:
 
 def test_a_promise_made_on_some_missions_is_kept_on_others() -> None:
     rng = np.random.default_rng(5)
-    rows = [result(f"m{n % 40}", n, flown=float(10 * rng.lognormal(0, 0.3))) for n in range(2000)]
+    rows = [result(f"m{n % 400}", n, flown=float(10 * rng.lognormal(0, 0.3))) for n in range(2000)]
     (promise,) = promises(rows, share=0.9)
     assert promise.factor == pytest.approx(np.exp(0.3 * 1.2816), rel=0.06)
     assert promise.kept.low < 0.9 < promise.kept.high
@@ -67,3 +77,90 @@ def test_too_few_flights_promise_nothing() -> None:
     (promise,) = promises(rows, share=0.9)
     assert promise.factor is None
     assert promise.kept.count == 0
+
+
+def test_a_flight_of_a_mission_that_is_flown_often_counts_for_less() -> None:
+    """Ninety flights of one slow mission are one mission; nine missions flown once are nine."""
+    slow = [result("slow", n, flown=50.0) for n in range(90)]
+    quick = [[result(f"quick {n}", 0, flown=10.0 + n)] for n in range(19)]
+    # 20 missions, one more to come: 0.9 of 21 are 18.9, which the nineteenth of the quick ones fills.
+    assert conformal_factor([slow, *quick], 0.9) == pytest.approx(2.8)
+    assert conformal_factor([slow, *quick], 0.95) == 5.0
+    assert conformal_factor([slow, *quick], 0.99) == np.inf
+
+
+def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds() -> None:
+    """A promise for 90 % of the flights of missions to come, made on 40 missions flown five times each."""
+    rng = np.random.default_rng(8)
+    kept = []
+    for _ in range(200):
+        made = [
+            [result(f"m{k}", n, flown=float(10 * slow * rng.lognormal(0, 0.05))) for n in range(5)]
+            for k, slow in enumerate(rng.lognormal(0, 0.3, 40))
+        ]
+        factor = conformal_factor(made, 0.9)
+        others = rng.lognormal(0, 0.3, 500) * rng.lognormal(0, 0.05, 500)
+        kept.append(float((others <= factor).mean()))
+    assert 0.9 <= np.mean(kept) < 0.94
+
+
+def test_shares_of_groups_have_the_interval_of_so_many_groups() -> None:
+    alone = Share.of_groups([[True]] * 45 + [[False]] * 5)
+    often = Share.of_groups([[True] * 7] * 45 + [[False] * 7] * 5)
+    rows = [result("a", n, reached=n < 45) for n in range(50)]
+    counted = Share.counted(rows, lambda row: row.reached)
+    assert (alone.low, alone.high) == pytest.approx((counted.low, counted.high))
+    assert (often.low, often.high) == pytest.approx((alone.low, alone.high))
+    assert (often.count, often.of) == (315, 350)
+
+
+def stated(seed: int) -> TimePromise:
+    return TimePromise("worst-case", 1.0, "gtmax", 0.9, 1.5, missions=100, flights=100, seed=seed)
+
+
+def test_what_is_promised_beside_a_library_is_tested_on_all_missions_but_those_that_made_it() -> None:
+    rows = [result(f"m{n}", n, flown=14.0 if n % 2 else 16.0) for n in range(40)]
+    (fresh,) = promises(rows, share=0.9, stated=[stated(2)], seed=1)
+    assert (fresh.stated, fresh.factor, fresh.kept.count, fresh.kept.of) == (True, 1.5, 20, 40)
+    (own,) = promises(rows, share=0.9, stated=[stated(1)], seed=1)
+    assert (own.stated, own.kept.of) == (False, 20)
+
+
+def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    library = tmp_path / "mine.json"
+    library.write_text((libraries.FOLDER / "gtmax-sim.json").read_text())
+    own = library_hash(read_library(library))
+    (made,), lacking = time_promises(
+        [result(f"m{n}", n, flown=10.0 + n / 10) for n in range(40)], share=0.9, seed=3
+    )
+    assert lacking == ()
+    file = times_path(library)
+    file.write_text(times_text([made], library_hash=own, command="maneuver validate"))
+    assert read_times(library, library_hash=own) == (made,)
+    out = tmp_path / "plan.json"
+    assert run(("plan", "gtmax-2", "--library", str(library), "--out", str(out))) == 0
+    plan = read_plan(out)
+    promised = plan.time_promise
+    assert promised is not None
+    assert promised.time is not None
+    assert replace(promised, time=None) == made
+    # The loop aims inside the tolerance, and thinks first: a little longer than the plan.
+    assert made.factor * plan.cost < promised.time < made.factor * (plan.cost + 1.0)
+    said = capsys.readouterr().out.replace("\n", " ")
+    assert f"90% of flights are there within {promised.time:.1f} s" in said
+    # Of the nominal policy nothing was found, and nothing for missions that want a heading.
+    assert run(("plan", "gtmax-2", "--library", str(library), "--policy", "nominal")) == 0
+    assert "of flights are there" not in capsys.readouterr().out
+    file.write_text(times_text([made], library_hash="0" * 64, command="maneuver validate"))
+    assert run(("plan", "gtmax-2", "--library", str(library))) == 0
+    shown = capsys.readouterr()
+    assert "of flights are there" not in shown.out
+    assert "mine.times.toml was found with another library: no time is promised" in shown.err
+    file.write_text("promise = 3\n")
+    assert run(("plan", "gtmax-2", "--library", str(library))) == 2
+    assert capsys.readouterr().err.count("\n") == 1
+
+
+def test_too_few_missions_promise_no_time() -> None:
+    made, lacking = time_promises([result("a", n) for n in range(30)], share=0.9, seed=3)
+    assert (made, lacking) == ((), ("worst-case",))

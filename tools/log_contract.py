@@ -5,6 +5,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from flight import log, z_up
+from flight.alarm import ALARM
 from flight.decision import DECISION
 from flight.log import CONVENTIONS, TOPICS, FlightHeader, Topic
 from flight.viewer_channels import VIEWER_TOPICS, ViewerTopic
@@ -62,7 +63,9 @@ ATTACHMENTS = (
 
 def page() -> str:
     """Returns the page."""
-    return "\n".join([HEAD, *map(_topic, (*TOPICS, DECISION)), _viewers(), _metadata(), _attachments()])
+    return "\n".join(
+        [HEAD, *map(_topic, (*TOPICS, DECISION, ALARM)), _viewers(), _metadata(), _attachments()]
+    )
 
 
 def _topic(topic: Topic) -> str:

@@ -1,0 +1,78 @@
+"""What a vehicle takes the turbulence for, beside what it is: `python -m benchmarks.turbulence 20 3`.
+
+First the velocity errors in each trim, for each m/s of wind at 20 ft, which `sim.turbulence` is made of; over
+as many random missions in each wind class then what the vehicle says at their ends.
+"""
+
+import sys
+from collections.abc import Iterator
+from math import sqrt
+from statistics import mean, quantiles
+
+from flight.log import COMMAND, ESTIMATE
+from maneuver.files import find_library
+from maneuver.mission_flights import mission_seed
+from maneuver.random_missions import random_missions
+from planner.receding_horizon import fly
+from planner.worst_case import WorstCase
+from sim.fly import SimulatedHelicopter
+from sim.specification import FlightSpecification, pose
+from sim.turbulence import IN_STILL_AIR, STRAIGHT, TURNING
+from sim.wind import WIND_CLASSES
+
+LIBRARY = find_library("gtmax-sim")
+HELD = 40.0
+"""Seconds for which a trim is held."""
+
+
+def velocity_error(trim: int, wind: str, seed: int) -> float:
+    """Returns the mean square of the velocity error of a trim that is held, m2/s2."""
+    helicopter = SimulatedHelicopter(FlightSpecification(seed=seed, start_trim=trim, wind=wind), LIBRARY)
+    helicopter.coast(HELD)
+    log = helicopter.log()
+    believed, asked = log[ESTIMATE], log[COMMAND]
+    off = [believed[name] - asked[name] for name in ("forward", "side")]
+    return float((off[0] ** 2 + off[1] ** 2 + believed["descent"] ** 2).mean())
+
+
+def said(wind: str, count: int, seed: int) -> Iterator[float]:
+    """Yields what the vehicle says at the end of each mission, m/s."""
+    planner = WorstCase(LIBRARY, 1.0)
+    for mission in random_missions(LIBRARY, count=count, seed=seed, gamma=1.0):
+        number = mission_seed(seed, mission.name, 0)
+        specification = FlightSpecification(
+            seed=number,
+            wind=wind,
+            start=pose(mission.start),
+            start_trim=mission.start_trim,
+            supervised=True,
+        )
+        helicopter = SimulatedHelicopter(specification, LIBRARY)
+        fly(helicopter, mission, planner=planner, library=LIBRARY)
+        assert helicopter.supervisor is not None
+        if (turbulence := helicopter.supervisor.turbulence) is not None:
+            yield turbulence
+
+
+def main() -> None:
+    """Prints both tables."""
+    count, seed = (int(word) for word in sys.argv[1:3])
+    wind = WIND_CLASSES[LIBRARY.conditions.wind]
+    print(f"velocity error, m/s, and for each m/s of wind at 20 ft; taken: {IN_STILL_AIR} in still air")
+    for trim in LIBRARY.trims:
+        still, blown = (
+            mean(velocity_error(trim.id, name, seed + n) for n in range(4)) for name in ("calm", wind.name)
+        )
+        taken = STRAIGHT + TURNING * abs(trim.velocity.yaw_rate)
+        share = sqrt(max(blown - still, 0.0)) / wind.wind_at_20_ft
+        print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  taken {taken:.4f}")
+    print("\nwind class        true   said: 10 %   median   90 %, m/s")
+    for name, known in WIND_CLASSES.items():
+        if name != "severe":
+            low, *_, high = quantiles(found := list(said(name, count, seed)), n=10)
+            half = sorted(found)[len(found) // 2]
+            print(f"{name:<15}{known.wind_at_20_ft:>7.1f}{low:>13.1f}{half:>9.1f}{high:>9.1f}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,179 @@
+"""`maneuver faults`: every fault of a matrix flown in closed loop, with protection and without."""
+
+import json as json_module
+import sys
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from flight.fault import Fault
+from flight.fault_matrix import FaultCase, FaultMatrix
+from flight.library import Library
+from flight.log_file import publish_bytes
+from flight.mission import Mission
+from planner.receding_horizon import Settings
+from sim.specification import Departure
+
+from .fault_card import FaultCard, Outcomes, fault_csv, fault_markdown, outcomes, together
+from .files import find_fault_matrix, find_library
+from .flight_store import fly_all
+from .means import HERE, MeansAsked, lend_means
+from .mission_flights import MissionResult, MissionTask, mission_seed
+from .numbers import Count, Seed
+from .policies import FlownPolicy
+from .random_missions import random_missions
+
+NOT_KEPT = 1
+
+WAIT = 10.0
+"""Seconds for which a vehicle that has given up must stay safe."""
+
+
+def faults(
+    matrix: str = "helicopter",
+    *,
+    library: str = "gtmax-sim",
+    policy: FlownPolicy = "worst-case",
+    wind: str | None = None,
+    flights: Count = 50,
+    seed: Seed = 1,
+    bare: bool = True,
+    out: Path | None = None,
+    means: MeansAsked = HERE,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Flies every fault of a matrix on missions drawn by chance, and counts what was safe, lost and wrong.
+
+    Each fault is flown on the same missions in the same air, with the vehicle's protection and without it:
+    alarms, on which it gives up its mission and goes to rest, and a margin before it takes itself to be at
+    the goal. The exit code is 0 when, with protection, no flight was wrong, every fault was seen to act and
+    every sound flight was right. With --out the flights are kept as they come: the same command, started
+    again, flies only what is missing. The folder then holds the matrix as Markdown and CSV.
+
+    For example:
+
+        maneuver faults --flights 2
+
+        maneuver faults --out fault-matrix
+
+        maneuver faults my-faults.toml --no-bare --wind light --flights 20
+
+    Args:
+        matrix: name or path of a fault matrix.
+        library: name or path of the library planned with.
+        policy: which planner.
+        wind: wind class; the library's by default.
+        flights: of each fault, each a mission of its own.
+        seed: of all chance.
+        bare: fly without protection too.
+        out: folder for flights and tables; none by default.
+        means: who flies.
+        force: write into a folder that has something else in it.
+        json: print one JSON document.
+    """
+    what, flown_with = find_fault_matrix(matrix), find_library(library)
+    missions = random_missions(flown_with, count=flights, seed=seed, gamma=1.0)
+    flying = _Flying(what, flown_with, policy, wind or flown_with.conditions.wind, seed, missions)
+    cases = [case.fault for case in what.cases]
+    orders: list[tuple[Fault | None, bool]] = [(None, True), *((fault, True) for fault in cases)]
+    orders += [(fault, False) for fault in cases] if bare else []
+    tasks = [task for fault, protected in orders for task in flying.tasks(fault, protected=protected)]
+    with lend_means(means) as lent:
+        results = fly_all(tasks, folder=out, logs=None, means=lent, force=force)
+    card = _card(what, [results[place : place + flights] for place in range(0, len(results), flights)])
+    if out is not None:
+        for name, text in (("md", fault_markdown(card)), ("csv", fault_csv(card))):
+            publish_bytes(text.encode(), out / f"fault-matrix.{name}", force=True)
+    if json:
+        print(json_module.dumps(_content(card)))
+    else:
+        _show(card)
+    return 0 if card.kept else NOT_KEPT
+
+
+@dataclass(frozen=True, slots=True)
+class _Flying:
+    """What all flights of a matrix have in common."""
+
+    matrix: FaultMatrix
+    library: Library
+    policy: FlownPolicy
+    wind: str
+    seed: int
+    missions: Sequence[Mission]
+
+    def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
+        """Returns a flight of every mission, with a fault or without."""
+        settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, certainty=0.0)
+        departure = Departure(faults=() if fault is None else (fault,), supervised=protected)
+        return [
+            MissionTask(
+                mission=mission,
+                library=self.library,
+                policy=self.policy,
+                gamma=0.0 if self.policy == "nominal" else 1.0,
+                wind=self.wind,
+                seed=mission_seed(self.seed, mission.name, 0),
+                settings=settings,
+                departure=departure,
+                envelope=self.matrix.envelope,
+            )
+            for mission in self.missions
+        ]
+
+
+def _card(matrix: FaultMatrix, flown: Sequence[Sequence[MissionResult]]) -> FaultCard:
+    sound, *rest = flown
+    count = len(matrix.cases)
+    nothing = FaultCase(matrix.cases[0].fault, contract=True, expected="")
+    return FaultCard(
+        command=" ".join(["maneuver", *sys.argv[1:]]),
+        matrix=matrix,
+        protected=tuple(map(outcomes, matrix.cases, rest[:count])),
+        bare=tuple(map(outcomes, matrix.cases, rest[count:])),
+        sound=outcomes(nothing, sound),
+    )
+
+
+def _content(card: FaultCard) -> dict[str, object]:
+    def plain(found: Outcomes) -> dict[str, object]:
+        alarms = {kind.name.lower(): count for kind, count in found.alarms}
+        return {**asdict(found), "alarms": alarms, "wrong_at_most": found.wrong_at_most}
+
+    rows = [
+        {
+            "fault": case.fault.words,
+            "contract": case.contract,
+            "expected": case.expected,
+            "protected": plain(card.protected[place]),
+            "bare": plain(card.bare[place]) if card.bare else None,
+        }
+        for place, case in enumerate(card.matrix.cases)
+    ]
+    return {"matrix": card.matrix.name, "sound": plain(card.sound), "faults": rows}
+
+
+def _show(card: FaultCard) -> None:
+    """Prints a line for each fault, and all together."""
+    print(f"{'fault':<45} passed  safe  lost  wrong   bare: safe  wrong")
+    parts: list[tuple[str, Outcomes, Outcomes | None]] = [("nothing", card.sound, None)]
+    parts += [
+        (case.fault.words, card.protected[place], card.bare[place] if card.bare else None)
+        for place, case in enumerate(card.matrix.cases)
+    ]
+    parts.append(("all faults", together(card.protected), together(card.bare) if card.bare else None))
+    for words, found, bare in parts:
+        passed = "-" if found.passed is None else str(found.passed)
+        without = "" if bare is None else f"{bare.safe:>13}{bare.wrong:>7}"
+        print(f"{words:<45}{passed:>7}{found.safe:>6}{found.lost:>6}{found.wrong:>7}{without}")
+        if found.acted < found.flights and words != "nothing":
+            print(f"  seen to act in {found.acted} of {found.flights} flights only")
+    whole = together(card.protected)
+    print(
+        f"wrong with protection: {whole.wrong} of {whole.flights}; with 95 % confidence at most "
+        f"{whole.wrong_at_most:.3%}"
+    )

@@ -1,0 +1,56 @@
+"""What is promised of plans: times that most flights keep, found by flying, that stand beside a library."""
+
+import sys
+from dataclasses import replace
+
+from flight.library import Library
+from flight.library_file import library_hash
+from flight.mission import Mission
+from flight.plan import Plan
+from flight.time_promise import TimePromise, read_times, times_path
+from planner.loop_settings import Settings
+from planner.policy import Planner
+
+from .files import library_path
+from .random_missions import TOLERANCE
+
+
+def promised_times(name: str, library: Library) -> tuple[TimePromise, ...]:
+    """Returns the promises that stand beside a library; says so where they are of another one.
+
+    Args:
+        name: name or path of the library.
+        library: what is there.
+
+    Raises:
+        BadFileError: the promises' file is broken.
+    """
+    path = library_path(name)
+    found = read_times(path, library_hash=library_hash(library))
+    if found is None:
+        print(f"{times_path(path).name} was found with another library: no time is promised", file=sys.stderr)
+    return found or ()
+
+
+def with_promise(plan: Plan, mission: Mission, planner: Planner, promises: tuple[TimePromise, ...]) -> Plan:
+    """Returns a plan with the time that most flights keep, where that was found for such missions.
+
+    The missions flown for it want no heading and no trim at the goal, and had one tolerance: a smaller one
+    takes longer. The loop that flew them aims inside the tolerance, and flies on while it thinks.
+
+    Args:
+        plan: answers the mission.
+        mission: as it was asked.
+        planner: that answered.
+        promises: that stand beside the library.
+    """
+    wanted = (mission.goal_heading, mission.goal_trim) != (None, None)
+    own = [one for one in promises if (one.policy, one.gamma) == (plan.policy, plan.gamma)]
+    if not plan.found or not own or wanted or mission.tolerance < TOLERANCE:
+        return plan
+    loop = Settings()
+    aimed = planner.plan(replace(mission, tolerance=loop.aim * mission.tolerance))
+    if not aimed.found:
+        return plan
+    time = own[0].factor * (loop.latency.configured + aimed.cost)
+    return replace(plan, time_promise=replace(own[0], time=time))

@@ -1,0 +1,232 @@
+"""What the vehicle watches of itself, from what it knows alone: readings, estimate, reference, covariance.
+
+Nobody tells it of a fault. Whatever is watched has a limit; beyond it an alarm is raised, once a flight for
+each kind. An innovation that the filter refuses counts as one at its gate, so readings that are not believed
+any more are noticed as well as readings that are wrong and believed.
+"""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from math import exp, hypot, inf, isfinite, isnan, sqrt
+from types import MappingProxyType
+
+from flight.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarm_series
+from flight.library import Library
+from flight.log import FlightLog
+
+from .filter_equations import GATE
+from .navigation import Navigation, Navigator
+from .signals import Signals
+from .specification import CONTROL_PERIOD
+from .turbulence import TurbulenceMeter
+from .wind import WIND_CLASSES
+
+PERIODS_A_LOOK = 10
+"""Control periods between two looks; as many as between two fixes."""
+
+_LOOK = PERIODS_A_LOOK * CONTROL_PERIOD
+# Share of what was seen that a look keeps: means are over a second.
+_KEPT = exp(-_LOOK)
+
+LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
+    {
+        AlarmKind.NO_NUMBER: 0.0,
+        AlarmKind.TILT: 0.55,
+        AlarmKind.HEIGHT: 2.5,
+        AlarmKind.VELOCITY: 0.9,
+        AlarmKind.DESCENT: 1.0,
+        AlarmKind.YAW_RATE: 0.4,
+        AlarmKind.FIXES_AMISS: 2.5,
+        AlarmKind.HEADING_AMISS: 3.5,
+        AlarmKind.ALTIMETER_AMISS: 2.0,
+        AlarmKind.FIXES_SILENT: 3.0,
+        AlarmKind.HEADING_SILENT: 5.0,
+        AlarmKind.ALTIMETER_SILENT: 5.0,
+        AlarmKind.GYRO_STUCK: 0.15,
+        AlarmKind.ACCELEROMETER_STUCK: 0.15,
+        AlarmKind.FIXES_STUCK: 0.35,
+        AlarmKind.HEADING_STUCK: 0.35,
+        AlarmKind.ALTIMETER_STUCK: 0.35,
+        AlarmKind.POSITION_UNKNOWN: 0.25,
+        AlarmKind.TURBULENCE: inf,
+    }
+)
+"""What is allowed: above all that sound flights came to in the wind of `gtmax` and `moderate`, as
+`benchmarks.alarm_limits` prints them. Silence and stuck readings are chosen: the filter does without for as
+long. How hard it may blow is the library's to say."""
+
+BEYOND = 2.5
+"""How much harder than the wind of a library it may seem to blow before the vehicle says so."""
+
+_INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmKind.ALTIMETER_AMISS})
+
+
+def limits_for(library: Library) -> Mapping[AlarmKind, float]:
+    """Returns what is allowed where a library is flown with: turbulence as far as its wind class is known."""
+    known = WIND_CLASSES.get(library.conditions.wind)
+    beyond = inf if known is None or not known.wind_at_20_ft else BEYOND * known.wind_at_20_ft
+    return {**LIMITS, AlarmKind.TURBULENCE: beyond}
+
+
+class Supervisor:
+    """Looks at a flight ten times a second.
+
+    Args:
+        signals: what the parts of the loop say to one another; the truth and the wind are not looked at.
+        navigation: its readings and innovations, where it has some.
+        height: that the controller holds, m.
+        limits: what is allowed, by kind.
+
+    Attributes:
+        alarms: raised so far.
+        largest: of everything watched so far, by kind.
+    """
+
+    def __init__(
+        self,
+        signals: Signals,
+        navigation: Navigator,
+        *,
+        height: float,
+        limits: Mapping[AlarmKind, float] = LIMITS,
+    ) -> None:
+        self._estimate, self._reference = signals.estimate, signals.reference
+        self._height, self._limits = height, limits
+        self._squares = dict.fromkeys((AlarmKind.VELOCITY, AlarmKind.DESCENT, AlarmKind.YAW_RATE), 0.0)
+        self._readings = _Readings(navigation) if isinstance(navigation, Navigation) else None
+        self._meter = TurbulenceMeter(_LOOK)
+        self._periods = 0
+        self.alarms: list[Alarm] = []
+        self.largest: dict[AlarmKind, float] = {}
+
+    def run(self) -> None:
+        """Watches a control period that has been flown."""
+        self._periods += 1
+        if self._readings is not None:
+            self._readings.note()
+        if self._periods % PERIODS_A_LOOK == 0:
+            self._look()
+
+    @property
+    def turbulence(self) -> float | None:
+        """How hard it seems to blow: wind at 20 ft in m/s; None where that is not known."""
+        if any(alarm.kind in _INNOVATIONS for alarm in self.alarms):
+            return None
+        return self._meter.wind_at_20_ft
+
+    def first_alarm(self, *, after: float) -> Alarm | None:
+        """Returns the first alarm that ends a mission, if it was raised after a time in seconds."""
+        first = next((alarm for alarm in self.alarms if alarm.kind not in ADVICE), None)
+        return first if first is not None and first.time > after else None
+
+    def add_to(self, log: FlightLog) -> FlightLog:
+        """Returns a log that tells of the alarms too, if there were any."""
+        if not self.alarms:
+            return log
+        return replace(log, series={**log.series, ALARM.name: alarm_series(self.alarms)})
+
+    def _look(self) -> None:
+        known = {alarm.kind for alarm in self.alarms}
+        for kind, value in self._found():
+            self.largest[kind] = max(value, self.largest.get(kind, 0.0))
+            limit = self._limits[kind]
+            # False too where the value is no number.
+            if not value <= limit and kind not in known:
+                self.alarms.append(Alarm(self._periods * CONTROL_PERIOD, kind, value, limit))
+
+    def _found(self) -> Iterator[tuple[AlarmKind, float]]:
+        motion = self._estimate.tolist()
+        if not all(map(isfinite, motion)):
+            yield AlarmKind.NO_NUMBER, 1.0
+            return
+        _, _, down, forward, side, descent, roll, pitch, *_, yaw_rate = motion
+        reference = self._reference.tolist()
+        yield AlarmKind.TILT, max(abs(roll), abs(pitch))
+        yield AlarmKind.HEIGHT, abs(-down - self._height)
+        off = {
+            AlarmKind.VELOCITY: hypot(forward - reference[0], side - reference[3]),
+            AlarmKind.DESCENT: descent,
+            AlarmKind.YAW_RATE: yaw_rate - reference[6],
+        }
+        for kind, error in off.items():
+            mean = _KEPT * self._squares[kind] + (1.0 - _KEPT) * error**2
+            self._squares[kind] = mean
+            yield kind, sqrt(mean)
+        self._meter.see((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
+        if (turbulence := self.turbulence) is not None:
+            yield AlarmKind.TURBULENCE, turbulence
+        if self._readings is not None:
+            yield from self._readings.look()
+
+
+class _Readings:
+    """What sensors and filter say to one another."""
+
+    def __init__(self, navigation: Navigation) -> None:
+        self._navigation = navigation
+        self._fixed = self._seen = False
+        self._means = [0.0] * (len(navigation.fix_tests) + len(navigation.slow_tests))
+        sensors = navigation.sensors
+        self._inertial = {AlarmKind.GYRO_STUCK: slice(3, 6), AlarmKind.ACCELEROMETER_STUCK: slice(0, 3)}
+        self._last: dict[AlarmKind, object] = {
+            kind: sensors.inertial[part].tobytes() for kind, part in self._inertial.items()
+        }
+        self._stuck: dict[AlarmKind, float] = {}
+        self._silent: dict[AlarmKind, float] = {}
+
+    def note(self) -> None:
+        """Notes which readings a control period brought."""
+        sensors = self._navigation.sensors
+        self._fixed |= sensors.has_fix
+        self._seen |= sensors.has_heading_and_height
+
+    def look(self) -> Iterator[tuple[AlarmKind, float]]:
+        """Yields what there is to be said of the readings since the last look."""
+        sensors = self._navigation.sensors
+        for kind, part in self._inertial.items():
+            yield kind, self._unchanged(kind, sensors.inertial[part].tobytes())
+        heading, height = sensors.heading_and_height.tolist()
+        fresh = (
+            (AlarmKind.FIXES_SILENT, AlarmKind.FIXES_STUCK, self._fixed, sensors.fix.tobytes()),
+            (
+                AlarmKind.HEADING_SILENT,
+                AlarmKind.HEADING_STUCK,
+                self._seen and not isnan(heading),
+                heading,
+            ),
+            (
+                AlarmKind.ALTIMETER_SILENT,
+                AlarmKind.ALTIMETER_STUCK,
+                self._seen and not isnan(height),
+                height,
+            ),
+        )
+        for silent, stuck, came, reading in fresh:
+            self._silent[silent] = 0.0 if came else self._silent.get(silent, 0.0) + _LOOK
+            yield silent, self._silent[silent]
+            if came:
+                yield stuck, self._unchanged(stuck, reading)
+        yield from self._innovations()
+        self._fixed = self._seen = False
+        north, east, *_ = self._navigation.spread()
+        yield AlarmKind.POSITION_UNKNOWN, hypot(north, east)
+
+    def _unchanged(self, kind: AlarmKind, reading: object) -> float:
+        """Returns for how many seconds a reading has been the same to the bit."""
+        same = reading == self._last.get(kind)
+        self._stuck[kind] = self._stuck.get(kind, 0.0) + _LOOK if same else 0.0
+        self._last[kind] = reading
+        return self._stuck[kind]
+
+    def _innovations(self) -> Iterator[tuple[AlarmKind, float]]:
+        """Takes innovations into their means, each in standard deviations, and yields the largest means."""
+        fix = self._navigation.fix_tests.tolist() if self._fixed else ()
+        slow = self._navigation.slow_tests.tolist() if self._seen else ()
+        count = len(self._navigation.fix_tests)
+        for place, test in (*enumerate(fix), *enumerate(slow, start=count)):
+            if not isnan(test):
+                self._means[place] = _KEPT * self._means[place] + (1.0 - _KEPT) * max(-GATE, min(GATE, test))
+        *fixes, heading, height = map(abs, self._means)
+        yield AlarmKind.FIXES_AMISS, max(fixes)
+        yield AlarmKind.HEADING_AMISS, heading
+        yield AlarmKind.ALTIMETER_AMISS, height

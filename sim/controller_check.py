@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from flight.se2 import Twist
+from flight.units import FOOT
 
 from .closed_loop import Response, respond
 from .controller import Controller
@@ -14,15 +15,14 @@ from .margins import PATHS, Loop, close_loop, margins, stable
 from .parameters import Parameters, change_vehicle
 
 GAIN_BAR, PHASE_BAR = 6.0, 45.0
-_FOOT = 0.3048
 _STEP, _HEIGHT = 0.01, 30.0
 # The trims of the thesis's Table 9.
 TRIMS = tuple(
-    Twist(speed * _FOOT, 0.0, rate)
+    Twist(speed * FOOT, 0.0, rate)
     for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
 )
 # Straight flight from where those end to the end of the speed range.
-FAST_FLIGHT = tuple(Twist(speed * _FOOT, 0.0, 0.0) for speed in (16, 32, 48, 64, 80))
+FAST_FLIGHT = tuple(Twist(speed * FOOT, 0.0, 0.0) for speed in (16, 32, 48, 64, 80))
 _MASSES = (0.8, 1.0, 1.2)
 _CHANGED = {
     "as believed": {},

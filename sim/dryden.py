@@ -15,13 +15,14 @@ import casadi as ca
 import numpy as np
 from jaxtyping import Float
 
+from flight.units import FOOT
+
 from .control_words import Seen
 
-_FOOT = 0.3048
 # Below this the frozen field is no model of what a hovering rotor meets; in m/s.
 AIRSPEED_FLOOR = 4.0
 # Range of heights that the low-altitude model states, in m.
-_LOWEST, _HIGHEST = 10.0 * _FOOT, 1000.0 * _FOOT
+_LOWEST, _HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
 # What a lateral gust is of the two numbers that it remembers.
 _READOUT = (sqrt(3.0), 1.0 - sqrt(3.0))
 
@@ -59,14 +60,14 @@ def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
         height: above ground, m; held to 10 to 1000 ft.
         span: breadth of the vehicle, m.
     """
-    height_ft = max(_LOWEST, min(_HIGHEST, height)) / _FOOT
+    height_ft = max(_LOWEST, min(_HIGHEST, height)) / FOOT
     factor = 0.177 + 0.000823 * height_ft
     sigma_vertical = 0.1 * wind_at_20_ft
     return Dryden(
         sigma_horizontal=sigma_vertical / factor**0.4,
         sigma_vertical=sigma_vertical,
-        length_horizontal=height_ft / factor**1.2 * _FOOT,
-        length_vertical=height_ft * _FOOT,
+        length_horizontal=height_ft / factor**1.2 * FOOT,
+        length_vertical=height_ft * FOOT,
         span=span,
     )
 

@@ -13,6 +13,7 @@ from scipy.stats import chi2
 from flight.fault import Fault
 from flight.library import Library
 from flight.se2 import SE2
+from flight.units import FOOT
 
 from .figure import Figure
 from .filter_equations import ESTIMATED
@@ -28,7 +29,7 @@ APART = 20.0
 # An error's memory is taken as lost where its correlation is below this.
 _CORRELATION_BAR = exp(-1.0)
 # One foot: a third of the tolerance with which the thesis's missions are judged, m and m/s.
-POSITION_BAR = 0.3048
+POSITION_BAR = FOOT
 _BEFORE, _LOSS, _AFTER = 10.0, 2.0, 15.0
 _ALTITUDE = 30.0
 _WINDS = ("calm", "gtmax", "light")

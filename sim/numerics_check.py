@@ -8,6 +8,7 @@ import mujoco
 import numpy as np
 
 from flight.se2 import Twist
+from flight.units import FOOT
 
 from .closed_loop import respond
 from .figure import Figure
@@ -15,10 +16,9 @@ from .helicopter import DEFAULT_STEP, load_model
 from .motion import Motion
 from .parameters import Parameters
 
-_FOOT = 0.3048
 # Sixty seconds with every kind of change, in ft/s and rad/s.
 _FLIGHT = tuple(
-    (Twist(speed * _FOOT, 0.0, rate), 7.5)
+    (Twist(speed * FOOT, 0.0, rate), 7.5)
     for speed, rate in ((0, 0.0), (3, 0.0), (10, 0.0), (10, 0.6), (10, 0.0), (3, -0.3), (3, 0.0), (0, 0.0))
 )
 

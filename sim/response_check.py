@@ -9,6 +9,7 @@ from flight.library import Library
 from flight.log import TRUTH
 from flight.maneuver import Maneuver
 from flight.se2 import SE2, Twist
+from flight.units import FOOT
 
 from .closed_loop import respond
 from .figure import Figure
@@ -23,7 +24,7 @@ DISPLACEMENT_BAR, HEADING_BAR, DURATION_BAR = 0.08, 0.15, 0.15
 _NO_TURN = 0.05
 # The largest remainder that it prints for a maneuver between straight trims, rad.
 _STRAIGHT_REMAINDER = 0.03
-_FOOT, _STEP = 0.3048, 0.01
+_STEP = 0.01
 _STRAIGHT = tuple((a, 0.0, b, 0.0) for a, b in ((0, 3), (3, 0), (3, 10), (10, 3), (0, 10), (10, 0)))
 _COMBINED = ((3, 0.0, 10, 0.6), (10, -0.6, 3, 0.0), (3, 0.1, 10, 0.6), (10, -0.6, 3, -0.1))
 _TURNS = (
@@ -35,7 +36,7 @@ _TURNS = (
 def check_response(parameters: Parameters) -> Iterator[Figure]:
     """Yields settling times in still air with ideal sensors (thesis, 2.6.2)."""
     for start, turn, end, next_turn in (*_STRAIGHT, *_COMBINED, *_TURNS):
-        before, after = Twist(start * _FOOT, 0.0, turn), Twist(end * _FOOT, 0.0, next_turn)
+        before, after = Twist(start * FOOT, 0.0, turn), Twist(end * FOOT, 0.0, next_turn)
         flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
         settling = SPEED_SETTLING if start != end else TURN_SETTLING
         name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"

@@ -7,6 +7,7 @@ import numpy as np
 
 import models
 from flight.se2 import Twist
+from flight.units import FOOT
 
 from .equilibrium import EquilibriumFinder
 from .figure import Figure
@@ -14,10 +15,9 @@ from .linearisation import state_matrix
 from .parameters import Parameters
 
 RESIDUAL_BAR = 1e-8
-_FOOT = 0.3048
 _SPEEDS = tuple(float(speed) for speed in range(0, 25, 2))
 # The turning trims of the thesis's Table 9 and as hard to the other side, in rad/s at 3 and 10 ft/s.
-_TURNS = tuple((speed * _FOOT, rate) for speed in (3.0, 10.0) for rate in (-0.6, -0.3, 0.3, 0.6))
+_TURNS = tuple((speed * FOOT, rate) for speed in (3.0, 10.0) for rate in (-0.6, -0.3, 0.3, 0.6))
 # Mettler, Tischler and Kanade (2000): name, identified R-50 mode in 1/s, largest relative error that holds.
 _FAST_MODES = (
     ("flapping", -20.3 + 4.7j, 0.10),

@@ -10,6 +10,7 @@ from math import cos, pi, sin
 import numpy as np
 
 from flight.errors import FlightError
+from flight.units import FOOT
 
 from .backend import Backend
 from .bound_function import Recursion
@@ -18,7 +19,6 @@ from .motion import Motion, Wind
 from .noise import Noise
 from .signals import Signals
 
-_FOOT = 0.3048
 _KNOT = 1852.0 / 3600.0
 
 
@@ -45,7 +45,7 @@ WIND_CLASSES = {
     wind.name: wind
     for wind in (
         WindClass("calm", 0.0, 0.0),
-        WindClass("gtmax", 20.0 * _FOOT, 20.0 * _FOOT / 3.0),
+        WindClass("gtmax", 20.0 * FOOT, 20.0 * FOOT / 3.0),
         WindClass("light", 15.0 * _KNOT, 5.0 * _KNOT),
         WindClass("moderate", 30.0 * _KNOT, 10.0 * _KNOT),
         WindClass("severe", 45.0 * _KNOT, 15.0 * _KNOT),

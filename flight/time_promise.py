@@ -24,7 +24,7 @@ class TimePromise:
         policy: of the plans.
         gamma: uncertainty level of the plans.
         wind: class in which the helicopter flew.
-        share: of flights.
+        share: of flights, or more, with 95 % confidence.
         factor: on the seconds of a plan to the part of the tolerance that the loop aims at, and its latency.
         missions: that it was found on.
         flights: likewise, all missions together.
@@ -52,7 +52,7 @@ class TimePromise:
         """What is promised, for people."""
         multiple = f"{self.factor:.2f} times what the loop foretells"
         when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
-        return f"{self.share:.0%} of flights are there within {when} ({self.source})"
+        return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
 
 
 class TimePromisePart(FileModel):

@@ -4,11 +4,13 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import inf, isfinite
 
+from scipy.stats import binom
+
 from flight.time_promise import TimePromise
 
 from .mission_flights import MissionResult
 from .policies import FlownPolicy
-from .scorecard import Share, by_condition, ratio
+from .scorecard import CONFIDENCE, Share, by_condition, ratio
 
 ROUNDING = 1e-9
 
@@ -69,7 +71,7 @@ def promises(
             factor, known = own[0].factor, (own[0].missions, own[0].flights)
             tested = groups
         else:
-            factor = conformal_factor(groups[::2], share)
+            factor = kept_factor(groups[::2], share)
             known, tested = (len(groups[::2]), sum(map(len, groups[::2]))), groups[1::2]
         if tested:
             made.append(_promise(first, share, factor, known, tested, stated=tested is groups))
@@ -83,7 +85,7 @@ def time_promises(
     made, lacking = [], []
     for rows in by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
-        factor = conformal_factor(groups, share)
+        factor = kept_factor(groups, share)
         if not isfinite(factor):
             lacking.append(first.policy)
             continue
@@ -102,17 +104,23 @@ def time_promises(
     return tuple(made), tuple(lacking)
 
 
-def conformal_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
+def kept_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
     """Returns the multiple of the predicted time that a share of flights keeps, of other missions too.
 
-    Flights of one mission resemble one another, so a mission is the sample: each counts the same, and one
-    more, that is to come, as endless (hierarchical conformal prediction: Lee, Barber, Willett 2023).
+    It is a tolerance limit (Wilks 1941): with 95 % confidence no smaller share of flights to come keeps it.
+    Flights of one mission resemble one another, so a mission is the sample, and each counts the same however
+    often it was flown.
     """
+    number = len(groups)
+    # As many missions as no more than the share would hold with 95 % confidence.
+    rank = int(binom.ppf(CONFIDENCE, number, share)) + 1
+    if rank > number:
+        return inf
     weighted = sorted((ratio(row), 1.0 / len(group)) for group in groups for row in group)
-    wanted, seen = share * (len(groups) + 1), 0.0
+    seen = 0.0
     for value, weight in weighted:
         seen += weight
-        if seen >= wanted - ROUNDING:
+        if seen >= rank - ROUNDING:
             return value
     return inf
 

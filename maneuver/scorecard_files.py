@@ -52,9 +52,10 @@ counts flights that did not reach the goal as endless. Planning times are the pr
 
 PROMISE_HEADS = ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %")
 
-PROMISE_NOTE = """A factor on the predicted time. What stands beside the library, found on other missions, is
-tested on all of these; where nothing does, every second mission sets the factor, and the others test it. The
-interval is Wilson's for as many trials as there are missions, however often each was flown."""
+PROMISE_NOTE = """A factor on the predicted time that so many flights or more keep, with 95 % confidence. What
+stands beside the library, found on other missions, is tested on all of these; where nothing does, every
+second mission sets the factor, and the others test it. The interval is Wilson's for as many trials as there
+are missions, however often each was flown."""
 
 BLAME_HEADS = (
     *("primitive", "flights", "performances", "outside", "claimed inside", "chance"),

@@ -12,7 +12,7 @@ from flight.plan import read_plan
 from flight.time_promise import TimePromise, read_times, times_path, times_text
 from maneuver.app import run
 from maneuver.mission_flights import MissionResult
-from maneuver.promise_card import conformal_factor, promises, time_promises
+from maneuver.promise_card import kept_factor, promises, time_promises
 from maneuver.scorecard import Share, quantile, scorecard, totals
 
 
@@ -68,8 +68,9 @@ def test_a_promise_made_on_some_missions_is_kept_on_others() -> None:
     rng = np.random.default_rng(5)
     rows = [result(f"m{n % 400}", n, flown=float(10 * rng.lognormal(0, 0.3))) for n in range(2000)]
     (promise,) = promises(rows, share=0.9)
-    assert promise.factor == pytest.approx(np.exp(0.3 * 1.2816), rel=0.06)
-    assert promise.kept.low < 0.9 < promise.kept.high
+    # Of 200 missions the 188th: with 95 % confidence 90 % keep what 94 % did.
+    assert promise.factor == pytest.approx(np.exp(0.3 * 1.555), rel=0.06)
+    assert promise.kept.low < 0.94 < promise.kept.high
 
 
 def test_too_few_flights_promise_nothing() -> None:
@@ -80,13 +81,14 @@ def test_too_few_flights_promise_nothing() -> None:
 
 
 def test_a_flight_of_a_mission_that_is_flown_often_counts_for_less() -> None:
-    """Ninety flights of one slow mission are one mission; nine missions flown once are nine."""
+    """Ninety flights of one slow mission are one mission; thirty-nine missions flown once are thirty-nine."""
     slow = [result("slow", n, flown=50.0) for n in range(90)]
-    quick = [[result(f"quick {n}", 0, flown=10.0 + n)] for n in range(19)]
-    # 20 missions, one more to come: 0.9 of 21 are 18.9, which the nineteenth of the quick ones fills.
-    assert conformal_factor([slow, *quick], 0.9) == pytest.approx(2.8)
-    assert conformal_factor([slow, *quick], 0.95) == 5.0
-    assert conformal_factor([slow, *quick], 0.99) == np.inf
+    quick = [[result(f"quick {n}", 0, flown=10.0 + n)] for n in range(39)]
+    # Of 40 missions 39 are held, or more, with a chance of 8 % where 90 % keep it; all 40 with one of 1.5 %.
+    assert kept_factor([slow, *quick], 0.9) == 5.0
+    # With a chance of 4.3 % 36 are, or more, where 80 % do.
+    assert kept_factor([slow, *quick], 0.8) == pytest.approx(4.6)
+    assert kept_factor([slow, *quick], 0.95) == np.inf
 
 
 def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds() -> None:
@@ -98,10 +100,12 @@ def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds
             [result(f"m{k}", n, flown=float(10 * slow * rng.lognormal(0, 0.05))) for n in range(5)]
             for k, slow in enumerate(rng.lognormal(0, 0.3, 40))
         ]
-        factor = conformal_factor(made, 0.9)
+        factor = kept_factor(made, 0.9)
         others = rng.lognormal(0, 0.3, 500) * rng.lognormal(0, 0.05, 500)
         kept.append(float((others <= factor).mean()))
-    assert 0.9 <= np.mean(kept) < 0.94
+    # One promise in twenty may fail.
+    assert np.mean(np.array(kept) < 0.9) <= 0.1
+    assert np.mean(kept) < 0.99
 
 
 def test_shares_of_groups_have_the_interval_of_so_many_groups() -> None:

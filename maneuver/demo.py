@@ -28,7 +28,7 @@ from .identify import publish_library
 from .means import Means
 from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
 from .numbers import Count, Seed
-from .policies import FLOWN_POLICIES
+from .policies import COMPARED
 from .progress import shown
 from .workers import default_workers, worker_pool
 
@@ -75,7 +75,7 @@ def demo(
         with _step(console, "identify  a library with uncertainties from their logs"):
             library = way.identify(logs)
         with _step(console, f"plan      mission {MISSION}, nominal and for the worst case"):
-            plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in FLOWN_POLICIES]
+            plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in COMPARED]
         with _step(console, f"fly       each plan {repeats} times, re-planned on the way"):
             results = way.fly_plans(mission, library, repeats)
         with _step(console, "review    the flights as pictures"):
@@ -136,7 +136,7 @@ class _Way:
                 log=self.out / "missions" / f"{policy}-{number}.mcap",
                 force=self.force,
             )
-            for policy in FLOWN_POLICIES
+            for policy in COMPARED
             for number in range(repeats)
         ]
         return list(shown(self.executor.map(fly_mission, tasks), total=len(tasks), what="flying plans"))

@@ -16,7 +16,7 @@ from sim.backend import Backend
 from sim.campaign import fly_specification
 from sim.parameters import Parameters, parse_parameters
 from sim.replay import AnotherVehicleError, backend_named, refuse_another_vehicle
-from sim.specification import Departure, FlightSpecification, parse_specification
+from sim.specification import FlightSpecification, parse_specification
 
 from .latencies import recorded_latency
 from .mission_flights import MissionTask, fly_helicopter
@@ -93,7 +93,5 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
         seed=specification.seed,
         settings=settings,
         max_nodes=max_nodes,
-        departure=Departure(
-            specification.ideal_navigation, specification.adaptive, tuple(specification.faults)
-        ),
+        departure=specification.departure,
     )

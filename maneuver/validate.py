@@ -28,7 +28,7 @@ from .latencies import latency_of
 from .means import HERE, MeansAsked, lend_means
 from .mission_flights import MissionResult, walk_flown
 from .numbers import Count, Seed
-from .policies import FLOWN_POLICIES, FlownPolicy
+from .policies import COMPARED, FlownPolicy
 from .promise_card import promises, time_promises
 from .promised import promised_times
 from .random_missions import random_missions
@@ -56,9 +56,7 @@ def validate(
     *,
     suite: Literal["thesis", "random", "tables"] = "thesis",
     missions: Names = (),
-    policies: Annotated[
-        tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")
-    ] = FLOWN_POLICIES,
+    policies: Annotated[tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")] = COMPARED,
     library: str = "gtmax-sim",
     gamma: Levels = (1.0,),
     plant: Literal["helicopter", "automaton"] = "helicopter",

@@ -122,10 +122,15 @@ class FlightSpecification(FileModel):
     @model_validator(mode="after")
     def _possible_departure(self) -> "FlightSpecification":
         try:
-            Departure(self.ideal_navigation, self.adaptive, self.faults, self.supervised, self.wind_changes)
+            _ = self.departure
         except (NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
+
+    @property
+    def departure(self) -> Departure:
+        """How the flight departs from the plain one."""
+        return Departure(**{field.name: getattr(self, field.name) for field in fields(Departure)})
 
     @property
     def start_pose(self) -> SE2:

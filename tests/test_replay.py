@@ -29,6 +29,9 @@ FLIGHTS = {
     "a mission nominally planned, with ideal sensors": [
         *("fly", "--mission", "gtmax-1", "--policy", "nominal", "--ideal-sensors", "--wind", "light"),
     ],
+    "a mission in wind that changes, at the level that is met": [
+        *("fly", "--mission", "gtmax-1", "--policy", "calibrated", "--wind-change", "4 light"),
+    ],
     "a sequence without adaptation, with a servo that lags": [
         *(*SEQUENCE, "--no-adaptation", "--fault", "pedal lag 5 5 0.2"),
     ],

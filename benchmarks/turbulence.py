@@ -1,13 +1,16 @@
 """What a vehicle takes the turbulence for, beside what it is: `python -m benchmarks.turbulence 20 3`.
 
-First the velocity errors in each trim, for each m/s of wind at 20 ft, which `sim.turbulence` is made of; over
-as many random missions in each wind class then what the vehicle says at their ends.
+First the velocity errors in each trim, for each m/s of wind at 20 ft, which `sim.turbulence` is made of, and
+the innovations of the filter, which it is not made of; then what it says at the ends of as many random
+random missions in each wind class.
 """
 
 import sys
 from collections.abc import Iterator
 from math import sqrt
 from statistics import mean, quantiles
+
+import numpy as np
 
 from flight.log import COMMAND, ESTIMATE
 from maneuver.files import find_library
@@ -16,6 +19,7 @@ from maneuver.random_missions import random_missions
 from planner.receding_horizon import fly
 from planner.worst_case import WorstCase
 from sim.fly import SimulatedHelicopter
+from sim.navigation import Navigation
 from sim.specification import FlightSpecification, pose
 from sim.turbulence import IN_STILL_AIR, STRAIGHT, TURNING
 from sim.wind import WIND_CLASSES
@@ -23,6 +27,8 @@ from sim.wind import WIND_CLASSES
 LIBRARY = find_library("gtmax-sim")
 HELD = 40.0
 """Seconds for which a trim is held."""
+FIX_INTERVAL = 0.2
+"""Seconds between two looks at the innovations, each of the last fix."""
 
 
 def velocity_error(trim: int, wind: str, seed: int) -> float:
@@ -33,6 +39,20 @@ def velocity_error(trim: int, wind: str, seed: int) -> float:
     believed, asked = log[ESTIMATE], log[COMMAND]
     off = [believed[name] - asked[name] for name in ("forward", "side")]
     return float((off[0] ** 2 + off[1] ** 2 + believed["descent"] ** 2).mean())
+
+
+def innovations(wind: str, seed: int) -> tuple[float, float]:
+    """Returns mean squares of innovations in position and velocity, in variances, over all trims held."""
+    seen = []
+    for trim in LIBRARY.trims:
+        specification = FlightSpecification(seed=seed, start_trim=trim.id, wind=wind)
+        helicopter = SimulatedHelicopter(specification, LIBRARY)
+        assert isinstance(helicopter.navigation, Navigation)
+        for _ in range(round(HELD / FIX_INTERVAL)):
+            helicopter.coast(FIX_INTERVAL)
+            seen.append(helicopter.navigation.fix_tests**2)
+    position, velocity = np.split(np.nanmean(seen, axis=0), 2)
+    return float(position.mean()), float(velocity.mean())
 
 
 def said(wind: str, count: int, seed: int) -> Iterator[float]:
@@ -66,6 +86,12 @@ def main() -> None:
         taken = STRAIGHT + TURNING * abs(trim.velocity.yaw_rate)
         share = sqrt(max(blown - still, 0.0)) / wind.wind_at_20_ft
         print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  taken {taken:.4f}")
+    print("\nwind class     innovations, mean square in variances: position   velocity")
+    for name in WIND_CLASSES:
+        position, velocity = (
+            mean(parts) for parts in zip(*(innovations(name, seed + n) for n in range(4)), strict=True)
+        )
+        print(f"{name:<15}{position:>48.3f}{velocity:>11.3f}")
     print("\nwind class        true   said: 10 %   median   90 %, m/s")
     for name, known in WIND_CLASSES.items():
         if name != "severe":

@@ -7,8 +7,8 @@ from pathlib import Path
 
 from .version import VERSION
 
-FOLDERS = ("flight", "maneuver", "models", "planner", "sim")
-"""What decides how a flight goes; who reads flights afterwards does not."""
+FOLDERS = ("flight", "identification", "maneuver", "models", "planner", "sim")
+"""What decides how a flight goes, and how its primitives are cut and judged in what is kept of it."""
 
 _ENDINGS = {".py", ".c", ".toml", ".xml"}
 # What computes, beside CasADi, which a log names as its back-end.

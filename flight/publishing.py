@@ -74,7 +74,8 @@ def publish_bytes(content: bytes, path: Path, *, force: bool = False, disk: Disk
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: the system says no; nothing is left behind.
+        CannotWriteError: the system says no; what is left behind is nothing, or the whole file where nothing
+            but the folder could not be synced.
     """
     if path.exists() and not force:
         raise AlreadyExistsError(path)

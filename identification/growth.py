@@ -105,7 +105,12 @@ def grow(
     )
     baseline = flown_baseline(everything, flown)
     wanted = {"coverage": coverage, "confidence": confidence}
-    rows = grown_maneuvers(everything, flown, baseline, **wanted)
+    try:
+        rows = grown_maneuvers(everything, flown, baseline, **wanted)
+    except ValueError as error:
+        raise CannotGrowError(
+            f"{library.name} has too few maneuvers to leave out those of one trim at a time: {error}"
+        ) from None
     joined = replace(everything, maneuvers=(*library.maneuvers, *rows.maneuvers))
     entered = {row.to_trim for row in rows.maneuvers}
     held = [trim for trim in joined.trims if trim.id in entered]

@@ -50,11 +50,14 @@ class Spline:
                 None.
 
         Raises:
-            ValueError: too few points for a linear trend and a point left out, or they lie in a plane.
+            ValueError: too few points for a linear trend and a point left out, or they lie in a plane, all or
+                without those that are left out together.
         """
         count, dimensions = points.shape
         if count < dimensions + 3:
             raise ValueError(f"expected at least {dimensions + 3} points, got {count}")
+        for rows in together or ():
+            _refuse_a_plane(np.delete(points, list(rows), axis=0))
         best: Self | None = None
         for smoothing in SMOOTHINGS:
             inverse = np.linalg.inv(_system(points, smoothing))
@@ -91,9 +94,14 @@ def _left_out(
 def _system(points: Float[np.ndarray, "n d"], smoothing: float) -> Float[np.ndarray, "m m"]:
     count = len(points)
     kernel = -np.linalg.norm(points[:, None, :] - points, axis=2) + smoothing * np.eye(count)
+    _refuse_a_plane(points)
     trend = np.hstack([np.ones((count, 1)), points])
     corner = np.zeros((trend.shape[1], trend.shape[1]))
-    if np.linalg.matrix_rank(trend) < trend.shape[1]:
-        raise ValueError("expected points that span all their coordinates, got points in a plane")
     system: Float[np.ndarray, "m m"] = np.block([[kernel, trend], [trend.T, corner]])
     return system
+
+
+def _refuse_a_plane(points: Float[np.ndarray, "n d"]) -> None:
+    trend = np.hstack([np.ones((len(points), 1)), points])
+    if np.linalg.matrix_rank(trend) < trend.shape[1]:
+        raise ValueError("expected points that span all their coordinates, got points in a plane")

@@ -12,6 +12,7 @@ from flight.errors import BadFileError
 from flight.library_file import library_hash
 from flight.log_file import log_bytes, read_log
 from flight.log_identity import difference, identity
+from flight.publishing import remove_partials
 from flight.work import Done, Found, State, refuse_other_code
 from planner.kernel.build import search_backend
 from sim.parameters import model_hash
@@ -160,6 +161,8 @@ def fly_all(
         return list(shown(flown, total=len(tasks), what="flying missions"))
     if not (folder / FLIGHTS).is_dir():
         refuse_existing(folder, force=force)
+    for path in (task.log for task in tasks if task.log is not None):
+        remove_partials(path.parent, of=path.name)
     flights = keep_all(tasks, folder / FLIGHTS)
     check = accept_others if force else refuse_to_replace
     return complete(flights, folder / FLIGHTS, means=means, what="flying missions", check=check)

@@ -121,7 +121,7 @@ def plan(
         from planner.certified import certified
 
         answer = certified(answer, primitives, task)
-    answer = with_promise(answer, task, planner, promised_times(library, primitives))
+    answer = with_promise(answer, task, planner, primitives, promised_times(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:

@@ -10,9 +10,10 @@ from flight.plan import Plan
 from flight.time_promise import TimePromise, read_times, times_path
 from planner.loop_settings import Settings
 from planner.policy import Planner
+from planner.remainder import Step
 
 from .files import library_path
-from .random_missions import TOLERANCE
+from .random_missions import FARTHEST, NEAREST, TOLERANCE
 
 
 def promised_times(name: str, library: Library) -> tuple[TimePromise, ...]:
@@ -32,25 +33,33 @@ def promised_times(name: str, library: Library) -> tuple[TimePromise, ...]:
     return found or ()
 
 
-def with_promise(plan: Plan, mission: Mission, planner: Planner, promises: tuple[TimePromise, ...]) -> Plan:
+def with_promise(
+    plan: Plan, mission: Mission, planner: Planner, library: Library, promises: tuple[TimePromise, ...]
+) -> Plan:
     """Returns a plan with the time that most flights keep, where that was found for such missions.
 
-    The missions flown for it want no heading and no trim at the goal, and had one tolerance: a smaller one
-    takes longer. The loop that flew them aims inside the tolerance, and flies on while it thinks.
+    The missions flown for it want no heading and no trim at the goal, lie `NEAREST` to `FARTHEST` away, were
+    flown in the library's wind and had one tolerance: a smaller one takes longer. The loop that flew them aims
+    inside the tolerance, and flies on while it thinks.
 
     Args:
         plan: answers the mission.
         mission: as it was asked.
         planner: that answered.
+        library: planned with.
         promises: that stand beside the library.
     """
     wanted = (mission.goal_heading, mission.goal_trim) != (None, None)
-    own = [one for one in promises if (one.policy, one.gamma) == (plan.policy, plan.gamma)]
-    if not plan.found or not own or wanted or mission.tolerance < TOLERANCE:
+    flown = (plan.policy, plan.gamma, library.conditions.wind)
+    own = [one for one in promises if (one.policy, one.gamma, one.wind) == flown]
+    far = not NEAREST <= mission.start.distance_to(mission.goal) <= FARTHEST
+    if not plan.found or not own or wanted or far or mission.tolerance < TOLERANCE:
         return plan
     loop = Settings()
-    aimed = planner.plan(replace(mission, tolerance=loop.aim * mission.tolerance))
+    thinking = Step(mission.start_trim, loop.latency.configured)
+    start = thinking.exit(mission.start, library, 0.0)
+    aimed = planner.plan(replace(mission, start=start, tolerance=loop.aim * mission.tolerance))
     if not aimed.found:
         return plan
-    time = own[0].factor * (loop.latency.configured + aimed.cost)
+    time = own[0].factor * (thinking.duration + aimed.cost)
     return replace(plan, time_promise=replace(own[0], time=time))

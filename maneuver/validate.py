@@ -138,7 +138,6 @@ def validate(
     if suite == "tables":
         return _tables(out, means.workers or default_workers(), force=force)
     flown_with = find_library(library)
-    _refuse_calibration(calibrate, suite, plant, force=force)
     try:
         settings = Settings(
             activation_interval=activation_interval,
@@ -153,6 +152,9 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
+    _refuse_calibration(
+        calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None), force=force
+    )
     if means.cluster is not None and logs is not None and out is None:
         raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
     if plant == "automaton" and (wind or logs):
@@ -210,11 +212,15 @@ def validate(
     return _code(card.cells)
 
 
-def _refuse_calibration(path: Path | None, suite: str, plant: str, *, force: bool) -> None:
+def _refuse_calibration(path: Path | None, suite: str, plant: str, *, plain: bool, force: bool) -> None:
     if path is None:
         return
     if (suite, plant) != ("random", "helicopter"):
         raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
+    if not plain:
+        raise FlightError(
+            "--calibrate: expected the loop that `plan` promises for, got one with other settings"
+        )
     refuse_existing(path, force=force)
 
 

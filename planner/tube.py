@@ -155,6 +155,8 @@ def leaves_tube(
 ) -> float | None:
     """Returns when a flight first left its tube, in seconds since its start; None where it never did.
 
+    A flight is looked at until an alarm broke off a maneuver.
+
     Args:
         library: flown with.
         steps: what each leg was meant to be.
@@ -168,6 +170,9 @@ def leaves_tube(
             if step.to_trim is None:
                 flown = float(leg.track[-1, 0] - leg.track[0, 0])
                 where = coasted(where, library.trim(step.trim), flown, share=share)
+            elif leg.alarm:
+                # Broken off: no primitive of the library was flown, and what follows is no plan's.
+                return None
             else:
                 elapsed += leg.duration
                 where = maneuvered(where, library.maneuver(step.trim, step.to_trim), share=share)

@@ -148,3 +148,13 @@ def test_trends_are_read_off_the_primitives_flown() -> None:
     assert len(seen.turn_steps) == 24
     for row in seen.speed_steps:
         assert row.percent == pytest.approx(100 * row.error / row.displacement)
+
+
+def test_a_spline_needs_points_that_span_without_those_left_out_together() -> None:
+    along = np.column_stack([np.arange(8.0), np.zeros(8)])
+    points = np.vstack([along, [[1.0, 2.0], [3.0, 1.0]]])
+    groups = [[place] for place in range(8)] + [[8, 9], [8, 9]]
+    values = np.sin(points).sum(axis=1)
+    assert len(Spline.fit(points, values).left_out) == 10
+    with pytest.raises(ValueError, match="span all their coordinates"):
+        Spline.fit(points, values, together=groups)

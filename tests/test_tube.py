@@ -113,6 +113,14 @@ def test_one_number_of_a_trim_beyond_its_error_leaves_the_tube(place: int) -> No
         assert leaves_tube(LIBRARY, steps, legs, [0.0], share=1.0) is not None, (place, size)
 
 
+def test_what_an_alarm_broke_off_is_no_exit() -> None:
+    steps = [Step(2, 0.0, 3), Step(3, 1.0)]
+    legs = flown(steps, lambda count: [2.0] * count)
+    assert leaves_tube(LIBRARY, steps, legs, [0.0], share=1.0) is not None
+    broken = [replace(legs[0], alarm="tilt"), *legs[1:]]
+    assert leaves_tube(LIBRARY, steps, broken, [0.0], share=1.0) is None
+
+
 def test_a_tube_begins_anew_at_every_planning() -> None:
     steps = [Step(2, 0.0, 3), Step(3, 1.0), Step(3, 0.0, 2), Step(2, 1.0)]
     legs = flown(steps, lambda count: [1.0] * count)

@@ -86,12 +86,14 @@ def _coast_departures(
     said = []
     if short:
         unbounded = "; averaged errors do not bound them" if averaged else ""
-        said.append(
-            f"trims {_listed(short)} are held for less than {shortest:.1f} s, as never flown{unbounded}"
-        )
+        said.append(f"{_held(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
     if long:
-        said.append(f"trims {_listed(long)} are held for more than {longest:.1f} s, as never flown")
+        said.append(f"{_held(long)} for more than {longest:.1f} s, as never flown")
     return said
+
+
+def _held(trims: Sequence[int]) -> str:
+    return f"trim {trims[0]} is held" if len(trims) == 1 else f"trims {_listed(trims)} are held"
 
 
 def _listed(trims: Sequence[int]) -> str:

@@ -39,8 +39,8 @@ def with_promise(
     """Returns a plan with the time that most flights keep, where that was found for such missions.
 
     The missions flown for it want no heading and no trim at the goal, lie `NEAREST` to `FARTHEST` away, were
-    flown in the library's wind and had one tolerance: a smaller one takes longer. The loop that flew them aims
-    inside the tolerance, and flies on while it thinks.
+    flown in the library's wind and had one tolerance: a smaller one takes longer. The loop that flew them
+    aims inside the tolerance, and flies on while it thinks.
 
     Args:
         plan: answers the mission.

@@ -38,8 +38,8 @@ def test_inside_the_domain_nothing_is_said() -> None:
 def test_each_departure_is_named() -> None:
     assert walk_departures(LIBRARY, (1, 2, 3, 1), (2.0, 1.0, 9.0, 2.0)) == (
         "trims 3 are outside the speeds flown, 0 to 2 m/s",
-        "trims 2 are held for less than 2.0 s, as never flown",
-        "trims 3 are held for more than 8.0 s, as never flown",
+        "trim 2 is held for less than 2.0 s, as never flown",
+        "trim 3 is held for more than 8.0 s, as never flown",
     )
     assert walk_departures(LIBRARY, (1, 2, 4, 2), (2.0,) * 4) == (
         "trims 4 are left by no maneuver that was flown",
@@ -95,7 +95,7 @@ def test_what_a_closed_loop_flew_is_held_against_the_domain(capsys: pytest.Captu
     walk = walk_flown([held, held, left, LegFlown(3, None, 4.8, 0.5, ()), LegFlown(3, 1, 5.3, 4.0, ())])
     assert walk == ([2, 3, 1], [0.8, 0.5, 0.0])
     warn_of_walks(LIBRARY, [walk])
-    assert "trims 3 are held for less than" in capsys.readouterr().err
+    assert "trim 3 is held for less than" in capsys.readouterr().err
     warn_of_walks(LIBRARY, [walk, ([1, 2, 1], [2.0, 8.0, 3.0])])
     assert "1 of 2 flights" in capsys.readouterr().err
     warn_of_walks(LIBRARY, [([1, 2, 1], [2.0, 8.0, 3.0])])

@@ -74,7 +74,7 @@ def _view(name: str, curves: Sequence[tuple[str, str, str, str]]) -> Any:
     import rerun.blueprint as rrb
     from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping
 
-    lines: dict[str, list[Any]] = {}
+    lines: dict[Any, list[Any]] = {}
     for topic, message, color, field in curves:
         mapping = VisualizerComponentMapping(
             target="Scalars:scalars",

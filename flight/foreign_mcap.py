@@ -45,7 +45,7 @@ VelocityAxes = Literal["world", "body"]
 _MOST_LISTED = 12
 _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
-    *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError, NotImplementedError),
+    *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError),
 )
 # What ROS 2 topics of PX4 are described by; they keep PX4's axes.
 _PX4 = "px4_msgs/"

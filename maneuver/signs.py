@@ -14,9 +14,9 @@ from rich.table import Table
 
 from flight.errors import FlightError
 from flight.plan import read_plan
-from planner.error_bounds import MOST_TIME_BOXES
 from planner.error_box import Each
 from planner.signs import Trust, trust
+from planner.slowest import MOST_TIME_BOXES
 
 from .files import find_library, find_mission
 from .numbers import Count

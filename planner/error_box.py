@@ -57,16 +57,34 @@ class ErrorPath:
             self.fixed[0] + errors @ self.fixed[1],
         )
 
-    def table(self, errors: Float[np.ndarray, "n variables"]) -> Table:
-        """Returns some choices of the error variables as a table of the exact search."""
+    def table(
+        self, errors: Float[np.ndarray, "n variables"], least: Float[np.ndarray, "n trims"] | None = None
+    ) -> Table:
+        """Returns some choices of the error variables as a table of the exact search.
+
+        Args:
+            errors: the choices.
+            least: seconds that each trim is held at least, of walks of two trims or more; the times of the
+                table come on top.
+        """
         numbers = self.at(errors)
+        displacement, turn, fixed = numbers.displacement, numbers.turn, numbers.fixed
+        if least is not None:
+            # Within a coast it does not matter which part comes first: one becomes part of the next maneuver.
+            angle = numbers.rate * least
+            coast = numbers.velocity * least * _mean(angle)
+            displacement = coast[:, :-1] + np.exp(1j * angle[:, :-1]) * displacement
+            turn = angle[:, :-1] + turn
+            displacement[:, -1] += np.exp(1j * turn[:, -1]) * coast[:, -1]
+            turn[:, -1] += angle[:, -1]
+            fixed = fixed + least.sum(axis=1)
         return fold(
             np.tile(np.array(self.walk), (len(errors), 1)),
             velocity=numbers.velocity,
             rate=numbers.rate,
-            displacement=numbers.displacement,
-            turn=numbers.turn,
-            fixed=numbers.fixed,
+            displacement=displacement,
+            turn=turn,
+            fixed=fixed,
         )
 
 

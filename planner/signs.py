@@ -18,10 +18,10 @@ from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 
-from .arrival import wants_heading
-from .error_bounds import MOST_TIME_BOXES, Bounded, goal_of, worst_miss_bound, worst_time_bound
+from .error_bounds import Bounded, goal_of, worst_miss_bound
 from .error_box import Each, ErrorPath, error_path
 from .kernel.exact import least_costs_of_each
+from .slowest import MOST_TIME_BOXES, worst_time_bound
 
 MOST_PRIMITIVES = 11
 """Of a walk; more scenarios than 3 to this power are not listed."""
@@ -189,7 +189,7 @@ def trust(
     search = _largest if enumerated else _climbed
     slowest, furthest = search(seconds, corners), search(metres, corners)
     known = Bounded(slowest.value, slowest.errors, inf, 0)
-    bounded = mission.tolerance > 0 and not wants_heading(mission) and slowest.value < inf
+    arrives = slowest.value < inf
     return Trust(
         names=path.names,
         scenarios=3**count,
@@ -198,7 +198,7 @@ def trust(
         furthest_single=_largest(metres, one_sign),
         slowest=slowest,
         furthest=furthest,
-        slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if bounded else known,
+        slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if arrives else known,
         furthest_bound=worst_miss_bound(path, mission, coasting_times),
     )
 

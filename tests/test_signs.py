@@ -83,7 +83,7 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
     assert run(["plan", "signs", str(path), "--boxes", "5"]) == 1
     shown = capsys.readouterr().out
     assert "all 2,187 corners" in shown
-    assert "no bound" in shown
+    assert "no bound" not in shown
 
 
 @pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")

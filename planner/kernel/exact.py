@@ -131,16 +131,41 @@ def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "wa
     Args:
         table: of one level.
         mission: from where to where.
+
+    Raises:
+        NoKernelError: there is no C compiler.
+    """
+    return best_of_each(table, mission)[0]
+
+
+def best_of_each(
+    table: Table, mission: Mission
+) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "walks trims"]]:
+    """Returns the exact least cost of each walk of a table, and its coasting times, in seconds.
+
+    Where a walk cannot end at the goal its cost is infinite and its times are 0.
+
+    Args:
+        table: of one level.
+        mission: from where to where.
+
+    Raises:
+        NoKernelError: there is no C compiler.
     """
     compiled = kernel()
     if compiled is None:
         raise NoKernelError
     structure = CTable()
     table.fill(structure)
-    costs = np.empty(len(table.walks))
+    costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
     task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT, seconds=inf)
-    compiled.each(ctypes.byref(task), ctypes.byref(structure), ctypes.c_void_p(costs.ctypes.data))
-    return costs
+    compiled.each(
+        ctypes.byref(task),
+        ctypes.byref(structure),
+        ctypes.c_void_p(costs.ctypes.data),
+        ctypes.c_void_p(times.ctypes.data),
+    )
+    return costs, times
 
 
 def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:

@@ -241,8 +241,8 @@ int search(const Task *task, const Table *tables, Answer *answer)
     return 0;
 }
 
-/* The least cost of every row on its own; infinite where it does not reach the goal. */
-void each(const Task *task, const Table *table, double *costs)
+/* The least cost of every row on its own, infinite where it does not reach the goal, and its times. */
+void each(const Task *task, const Table *table, double *costs, double *times)
 {
     for (long index = 0; index < table->walks; index++) {
         Row row;
@@ -250,5 +250,6 @@ void each(const Task *task, const Table *table, double *costs)
         row.best = INFINITY;
         solve(&row, MOST);
         costs[index] = row.best;
+        if (row.best < INFINITY) memcpy(times + index * row.trims, row.times, sizeof(double) * (size_t)row.trims);
     }
 }

@@ -1,5 +1,7 @@
 """Names on the command line: a file's path, or the name of something shipped."""
 
+import os
+from collections.abc import Iterable
 from pathlib import Path
 
 import campaigns
@@ -8,11 +10,12 @@ import libraries
 import missions
 import sequences
 from flight.campaign import Campaign, read_campaign
-from flight.errors import AlreadyExistsError, FlightError
+from flight.errors import AlreadyExistsError, CannotWriteError, FlightError
 from flight.fault_matrix import FaultMatrix, read_fault_matrix
 from flight.library import Library
 from flight.library_file import read_library
 from flight.mission import Mission, read_mission
+from flight.publishing import file_target
 from flight.sequence import Sequence, read_sequence
 
 
@@ -47,7 +50,16 @@ def find_mission(name: str) -> Mission:
     Raises:
         FlightError: there is none, or it is broken.
     """
-    return read_mission(_find("mission", name, missions.FOLDER, ".toml"))
+    return read_mission(mission_path(name))
+
+
+def mission_path(name: str) -> Path:
+    """Returns where a mission is, by path or shipped name.
+
+    Raises:
+        NoSuchFileError: there is none.
+    """
+    return _find("mission", name, missions.FOLDER, ".toml")
 
 
 def find_sequence(name: str) -> Sequence:
@@ -56,7 +68,16 @@ def find_sequence(name: str) -> Sequence:
     Raises:
         FlightError: there is none, or it is broken.
     """
-    return read_sequence(_find("sequence", name, sequences.FOLDER, ".toml"))
+    return read_sequence(sequence_path(name))
+
+
+def sequence_path(name: str) -> Path:
+    """Returns where a sequence is, by path or shipped name.
+
+    Raises:
+        NoSuchFileError: there is none.
+    """
+    return _find("sequence", name, sequences.FOLDER, ".toml")
 
 
 def find_campaign(name: str) -> Campaign:
@@ -77,15 +98,42 @@ def find_fault_matrix(name: str) -> FaultMatrix:
     return read_fault_matrix(_find("fault matrix", name, faults.FOLDER, ".toml"))
 
 
-def refuse_existing(path: Path, *, force: bool) -> None:
-    """Refuses to go on where a result would overwrite something, before any work is done.
+def refuse_files(*files: Path | None, force: bool, inputs: Iterable[Path] = (), ending: str = "") -> None:
+    """Refuses, before any work is done, results that cannot be written or would destroy something.
+
+    Args:
+        files: that one command writes; None is none.
+        force: overwrite what is there.
+        inputs: what the command reads, which no force gives up.
+        ending: of the files' names, where it says what is in them.
 
     Raises:
-        AlreadyExistsError: the file exists, or the folder has something in it, and `force` is not set.
+        AlreadyExistsError: a file exists and `force` is not set.
+        CannotWriteError: something else than a file has the name.
+        FlightError: two results, or a result and an input, are one file; or a name ends otherwise.
     """
-    taken = any(path.iterdir()) if path.is_dir() else path.exists()
-    if taken and not force:
-        raise AlreadyExistsError(path)
+    taken = {os.path.realpath(path): f"{path}, which it reads" for path in inputs}
+    for path in (one for one in files if one is not None):
+        if path.suffix.lower() != ending and ending:
+            raise FlightError(f"expected a name that ends with {ending}, got {path}")
+        target = os.path.realpath(path)
+        if target in taken:
+            raise FlightError(f"{path}: one command cannot write this and {taken[target]}; give another name")
+        file_target(path, force=force)
+        taken[target] = f"{path}, which it also writes"
+
+
+def refuse_folder(folder: Path, *, force: bool) -> None:
+    """Refuses, before any work is done, a folder for results that has something in it, or is none.
+
+    Raises:
+        AlreadyExistsError: the folder has something in it, and `force` is not set.
+        CannotWriteError: something else than a folder has the name.
+    """
+    if (folder.exists() or folder.is_symlink()) and not folder.is_dir():
+        raise CannotWriteError(folder, "expected the name of a folder, got something else")
+    if folder.is_dir() and any(folder.iterdir()) and not force:
+        raise AlreadyExistsError(folder)
 
 
 def _find(kind: str, name: str, folder: Path, suffix: str) -> Path:

@@ -17,6 +17,7 @@ from flight.library import Library
 from flight.log_file import publish_bytes
 from flight.mission import Mission
 from flight.plan import Plan, PlanContradictionError, plan_text, read_plan
+from flight.time_promise import times_path
 from planner.check import problems
 from planner.nominal import Nominal
 from planner.policy import Planner
@@ -24,7 +25,7 @@ from planner.price_of_robustness import PriceOfRobustness
 from planner.worst_case import WorstCase
 
 from .domain import warn_of_walk
-from .files import find_library, find_mission, refuse_existing
+from .files import find_library, find_mission, library_path, mission_path, refuse_files
 from .numbers import Count, Seconds
 from .policies import PlannedPolicy
 from .prices import png, show_prices
@@ -105,9 +106,9 @@ def plan(
         force: overwrite these files.
         json: print the plan as JSON.
     """
-    for path in (out, picture):
-        if path is not None:
-            refuse_existing(path, force=force)
+    read = [mission_path(mission), library_path(library), times_path(library_path(library))]
+    refuse_files(out, picture, force=force, inputs=read)
+    refuse_files(picture, force=force, ending=".png")
     primitives, task = find_library(library), _asked(mission, max_trims)
     if pareto:
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)

@@ -10,7 +10,7 @@ import libraries
 import missions
 import sequences
 from flight.campaign import Campaign, read_campaign
-from flight.errors import AlreadyExistsError, CannotWriteError, FlightError
+from flight.errors import AlreadyExistsError, BadFileError, CannotWriteError, FlightError, UnknownTrimError
 from flight.fault_matrix import FaultMatrix, read_fault_matrix
 from flight.library import Library
 from flight.library_file import read_library
@@ -44,13 +44,23 @@ def library_path(name: str) -> Path:
     return _find("library", name, libraries.FOLDER, ".json")
 
 
-def find_mission(name: str) -> Mission:
+def find_mission(name: str, library: Library | None = None) -> Mission:
     """Reads a mission by path or shipped name.
 
+    Args:
+        name: path or name.
+        library: that has to have its trims, where one is given.
+
     Raises:
-        FlightError: there is none, or it is broken.
+        FlightError: there is none, it is broken, or the library lacks a trim.
     """
-    return read_mission(mission_path(name))
+    path = mission_path(name)
+    mission = read_mission(path)
+    known = None if library is None else [trim.id for trim in library.trims]
+    for key, trim in (("start.trim", mission.start_trim), ("goal.trim", mission.goal_trim)):
+        if known is not None and trim is not None and trim not in known:
+            raise BadFileError(path, f"{key}: {UnknownTrimError(trim, known)}")
+    return mission
 
 
 def mission_path(name: str) -> Path:

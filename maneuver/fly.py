@@ -258,8 +258,8 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
 def _fly_mission(
     name: str, order: _Order, policy: FlownPolicy, gamma: float, latency: Latency
 ) -> tuple[int, dict[str, object]]:
-    mission = find_mission(name)
     library = find_library(order.library)
+    mission = find_mission(name, library)
     path = order.out or Path(f"{mission.name}.mcap")
     order.refuse(path, mission_path(name))
     task = MissionTask(

@@ -15,7 +15,7 @@ from rich.table import Table
 from flight.errors import FlightError
 from flight.library import Library
 from flight.log_file import publish_bytes
-from flight.mission import Mission
+from flight.mission import MOST_TRIMS, Mission
 from flight.plan import Plan, PlanContradictionError, plan_text, read_plan
 from flight.time_promise import times_path
 from planner.check import problems
@@ -34,9 +34,6 @@ from .signs import signs
 
 NO_PLAN = 1
 KEPT = "keeps its word"
-
-# More trims than that are more walks than can be searched in minutes.
-MOST_TRIMS = 8
 
 app = App(name="plan")
 app.command(signs)

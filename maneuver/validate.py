@@ -269,7 +269,7 @@ def _missions(
     suite: str, names: Sequence[str], library: Library, *, seed: int, gamma: float
 ) -> tuple[Mission, ...]:
     if suite == "thesis":
-        return tuple(find_mission(name) for name in names or THESIS_MISSIONS)
+        return tuple(find_mission(name, library) for name in names or THESIS_MISSIONS)
     if len(names) > 1 or not all(name.isdecimal() and int(name) for name in names):
         raise FlightError(f"--suite random: expected --missions with one number, got {' '.join(names)}")
     count = int(names[0]) if names else RANDOM_MISSIONS

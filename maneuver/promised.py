@@ -2,15 +2,19 @@
 
 import sys
 from dataclasses import replace
+from math import inf
 
 from flight.library import Library
 from flight.library_file import library_hash
 from flight.mission import Mission
 from flight.plan import Plan
 from flight.time_promise import TimePromise, read_times, times_path
+from planner.check import PROVED_OPTIMALITY
 from planner.loop_settings import Settings
+from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.remainder import Step
+from planner.worst_case import WorstCase
 
 from .files import library_path
 from .random_missions import FARTHEST, NEAREST, TOLERANCE
@@ -59,7 +63,38 @@ def with_promise(
     thinking = Step(mission.start_trim, loop.latency.configured)
     start = thinking.exit(mission.start, library, 0.0)
     aimed = planner.plan(replace(mission, start=start, tolerance=loop.aim * mission.tolerance))
-    if not aimed.found:
+    if not aimed.found or (plan.status == "optimal" and aimed.status != "optimal"):
+        # A search that was stopped foretells what it would not foretell again.
         return plan
     time = own[0].factor * (thinking.duration + aimed.cost)
     return replace(plan, time_promise=replace(own[0], time=time))
+
+
+def broken_promise(
+    plan: Plan, mission: Mission, library: Library, promises: tuple[TimePromise, ...]
+) -> tuple[str, ...]:
+    """Returns where a plan's promise is not what stands beside the library; nothing where none stands there.
+
+    The time is planned again, unless the plan is none that would come again.
+
+    Args:
+        plan: with a promise.
+        mission: that it answers.
+        library: planned with.
+        promises: that stand beside the library.
+    """
+    said = plan.time_promise
+    if said is None or not promises:
+        return ()
+    own = (said.policy, said.gamma) == (plan.policy, plan.gamma)
+    if not own or replace(said, time=None) not in promises:
+        return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)
+    if plan.status != "optimal" or plan.policy not in {"nominal", "worst-case"}:
+        return ()
+    planner = Nominal(library) if plan.policy == "nominal" else WorstCase(library, plan.gamma)
+    again = with_promise(replace(plan, time_promise=None), mission, planner, library, promises).time_promise
+    time, stated = (again and again.time) or inf, said.time or inf
+    if abs(stated - time) <= said.factor * PROVED_OPTIMALITY:
+        return ()
+    depth = f"planned again with at most {mission.max_trims} trims it is {time:.3f} s"
+    return (f"time_promise.time: {depth}, got {stated:.3f} s",)

@@ -218,3 +218,18 @@ def test_an_option_that_would_be_ignored_is_refused(
     options: str, words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert words in refusal(capsys, "plan", "gtmax-2", *options.split())
+
+
+def test_in_a_narrow_terminal_the_deciding_level_stays_on_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert run(["plan", "gtmax-2"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "decides" in line]
+    assert line.split()[0] == "-1"
+
+
+def test_where_there_is_no_plan_no_walk_is_called_faster() -> None:
+    plan, library, mission = proved_case()
+    nothing = replace(plan, status="unknown", sequence=(), maneuvers=(), scenarios=())
+    assert "may lead to the goal" in certified(nothing, library, mission).reason

@@ -130,10 +130,12 @@ def read_text(path: Path) -> str:
         BadFileError: the file cannot be read, is too large, or is not UTF-8.
     """
     try:
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got {size}")
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            # A device says no size, and need have no end.
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got more")
+        return content.decode()
     except OSError as error:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:

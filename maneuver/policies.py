@@ -18,12 +18,15 @@ PlannedPolicy = Literal["nominal", "worst-case", "committed", "price-of-robustne
 
 DEFAULT_POLICY: PlannedPolicy = "worst-case"
 
+CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
+"""Minima over coasting times at levels known beforehand, which `planner.certified` can prove."""
+
 HEEDED: Mapping[str, tuple[PlannedPolicy, ...]] = {
     "--gamma": ("worst-case", "committed"),
     "--alpha": ("price-of-robustness",),
     "--max-nodes": ("nominal", "worst-case", "committed"),
     "--deadline": ("nominal", "worst-case", "committed"),
-    "--certify": ("nominal", "worst-case"),
+    "--certify": CERTIFIABLE,
 }
 """Which policies heed an option of `maneuver plan`; given with another it is refused, not ignored."""
 

@@ -14,6 +14,7 @@ from flight.plan import Plan, plan_text
 from flight.se2 import SE2
 from maneuver.app import run
 from maneuver.files import find_library, find_mission
+from maneuver.promised import promised_times, with_promise
 from planner.certified import certified
 from planner.check import problems
 from planner.claims import claims
@@ -105,10 +106,8 @@ def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
 
 
 @cache
-def promised() -> str:
-    library, mission = find_library("gtmax-sim"), find_mission("gtmax-2")
-    from maneuver.promised import promised_times, with_promise
-
+def promised(max_trims: int = 4) -> str:
+    library, mission = find_library("gtmax-sim"), replace(find_mission("gtmax-2"), max_trims=max_trims)
     planner = Nominal(library)
     plan = with_promise(
         planner.plan(mission), mission, planner, library, promised_times("gtmax-sim", library)
@@ -119,7 +118,7 @@ def promised() -> str:
 FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
     "a time of its own": (
         lambda plan: plan["time_promise"].update(time=5.0),
-        "time_promise.time: planned again",
+        "time_promise.time: the loop foretells at least",
     ),
     "another factor": (lambda plan: plan["time_promise"].update(factor=1.0), "time_promise: nothing like it"),
     "another wind": (
@@ -233,3 +232,11 @@ def test_where_there_is_no_plan_no_walk_is_called_faster() -> None:
     plan, library, mission = proved_case()
     nothing = replace(plan, status="unknown", sequence=(), maneuvers=(), scenarios=())
     assert "may lead to the goal" in certified(nothing, library, mission).reason
+
+
+@pytest.mark.parametrize("max_trims", [3, 4, 6])
+def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
+    max_trims: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, told, _ = check(tmp_path, capsys, json.loads(promised(max_trims)))
+    assert (code, told["problems"]) == (0, [])

@@ -41,3 +41,8 @@ def test_a_file_of_another_kind_is_told_from_a_newer_one(tmp_path: Path) -> None
     path.write_text("{}")
     with pytest.raises(BadFileError, match=r"schema: is missing$"):
         read_plan(path)
+
+
+def test_a_file_without_an_end_is_not_read_to_it() -> None:
+    with pytest.raises(BadFileError, match="expected at most 16777216 bytes, got more"):
+        read_plan(Path("/dev/zero"))

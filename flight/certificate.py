@@ -14,6 +14,9 @@ from dataclasses import dataclass
 LARGEST_NUMBER = 1e60
 """Of a multiplier: its square is still a number."""
 
+_LONGEST_PLACE = 4
+"""Digits of a place in a walk."""
+
 
 @dataclass(frozen=True, slots=True)
 class Cut:
@@ -87,7 +90,9 @@ def read_tree(text: str) -> list[Cut | Leaf]:
         try:
             nodes.append(_node(token))
         except ValueError:
-            raise ValueError(f"expected a node such as 2<3.25, 1:0.3,-0.1;0,0 or -, got {token!r}") from None
+            raise ValueError(
+                f"expected a node such as 2<3.25, 1:0.3,-0.1;0,0 or -, got {token!r:.60}"
+            ) from None
     return nodes
 
 
@@ -110,6 +115,8 @@ def _node(token: str) -> Cut | Leaf:
         return Leaf()
     if "<" in token:
         place, time = token.split("<")
+        if len(place) > _LONGEST_PLACE:
+            raise ValueError(place)
         return Cut(int(place), _number(time))
     kappa, rest = token.split(":")
     vector, shares = rest.split(";")

@@ -18,6 +18,10 @@ Model = TypeVar("Model", bound="FileModel")
 Value = TypeVar("Value")
 
 
+class RepeatedKeyError(ValueError):
+    """An object of a JSON text has a key twice."""
+
+
 class FileModel(BaseModel):
     """Base of what stands in files: no unknown keys, no silent conversions, immutable."""
 
@@ -36,7 +40,9 @@ def refuse_other_schema(schema: str, known: str) -> str:
         ValueError: it is another; says both.
     """
     if schema != known:
-        raise ValueError(f"this program reads {known}, the file is {schema:.60}; another version may read it")
+        newer = schema.partition("/")[0] == known.partition("/")[0]
+        instead = "; another version may read it" if newer else ""
+        raise ValueError(f"this program reads {known}, the file is {schema:.60}{instead}")
     return schema
 
 
@@ -83,11 +89,38 @@ def parse_json(
         BadFileError: names the source and the first place in it that is wrong.
     """
     try:
+        refuse_repeated_keys(text)
         return build(model.model_validate_json(text))
     except ValidationError as error:
         raise BadFileError(source, first_problem(error)) from None
     except (ValueError, FlightError) as error:
         raise BadFileError(source, str(error)) from None
+
+
+def refuse_repeated_keys(text: str | bytes) -> None:
+    """Refuses JSON text with a key twice in one object: readers differ in which of the two they take.
+
+    Raises:
+        RepeatedKeyError: there is one; says which.
+    """
+    try:
+        json.loads(text, object_pairs_hook=_Keys)
+    except RepeatedKeyError:
+        raise
+    except (ValueError, RecursionError):
+        # What is no JSON is refused with its place by whoever reads it next.
+        return
+
+
+class _Keys:
+    """Stands for an object of which only the keys were looked at."""
+
+    def __init__(self, pairs: list[tuple[str, object]]) -> None:
+        keys: set[str] = set()
+        for key, _ in pairs:
+            if key in keys:
+                raise RepeatedKeyError(f"{key:.60}: stands twice in one object, expected it once")
+            keys.add(key)
 
 
 def read_text(path: Path) -> str:
@@ -97,10 +130,12 @@ def read_text(path: Path) -> str:
         BadFileError: the file cannot be read, is too large, or is not UTF-8.
     """
     try:
-        size = path.stat().st_size
-        if size > LARGEST_FILE:
-            raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got {size}")
-        return path.read_text(encoding="utf-8")
+        with path.open("rb") as file:
+            # A device says no size, and need have no end.
+            content = file.read(LARGEST_FILE + 1)
+        if len(content) > LARGEST_FILE:
+            raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got more")
+        return content.decode()
     except OSError as error:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
     except UnicodeDecodeError as error:
@@ -112,9 +147,10 @@ def first_problem(error: ValidationError) -> str:
     details = error.errors(include_url=False)
     first = details[0]
     place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
-    message = first["msg"].removeprefix("Value error, ")
+    message = "is missing" if first["type"] == "missing" else first["msg"].removeprefix("Value error, ")
     came = (
         "" if first["type"] in {"missing", "value_error", "json_invalid"} else f", got {first['input']!r:.60}"
     )
-    more = f" (and {len(details) - 1} more)" if len(details) > 1 else ""
+    # Of a file of another kind, nothing but that is worth saying.
+    more = f" (and {len(details) - 1} more)" if len(details) > 1 and first["loc"] != ("schema",) else ""
     return f"{place or 'document'}: {message}{came}{more}"

@@ -1,11 +1,12 @@
 """A mission: from where, in which trim, to where, how exactly."""
 
 from dataclasses import dataclass
+from functools import partial
 from math import isfinite, pi
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, FiniteFloat, PositiveInt, model_validator
+from pydantic import AfterValidator, Field, FiniteFloat, PositiveInt, model_validator
 
 from .arrival import Destination
 from .file_model import FileModel, read_toml, schema_named
@@ -13,6 +14,17 @@ from .se2 import SE2
 
 SCHEMA = "maneuver-mission/1"
 """What a file may name itself; one that does not is of this version."""
+
+FARTHEST = 1e6
+"""Metres north or east of the origin that a file may say: a plan's end is checked to 1e-6 m, and numbers of
+this size are 1e-10 m apart."""
+
+MOST_TURNED = 1e3
+"""Radians that a heading in a file may say: numbers of this size are 1e-13 rad apart, which is 1e-7 m at the
+end of the farthest way; those of 1e17 are no headings at all."""
+
+MOST_TRIMS = 8
+"""Trims in a sequence that may be asked for: of more there are more walks than can be searched in minutes."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,16 +70,29 @@ class Mission:
         return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
 
 
+def _within(value: float, most: float, unit: str) -> float:
+    if not abs(value) <= most:
+        raise ValueError(f"expected a number from {-most:g} to {most:g} {unit}, got {value:g} {unit}")
+    return value
+
+
+Place = Annotated[FiniteFloat, AfterValidator(partial(_within, most=FARTHEST, unit="m"))]
+"""North or east in a file, metres."""
+
+Heading = Annotated[FiniteFloat, AfterValidator(partial(_within, most=MOST_TURNED, unit="rad"))]
+"""A heading in a file, radians."""
+
+
 class _Start(FileModel):
-    position: tuple[FiniteFloat, FiniteFloat]
-    heading: FiniteFloat
+    position: tuple[Place, Place]
+    heading: Heading
     trim: int
 
 
 class _Goal(FileModel):
-    position: tuple[FiniteFloat, FiniteFloat]
-    tolerance: FiniteFloat = Field(ge=0)
-    heading: FiniteFloat | None = None
+    position: tuple[Place, Place]
+    tolerance: FiniteFloat = Field(ge=0, le=FARTHEST)
+    heading: Heading | None = None
     heading_tolerance: FiniteFloat | None = Field(default=None, ge=0)
     trim: int | None = None
 
@@ -79,7 +104,7 @@ class _Goal(FileModel):
 
 
 class _Planner(FileModel):
-    max_trims: PositiveInt = Field(default=4, le=12)
+    max_trims: PositiveInt = Field(default=4, le=MOST_TRIMS)
 
 
 class _MissionFile(FileModel):

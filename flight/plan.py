@@ -289,5 +289,7 @@ def _contradictions(plan: Plan, content: _PlanFile) -> Iterator[str]:
     if wider is not None and its_content is not None:
         for contradiction in _contradictions(wider, its_content):
             yield f"at_smallest_tolerance.{contradiction}"
+    if plan.verified != plan.found:
+        yield f"verified: expected {plan.found} where the status is {plan.status}, got {plan.verified}"
     if plan.tolerance < 0:
         yield f"tolerance: must be >= 0 m, got {plan.tolerance} m"

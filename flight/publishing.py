@@ -2,6 +2,7 @@
 
 import os
 import secrets
+import stat
 from pathlib import Path
 
 from .errors import AlreadyExistsError, CannotWriteError
@@ -70,19 +71,42 @@ def publish_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
 def publish_bytes(content: bytes, path: Path, *, force: bool = False, disk: Disk = DISK) -> None:
     """Writes a file whole or not at all: temporary file, sync, rename, sync of the folder.
 
-    When this returns the file outlives the machine's stop.
+    When this returns the file outlives the machine's stop. A symbolic link stays, and what it leads to is
+    written.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: the system says no; what is left behind is nothing, or the whole file where nothing
-            but the folder could not be synced.
+        CannotWriteError: it is no regular file, or the system says no; what is left behind is nothing, or the
+            whole file where nothing but the folder could not be synced.
     """
-    if path.exists() and not force:
-        raise AlreadyExistsError(path)
+    target = file_target(path, force=force)
     try:
-        _publish(content, path, disk)
+        _publish(content, target, disk)
     except OSError as error:
         raise CannotWriteError(path, error.strerror or str(error)) from None
+
+
+def file_target(path: Path, *, force: bool) -> Path:
+    """Returns where a file is written: PATH, or what a symbolic link there leads to.
+
+    A folder, a device or a pipe would be replaced by the rename, not written: none of them is taken.
+
+    Raises:
+        AlreadyExistsError: the file exists and `force` is not set.
+        CannotWriteError: something else than a file has its name, or there can be none.
+    """
+    try:
+        mode = None if path.name == ".." else path.stat().st_mode
+    except FileNotFoundError:
+        return Path(os.path.realpath(path)) if path.is_symlink() else path
+    except OSError as error:
+        raise CannotWriteError(path, error.strerror or str(error)) from None
+    if mode is None or not stat.S_ISREG(mode):
+        what = "a folder" if mode is None or stat.S_ISDIR(mode) else "a device, a pipe or a socket"
+        raise CannotWriteError(path, f"expected the name of a file, got {what}")
+    if not force:
+        raise AlreadyExistsError(path)
+    return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
 def publish_again(content: bytes, path: Path, *, force: bool = False) -> None:

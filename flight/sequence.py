@@ -9,6 +9,7 @@ import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
 from .file_model import FileModel, read_toml, schema_named
+from .mission import Heading, Place
 from .se2 import SE2
 
 SCHEMA = "maneuver-sequence/1"
@@ -47,8 +48,8 @@ class Sequence:
 
 
 class _Start(FileModel):
-    position: tuple[FiniteFloat, FiniteFloat] = (0.0, 0.0)
-    heading: FiniteFloat = 0.0
+    position: tuple[Place, Place] = (0.0, 0.0)
+    heading: Heading = 0.0
 
 
 class _Uniform(FileModel):

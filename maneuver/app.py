@@ -13,7 +13,11 @@ from rich.console import Console
 from flight.errors import FlightError
 from flight.version import VERSION
 
-RESUME = "files that are there are whole, and the same command goes on from there"
+WHOLE = "files that are there are whole"
+RESUME = f"{WHOLE}, and the same command goes on from there"
+
+RESUMING = {"regenerate": "", "fly": "--campaign", "validate": "--out", "faults": "--out"}
+"""Verbs that keep each flight when it is flown, and fly only what is missing; where, with this option."""
 
 WORKER_DIED = 1
 BAD_INPUT = 2
@@ -85,7 +89,8 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
     0 yes; 1 the honest no; 2 bad input or usage, one line on stderr.
     """
-    words = sys.argv[1:] if arguments is None else arguments
+    words = list(sys.argv[1:] if arguments is None else arguments)
+    left = RESUME if _resumes(words) else WHOLE
     try:
         app = build(overview=not words or words[0] in {"--help", "-h"})
         code = app(words, result_action="return_value")
@@ -93,10 +98,10 @@ def run(arguments: Sequence[str] | None = None) -> int:
     except FlightError as error:
         return _say(str(error), BAD_INPUT)
     except BrokenProcessPool:
-        return _say(f"a worker process died: killed, or out of memory; {RESUME}", WORKER_DIED)
+        return _say(f"a worker process died: killed, or out of memory; {left}", WORKER_DIED)
     except KeyboardInterrupt as stop:
         number = stop.number if isinstance(stop, _Stopped) else signal.SIGINT
-        return _say(f"{STOPPING[number]}; {RESUME}", 128 + number)
+        return _say(f"{STOPPING[number]}; {left}", 128 + number)
     except BrokenPipeError:
         # Whoever read the output has gone; keep the interpreter from complaining when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -105,6 +110,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return _say(f"the system says no: {error}", BAD_INPUT)
     return code if isinstance(code, int) else 0
+
+
+def _resumes(words: Sequence[str]) -> bool:
+    """Returns whether a command that was stopped goes on where it was."""
+    options = {"", *(word.partition("=")[0] for word in words)}
+    return any(words[:1] == [verb] and option in options for verb, option in RESUMING.items())
 
 
 def _say(line: str, code: int) -> int:

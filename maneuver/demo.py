@@ -23,7 +23,7 @@ from review.pictures import publish_picture, write_pictures
 
 from .campaign_flights import CampaignOrder, fly_whole_campaign
 from .evidence import gather_evidence
-from .files import find_campaign, find_mission, refuse_existing
+from .files import find_campaign, find_mission, refuse_folder
 from .identify import publish_library
 from .means import Means
 from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
@@ -65,7 +65,7 @@ def demo(
         workers: processes; one for each processor by default.
         force: write into a folder that has something in it.
     """
-    refuse_existing(out, force=force)
+    refuse_folder(out, force=force)
     console = Console(highlight=False)
     mission = find_mission(MISSION)
     with worker_pool(workers or default_workers()) as executor:

@@ -2,10 +2,9 @@
 
 from pathlib import Path
 
-from flight.errors import FlightError
 from flight.log import FlightLog
 
-from .files import refuse_existing
+from .files import refuse_files
 from .progress import shown
 
 FILM_ENDING, STILL_ENDING = ".mp4", ".png"
@@ -19,8 +18,7 @@ def refuse_film(path: Path, *, force: bool) -> None:
     """
     from sim.canvas import check_canvas
 
-    _refuse_ending(path, FILM_ENDING, "film")
-    refuse_existing(path, force=force)
+    refuse_files(path, force=force, ending=FILM_ENDING)
     check_canvas()
 
 
@@ -46,11 +44,5 @@ def make_still(log: FlightLog, path: Path, *, time: float, force: bool) -> None:
     """
     from sim.film import write_still
 
-    _refuse_ending(path, STILL_ENDING, "still")
-    refuse_existing(path, force=force)
+    refuse_files(path, force=force, ending=STILL_ENDING)
     write_still(log, path, time=time)
-
-
-def _refuse_ending(path: Path, ending: str, kind: str) -> None:
-    if path.suffix != ending:
-        raise FlightError(f"expected the name of a {kind} to end with {ending}, got {path}")

@@ -18,7 +18,7 @@ from planner.kernel.build import search_backend
 from sim.parameters import model_hash
 from sim.specification import Departure
 
-from .files import refuse_existing
+from .files import refuse_folder
 from .keeping import accept_others, complete, refuse_to_replace
 from .means import Means
 from .mission_flights import MissionResult, fly_and_log, fly_mission
@@ -156,11 +156,11 @@ def fly_all(
     """
     if folder is None:
         if logs is not None:
-            refuse_existing(logs, force=force)
+            refuse_folder(logs, force=force)
         flown = means.executor.map(fly_mission, tasks)
         return list(shown(flown, total=len(tasks), what="flying missions"))
     if not (folder / FLIGHTS).is_dir():
-        refuse_existing(folder, force=force)
+        refuse_folder(folder, force=force)
     for path in (task.log for task in tasks if task.log is not None):
         remove_partials(path.parent, of=path.name)
     flights = keep_all(tasks, folder / FLIGHTS)

@@ -19,7 +19,15 @@ from sim.campaign import fly_specification
 from sim.specification import Departure, specify_sequence
 
 from .domain import warn_of_flight, warn_of_walk, warn_of_walks
-from .files import find_library, find_mission, find_sequence, refuse_existing
+from .files import (
+    find_library,
+    find_mission,
+    find_sequence,
+    library_path,
+    mission_path,
+    refuse_files,
+    sequence_path,
+)
 from .films import make_film, refuse_film
 from .fly_campaign import fly_a_campaign, order_campaign
 from .folder_status import show_status
@@ -136,7 +144,7 @@ def fly(
         supervised=supervision and mission is not None,
         wind_changes=tuple(map(parse_wind_change, wind_change)),
     )
-    order = _Order(library, wind, departure, seed, out, force)
+    order = _Order(library, wind, departure, seed, out, video, force)
     if video is not None:
         _refuse_video(video, campaign, force=force)
     if mission is None:
@@ -222,7 +230,12 @@ class _Order:
     departure: Departure
     seed: int
     out: Path | None
+    video: Path | None
     force: bool
+
+    def refuse(self, path: Path, asked: Path) -> None:
+        """Refuses a log, or a film beside it, that cannot be written, before any flying."""
+        refuse_files(path, self.video, force=self.force, inputs=[asked, library_path(self.library)])
 
 
 def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
@@ -231,7 +244,7 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
     library = find_library(order.library)
     library.maneuvers_along(walk.trims)
     path = order.out or Path(f"{walk.name}.mcap")
-    refuse_existing(path, force=order.force)
+    order.refuse(path, sequence_path(name))
     specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
     warn_of_flight(library, wind=walk.wind, altitude=specification.altitude)
     warn_of_walk(library, walk.trims, walk.coasting_times)
@@ -245,10 +258,10 @@ def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
 def _fly_mission(
     name: str, order: _Order, policy: FlownPolicy, gamma: float, latency: Latency
 ) -> tuple[int, dict[str, object]]:
-    mission = find_mission(name)
     library = find_library(order.library)
+    mission = find_mission(name, library)
     path = order.out or Path(f"{mission.name}.mcap")
-    refuse_existing(path, force=order.force)
+    order.refuse(path, mission_path(name))
     task = MissionTask(
         mission=mission,
         library=library,

@@ -1,6 +1,7 @@
 """`maneuver identify`: logs in, library out."""
 
 import sys
+from collections.abc import Iterable
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
@@ -10,7 +11,7 @@ from cyclopts import Parameter
 from flight.errors import FlightError
 from flight.library import Library
 from flight.library_file import library_hash, library_text
-from flight.publishing import publish_again, remove_partials
+from flight.publishing import file_target, publish_again, remove_partials
 from flight.words import counted
 from identification.data_sheet import data_sheet
 from identification.identify import StateJudged, TrimErrors
@@ -19,7 +20,7 @@ from identification.steady_levels import Resolution
 
 from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
 from .evidence import gather_evidence, gather_motion_evidence, has_commands
-from .files import find_library, refuse_existing
+from .files import find_library, refuse_files
 from .numbers import Count
 from .workers import default_workers, worker_pool
 
@@ -84,8 +85,8 @@ def identify(
     """
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
-    refuse_existing(out, force=force)
     paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
+    refuse_library(out, force=force, inputs=[*paths, *apart])
     if by == "commands" and (trims or resolution):
         raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
     by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
@@ -113,6 +114,17 @@ def identify(
     for line in weak:
         print(line, file=sys.stderr)
     return CLAIMS_LESS if weak else 0
+
+
+def refuse_library(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
+    """Refuses, before any work is done, a library that could not be written with its data sheet.
+
+    Raises:
+        FlightError: as `refuse_files`.
+    """
+    # A path without a name has no sheet beside it either.
+    file_target(path, force=force)
+    refuse_files(path, path.with_suffix(".md"), force=force, inputs=inputs)
 
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:

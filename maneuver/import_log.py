@@ -27,7 +27,7 @@ from flight.log_file import publish_log
 from flight.measured_motion import disagreement
 from flight.px4_log import read_px4_log
 
-from .files import refuse_existing
+from .files import refuse_files
 
 WITH_LOSS = 3
 # Positions and velocities that belong together differ by less, as a share of the speed and in m/s.
@@ -93,9 +93,7 @@ def import_log(
         json: print what came of it as JSON.
     """
     path = out or Path(f"{log.stem}.mcap")
-    refuse_existing(path, force=force)
-    if path.resolve() == log.resolve():
-        raise FlightError(f"{log} would be overwritten by what is made of it; give another name with --out")
+    refuse_files(path, force=force, inputs=[log])
     stated = {"pose": pose, "velocity": velocity, "velocity_in": velocity_in}
     table = {"columns": columns, "time_unit": time_unit}
     topic = TRUTH if as_ == "truth" else ESTIMATE

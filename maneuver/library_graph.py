@@ -5,11 +5,10 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from flight.errors import FlightError
 from review.library_picture import graph_picture, library_picture
 from review.pictures import publish_picture
 
-from .files import find_library, refuse_existing
+from .files import find_library, library_path, refuse_files
 
 
 def graph(
@@ -36,9 +35,7 @@ def graph(
     """
     found = find_library(library)
     path = out or Path(f"{found.name}-graph.png")
-    if path.suffix != ".png":
-        raise FlightError(f"--out must end in .png, got {path}")
-    refuse_existing(path, force=force)
+    refuse_files(path, force=force, inputs=[library_path(library)], ending=".png")
     publish_picture(library_picture(found) if numbers else graph_picture(found), path, force=force)
     print(f"picture {path}")
     return 0

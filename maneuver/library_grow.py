@@ -14,8 +14,8 @@ from flight.words import counted
 from identification.data_sheet import claim_said
 from identification.growth import grow as grow_library
 
-from .files import find_library, refuse_existing
-from .identify import publish_library
+from .files import find_library, library_path
+from .identify import publish_library, refuse_library
 
 
 def grow(
@@ -61,7 +61,7 @@ def grow(
     for option, step in (("--speed-step", speed_step), ("--rate-step", rate_step)):
         if not 0 < step < inf:
             raise FlightError(f"{option} must be > 0, got {step}")
-    refuse_existing(out, force=force)
+    refuse_library(out, force=force, inputs=[library_path(library)])
     grown = grow_library(
         find_library(library),
         speed_step=speed_step,

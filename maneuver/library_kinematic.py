@@ -18,8 +18,8 @@ from flight.maneuver import Maneuver
 from flight.words import counted
 from identification.kinematic_library import read_kinematic_library
 
-from .files import find_library, refuse_existing
-from .identify import publish_library
+from .files import find_library
+from .identify import publish_library, refuse_library
 
 THESIS = libraries.FOLDER / "kinematic.toml"
 PRINTED = "thesis-kinematic"
@@ -57,7 +57,7 @@ def kinematic(
     """
     made = read_kinematic_library(file)
     if out is not None:
-        refuse_existing(out, force=force)
+        refuse_library(out, force=force, inputs=[file])
         publish_library(made, out, force=force)
     if json:
         sys.stdout.write(library_text(made))

@@ -18,7 +18,7 @@ from review.library_picture import graph_picture, library_picture
 from review.pictures import publish_picture
 from review.repeatability_picture import deviations_picture, repeatability_picture
 
-from .files import find_library, refuse_existing
+from .files import find_library, refuse_folder
 from .identify import log_paths
 from .numbers import Count
 from .progress import shown
@@ -57,7 +57,7 @@ def sheet(
         force: overwrite what is in OUT.
     """
     found = find_library(library)
-    refuse_existing(out, force=force)
+    refuse_folder(out, force=force)
     paths = log_paths(logs) if logs else []
     seen = None
     if paths:

@@ -20,7 +20,7 @@ from identification.trends import trends as trends_of
 from review.pictures import publish_picture
 from review.trends_picture import Points, trends_picture
 
-from .files import find_library, refuse_existing
+from .files import find_library, library_path, refuse_files
 
 
 def trends(
@@ -52,14 +52,12 @@ def trends(
         force: overwrite OUT.
         json: print the trends as JSON.
     """
+    refuse_files(out, force=force, inputs=[library_path(library)], ending=".png")
     found = find_library(library)
     seen = trends_of(found, speed_step=speed_step, rate_step=rate_step)
     if not (seen.speed_errors or seen.speed_steps or seen.turn_steps):
         raise FlightError(f"{library}: expected flown straight trims or steps between trims, got none")
     if out is not None:
-        if out.suffix != ".png":
-            raise FlightError(f"--out must end in .png, got {out}")
-        refuse_existing(out, force=force)
         title = f"Trends of {found.name}    |    {found.vehicle}, wind {found.conditions.wind}"
         publish_picture(_picture_of(title, seen), out, force=force)
     if json:

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 NO_PLAN = 1
 
+SCHEMA = "maneuver-prices/1"
+"""Of the curve as JSON."""
+
 
 def show_prices(
     library: Library, mission: Mission, *, out: Path | None, picture: Path | None, force: bool, json: bool
@@ -61,7 +64,7 @@ def _content(library: Library, mission: Mission, curve: tuple[Price, ...]) -> di
         }
         for point in curve
     ]
-    return {"library": library.name, "mission": mission.name, "points": points}
+    return {"schema": SCHEMA, "library": library.name, "mission": mission.name, "points": points}
 
 
 def _table(curve: tuple[Price, ...]) -> Table:

@@ -5,15 +5,22 @@ from dataclasses import replace
 
 from flight.library import Library
 from flight.library_file import library_hash
-from flight.mission import Mission
+from flight.mission import MOST_TRIMS, Mission
 from flight.plan import Plan
 from flight.time_promise import TimePromise, read_times, times_path
+from planner.check import PROVED_OPTIMALITY
 from planner.loop_settings import Settings
+from planner.nominal import Nominal
 from planner.policy import Planner
 from planner.remainder import Step
+from planner.worst_case import WorstCase
 
 from .files import library_path
+from .policies import CERTIFIABLE
 from .random_missions import FARTHEST, NEAREST, TOLERANCE
+
+PATIENCE = 10.0
+"""Seconds of search for what the loop foretells at least; its lower bound holds whenever it is stopped."""
 
 
 def promised_times(name: str, library: Library) -> tuple[TimePromise, ...]:
@@ -49,17 +56,67 @@ def with_promise(
         library: planned with.
         promises: that stand beside the library.
     """
-    wanted = (mission.goal_heading, mission.goal_trim) != (None, None)
-    flown = (plan.policy, plan.gamma, library.conditions.wind)
-    own = [one for one in promises if (one.policy, one.gamma, one.wind) == flown]
-    far = not NEAREST <= mission.start.distance_to(mission.goal) <= FARTHEST
-    if not plan.found or not own or wanted or far or mission.tolerance < TOLERANCE:
+    own = _promise_of(plan, mission, library, promises)
+    if own is None:
         return plan
+    thinking, aimed_at = _aimed(mission, library)
+    aimed = planner.plan(aimed_at)
+    if not aimed.found:
+        return plan
+    return replace(plan, time_promise=replace(own, time=own.factor * (thinking + aimed.cost)))
+
+
+def broken_promise(
+    plan: Plan, mission: Mission, library: Library, promises: tuple[TimePromise, ...]
+) -> tuple[str, ...]:
+    """Returns where a plan's promise is not what stands beside the library; nothing where none stands there.
+
+    Its time may be no shorter than what the loop foretells at least, whatever the longest sequence that was
+    asked for; a longer one promises less, and is no lie.
+
+    Args:
+        plan: with a promise.
+        mission: that it answers.
+        library: planned with.
+        promises: that stand beside the library.
+    """
+    said = plan.time_promise
+    if said is None or not promises:
+        return ()
+    if replace(said, time=None) != _promise_of(plan, mission, library, promises):
+        return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)
+    if said.time is None:
+        return ("time_promise.time: is missing",)
+    if plan.policy not in CERTIFIABLE:
+        return ()
+    level = plan.gamma if plan.policy == "worst-case" else None
+    planner = (
+        Nominal(library, deadline=PATIENCE) if level is None else WorstCase(library, level, deadline=PATIENCE)
+    )
+    thinking, aimed_at = _aimed(replace(mission, max_trims=MOST_TRIMS), library)
+    least = said.factor * (thinking + (planner.plan(aimed_at).lower_bound or 0.0))
+    if said.time >= least - said.factor * PROVED_OPTIMALITY:
+        return ()
+    return (
+        f"time_promise.time: the loop foretells at least {least:.3f} s so stretched, got {said.time:.3f} s",
+    )
+
+
+def _promise_of(
+    plan: Plan, mission: Mission, library: Library, promises: tuple[TimePromise, ...]
+) -> TimePromise | None:
+    """Returns what is promised of such plans and missions, if anything is."""
+    wanted = (mission.goal_heading, mission.goal_trim) != (None, None)
+    far = not NEAREST <= mission.start.distance_to(mission.goal) <= FARTHEST
+    if not plan.found or wanted or far or mission.tolerance < TOLERANCE:
+        return None
+    flown = (plan.policy, plan.gamma, library.conditions.wind)
+    return next((one for one in promises if (one.policy, one.gamma, one.wind) == flown), None)
+
+
+def _aimed(mission: Mission, library: Library) -> tuple[float, Mission]:
+    """Returns the seconds that the loop thinks, and the mission that it then plans."""
     loop = Settings()
     thinking = Step(mission.start_trim, loop.latency.configured)
     start = thinking.exit(mission.start, library, 0.0)
-    aimed = planner.plan(replace(mission, start=start, tolerance=loop.aim * mission.tolerance))
-    if not aimed.found:
-        return plan
-    time = own[0].factor * (thinking.duration + aimed.cost)
-    return replace(plan, time_promise=replace(own[0], time=time))
+    return thinking.duration, replace(mission, start=start, tolerance=loop.aim * mission.tolerance)

@@ -9,7 +9,7 @@ from flight.errors import BadFileError, FlightError
 from flight.log_file import LARGEST_LOG, MAGIC, publish_bytes
 from flight.log_recovery import Salvage, holds, recovered_bytes, salvage
 
-from .files import refuse_existing
+from .files import refuse_files
 
 NOTHING_TO_SAVE = 1
 WITH_LOSS = 3
@@ -38,9 +38,7 @@ def recover(
         force: overwrite OUT.
     """
     out = out or log.with_name(f"{log.stem}-recovered.mcap")
-    refuse_existing(out, force=force)
-    if out.resolve() == log.resolve():
-        raise FlightError(f"--out {out} is the damaged log itself; expected another name")
+    refuse_files(out, force=force, inputs=[log])
     damaged = _content(log)
     found = salvage(damaged)
     if not found.messages:

@@ -21,7 +21,7 @@ from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
 from .evidence import gather_evidence
 from .files import find_campaign
 from .folder_status import show_status
-from .identify import publish_library, report
+from .identify import publish_library, refuse_library, report
 from .keeping import survey
 from .means import HERE, MeansAsked, lend_means
 from .numbers import Count, Seed
@@ -86,6 +86,8 @@ def regenerate(
         plan, coverage=coverage, confidence=confidence, flights=flights, nominal_flights=nominal_flights
     )
     order = CampaignOrder(plan, seed, size.bounding, wind or plan.wind, nominal_flights=size.nominal)
+    # Without force too, what is there may be what is made here.
+    refuse_library(out, force=True)
     folder = logs or out.with_name(f"{out.stem}-flights")
     if status:
         return show_status(survey(order.works(folder), folder), as_json=json)

@@ -13,7 +13,7 @@ from flight.log import FlightLog
 from flight.log_difference import bytes_that_differ, differences
 from flight.log_file import log_bytes, publish_bytes, read_log
 
-from .files import refuse_existing
+from .files import refuse_files
 from .identify import log_paths
 from .progress import shown
 from .repeated_flight import fly_again
@@ -75,7 +75,7 @@ def replay(
     if out is not None:
         if len(paths) != 1:
             raise FlightError(f"--out is for one flight, got {len(paths)} logs")
-        refuse_existing(out, force=force)
+        refuse_files(out, force=force, inputs=paths)
     compared = [
         _compare(path, out, force=force) for path in shown(paths, total=len(paths), what="flying again")
     ]

@@ -10,7 +10,7 @@ from cyclopts import Parameter
 from cyclopts.types import NonNegativeInt
 from rich.console import Console
 
-from flight.errors import AlreadyExistsError, FlightError
+from flight.errors import FlightError
 from flight.library import Library
 from flight.log_file import publish_bytes, read_log
 from review.bounds import judged_by
@@ -18,11 +18,11 @@ from review.campaign import FlightRow, outliers_first, row_of
 from review.campaign_page import campaign_page
 from review.control_limits import control_limits
 from review.page import Reviewed, review_page
-from review.pictures import write_pictures
+from review.pictures import picture_paths, write_pictures
 from review.summary import summarise
 
-from .files import find_library
-from .films import make_film, make_still
+from .files import find_library, refuse_files
+from .films import FILM_ENDING, STILL_ENDING, make_film, make_still
 from .numbers import Count
 from .progress import shown
 from .review_report import campaign_report, report, side_by_side, summary_content
@@ -47,15 +47,8 @@ class _Order:
     library: Library | None
 
     def page(self, name: str) -> Path:
-        """Returns where a page goes, which must not exist.
-
-        Raises:
-            AlreadyExistsError: it exists, and that is not to be overwritten.
-        """
-        path = self.out / f"{name}.html"
-        if path.exists() and not self.force:
-            raise AlreadyExistsError(path)
-        return path
+        """Returns where a page goes."""
+        return self.out / f"{name}.html"
 
 
 def review(
@@ -140,6 +133,10 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
     flights = [_reviewed(path, name, order.library) for path, name in zip(logs, names, strict=True)]
     files: list[Path] = []
     page = order.page("-and-".join(names)) if order.html else None
+    drawn = picture_paths(flights[0].log, order.out) if order.png else ()
+    refuse_files(order.video, force=order.force, ending=FILM_ENDING)
+    refuse_files(order.still, force=order.force, ending=STILL_ENDING)
+    refuse_files(page, *drawn, order.video, order.still, force=order.force, inputs=logs)
     if order.png:
         log = flights[0].log
         files += write_pictures(log, order.out, limits=control_limits(log), force=order.force)
@@ -169,6 +166,7 @@ def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int
     if not paths:
         raise FlightError(f"{folder}: expected flight logs, *.mcap, found none")
     page = order.page("index") if order.html else None
+    refuse_files(page, force=order.force)
     files: list[Path] = []
     with worker_pool(min(workers, len(paths))) as executor:
         judged = partial(row_of, library=order.library)
@@ -176,6 +174,7 @@ def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int
         if page is not None:
             chosen = [row.path for row in rows if not row.problem][:pages]
             addresses = {path: order.page(_name_in(folder, path)) for path in chosen}
+            refuse_files(page, *addresses.values(), force=order.force)
             write = partial(_write_page, library=order.library, force=order.force)
             made = executor.map(write, addresses.keys(), addresses.values())
             files = list(shown(made, total=len(chosen), what="pages"))

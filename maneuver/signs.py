@@ -18,7 +18,7 @@ from planner.error_box import Each
 from planner.signs import Trust, trust
 from planner.slowest import MOST_TIME_BOXES
 
-from .files import find_library, find_mission
+from .answered import library_and_mission, refuse_others
 from .numbers import Count
 
 TOO_HOPEFUL = 1
@@ -62,7 +62,8 @@ def signs(
     plan = read_plan(file)
     if not plan.found:
         raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
-    primitives, task = find_library(library or plan.library), find_mission(mission or plan.mission)
+    primitives, task = library_and_mission(file, plan, library=library, mission=mission)
+    refuse_others(file, plan, primitives, task)
     found = trust(
         primitives,
         task,

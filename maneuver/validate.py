@@ -19,7 +19,7 @@ from planner.receding_horizon import Settings
 
 from .blame import Blame, blame
 from .domain import warn_of_flight, warn_of_walks
-from .files import find_library, find_mission, refuse_existing
+from .files import find_library, find_mission, library_path, refuse_files, refuse_folder
 from .flight_store import FLIGHTS, fly_all, keep_all
 from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
 from .folder_status import show_status
@@ -152,9 +152,8 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
-    _refuse_calibration(
-        calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None), force=force
-    )
+    _refuse_calibration(calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None))
+    refuse_files(calibrate, force=force, inputs=[library_path(library)])
     if means.cluster is not None and logs is not None and out is None:
         raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
     if plant == "automaton" and (wind or logs):
@@ -212,7 +211,7 @@ def validate(
     return _code(card.cells)
 
 
-def _refuse_calibration(path: Path | None, suite: str, plant: str, *, plain: bool, force: bool) -> None:
+def _refuse_calibration(path: Path | None, suite: str, plant: str, *, plain: bool) -> None:
     if path is None:
         return
     if (suite, plant) != ("random", "helicopter"):
@@ -221,7 +220,6 @@ def _refuse_calibration(path: Path | None, suite: str, plant: str, *, plain: boo
         raise FlightError(
             "--calibrate: expected the loop that `plan` promises for, got one with other settings"
         )
-    refuse_existing(path, force=force)
 
 
 def _calibrate(
@@ -239,7 +237,7 @@ def _calibrate(
 def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
     if folder is None:
         raise FlightError("--suite tables: expected --out with a folder for the tables, got none")
-    refuse_existing(folder, force=force)
+    refuse_folder(folder, force=force)
     with worker_pool(workers) as executor:
         rows = compare_loops(executor)
     publish_bytes(loops_markdown(rows).encode(), folder / "tables-12-to-26.md", force=force)
@@ -271,7 +269,7 @@ def _missions(
     suite: str, names: Sequence[str], library: Library, *, seed: int, gamma: float
 ) -> tuple[Mission, ...]:
     if suite == "thesis":
-        return tuple(find_mission(name) for name in names or THESIS_MISSIONS)
+        return tuple(find_mission(name, library) for name in names or THESIS_MISSIONS)
     if len(names) > 1 or not all(name.isdecimal() and int(name) for name in names):
         raise FlightError(f"--suite random: expected --missions with one number, got {' '.join(names)}")
     count = int(names[0]) if names else RANDOM_MISSIONS

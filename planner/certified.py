@@ -65,7 +65,7 @@ def certified(plan: Plan, library: Library, mission: Mission) -> Plan:
 
 def _doubted(plan: Plan, doubt: Doubt) -> Plan:
     if doubt.reached:
-        return _unproved(plan, f"walk {doubt.walk} may be faster")
+        return _unproved(plan, f"walk {doubt.walk} may {'be faster' if plan.found else 'lead to the goal'}")
     return _unproved(plan, f"walk {doubt.walk} was not refuted with the boxes allowed")
 
 

@@ -41,7 +41,8 @@ def problems(
         mission: the one it says it answers.
         known_hash: of the library, where it is at hand.
     """
-    found = _identity(plan, known_hash or library_hash(library), library.name, mission)
+    found = identity_problems(plan, known_hash or library_hash(library), library.name, mission)
+    found += _said(plan)
     if plan.at_smallest_tolerance is not None:
         found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
     if not plan.found:
@@ -98,14 +99,30 @@ def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str)
     ]
 
 
-def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
+def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
+    """Returns where a plan is not for this library and this mission.
+
+    Args:
+        plan: the plan.
+        hash_now: of the library.
+        name: of the library.
+        mission: the mission.
+    """
     found = []
+    if plan.library != name:
+        found.append(f"library: planned with {plan.library}, not {name}")
     if plan.library_hash != hash_now:
         found.append(f"library_hash: planned with another library than this {name}")
     if plan.mission != mission.name:
         found.append(f"mission: answers {plan.mission}, not {mission.name}")
     if plan.tolerance != mission.tolerance:
         found.append(f"tolerance: planned with {plan.tolerance} m, the mission has {mission.tolerance} m")
+    return found
+
+
+def _said(plan: Plan) -> list[str]:
+    """Returns where the levels that a plan says it is for are not those that it shows."""
+    found = _price(plan)
     if not 0 <= plan.gamma <= 1:
         found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
     levels = _levels(plan)
@@ -116,6 +133,22 @@ def _identity(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[st
     if plan.found and (set(shown) != levels or len(shown) != len(levels)):
         found.append(f"scenarios: expected one for each gamma of {sorted(levels)}, got {stated}")
     return found
+
+
+def _price(plan: Plan) -> list[str]:
+    """Returns where a price is not what the plan's own scenarios show.
+
+    The sequence at gamma 0 is one of the plans that the nominal optimum is the best of.
+    """
+    if plan.policy != "price-of-robustness":
+        return [] if plan.alpha is None else [f"alpha: {plan.policy} plans have none, got {plan.alpha}"]
+    if plan.alpha is None or plan.alpha < 1:
+        return [f"alpha: expected at least 1 of a price-of-robustness plan, got {plan.alpha}"]
+    nominal = [scenario.cost for scenario in plan.scenarios if scenario.gamma == 0]
+    if nominal and plan.cost > plan.alpha * nominal[0] + OPTIMALITY:
+        paid = plan.cost / nominal[0] if nominal[0] > 0 else inf
+        return [f"alpha: the scenarios show a price of {paid:.6g} at least, got {plan.alpha:g}"]
+    return []
 
 
 def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
@@ -135,9 +168,13 @@ def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list
 
 
 def _tail(plan: Plan, library: Library) -> list[str]:
-    """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn."""
+    """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn.
+
+    Committed plans need not carry one.
+    """
     if not plan.tail:
-        return []
+        missing = plan.policy != "committed" and _comes_to_rest(plan.sequence[-1], library)
+        return [f"tail: missing, though trim {plan.sequence[-1]} leads to rest"] if missing else []
     try:
         library.maneuvers_along((plan.sequence[-1], *plan.tail))
         end = library.trim(plan.tail[-1]).velocity
@@ -149,6 +186,17 @@ def _tail(plan: Plan, library: Library) -> list[str]:
     if plan.tail[-1] in straight and hypot(end.forward, end.side) <= slowest:
         return []
     return [f"tail: ends in trim {plan.tail[-1]}, which is no rest; one at {slowest:g} m/s is"]
+
+
+def _comes_to_rest(trim: int, library: Library) -> bool:
+    """Returns whether a trim is no rest, and maneuvers lead from it to the trim that rests best."""
+    speeds = {one.id: hypot(one.velocity.forward, one.velocity.side) for one in library.trims}
+    turning = {one.id: one.velocity.yaw_rate != 0 for one in library.trims}
+    rest = min(speeds, key=lambda one: (turning[one], speeds[one], one))
+    reached = {trim}
+    for _ in library.trims:
+        reached |= {step.to_trim for step in library.maneuvers if step.from_trim in reached}
+    return trim != rest and rest in reached
 
 
 def _scenario(

@@ -6,6 +6,7 @@ interval arithmetic. `docs/planner.md` has the formula; that it is a lower bound
 is weak Lagrangian duality.
 """
 
+from collections import Counter
 from dataclasses import replace
 from math import inf, pi
 
@@ -43,9 +44,16 @@ def certificate_problems(
         depth = f"at most {certificate.max_trims} trims, the mission allows {mission.max_trims}"
         return (f"certificate: covers walks of {depth}",)
     expected = set(_walks(library, mission))
-    listed = [refutation.sequence for refutation in certificate.refutations]
-    if len(set(listed)) != len(listed) or set(listed) != expected:
-        return (f"certificate: covers {len(set(listed) & expected)} of the {len(expected)} walks there are",)
+    listed = Counter(refutation.sequence for refutation in certificate.refutations)
+    missing = expected - set(listed)
+    if missing:
+        covered = len(expected) - len(missing)
+        return (f"certificate: covers {covered} of the {len(expected)} walks there are, not {min(missing)}",)
+    for walk, times in listed.items():
+        if walk not in expected:
+            return (f"certificate: there is no walk {walk}",)
+        if times > 1:
+            return (f"certificate: walk {walk} stands there {times} times, expected once",)
     found = []
     for refutation in certificate.refutations:
         where = f"certificate: walk {refutation.sequence} at gamma {refutation.gamma:g}"
@@ -119,7 +127,7 @@ def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
             continue
         place, time = node.place, node.time
         if not (0 <= place < trims and low[place] <= time <= high[place]):
-            raise ValueError(f"a cut at place {place}, {time} s, is outside its box")
+            raise ValueError(f"a cut at place {place}, {time:g} s, is outside its box")
         waiting.append(((*low[:place], time, *low[place + 1 :]), high))
         waiting.append((low, (*high[:place], time, *high[place + 1 :])))
     if waiting:

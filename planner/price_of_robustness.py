@@ -20,14 +20,16 @@ from .worst_case import WorstCase
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
 
-ON_A_GRID = f"not proved the largest gamma: between {STEPS} levels that are bearable none was looked at"
+ON_A_GRID = f"not proved that every smaller gamma keeps to alpha: levels {1 / STEPS:g} apart were tried"
 
 GAMMA_RESOLUTION = 1e-6
 """How closely the largest bearable level is found; the plan is the one just below it."""
 
+TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} is too much already"
+
 
 class AlphaError(FlightError):
-    """A price below that of no robustness at all."""
+    """A price below that of no robustness at all, or none."""
 
     def __init__(self, alpha: float) -> None:
         super().__init__(f"alpha must be >= 1, got {alpha}")
@@ -79,11 +81,11 @@ class PriceOfRobustness:
         alpha: worst-case time that is accepted, in nominal optima.
 
     Raises:
-        AlphaError: alpha is below 1.
+        AlphaError: alpha is below 1, or no number.
     """
 
     def __init__(self, library: Library, alpha: float) -> None:
-        if not alpha >= 1:
+        if not 1 <= alpha < inf:
             raise AlphaError(alpha)
         self._library = library
         self._alpha = alpha
@@ -116,7 +118,7 @@ class PriceOfRobustness:
         return replace(
             best,
             status="feasible",
-            reason=ON_A_GRID,
+            reason=ON_A_GRID if low > 0 else TO_THE_RESOLUTION,
             lower_bound=None,
             policy="price-of-robustness",
             gamma=low,

@@ -9,9 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from flight.errors import AlreadyExistsError
 from flight.log import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND, FlightLog
-from flight.log_file import publish_bytes
+from flight.publishing import file_target, publish_bytes
 from flight.stretches import stretches_flown
 
 from . import palette
@@ -132,6 +131,21 @@ def write_pictures(
         AlreadyExistsError: one of the files exists and `force` is not set; nothing was written.
         FlightError: the log lacks motion, or an attachment is broken.
     """
+    pictures = _pictures(log, limits)
+    paths = picture_paths(log, folder)
+    for path in paths:
+        file_target(path, force=force)
+    for path, draw in zip(paths, pictures.values(), strict=True):
+        publish_picture(draw(), path, force=force)
+    return paths
+
+
+def picture_paths(log: FlightLog, folder: Path) -> tuple[Path, ...]:
+    """Returns the files that `write_pictures` writes of a log, in its order."""
+    return tuple(folder / f"{name}.png" for name in _pictures(log, None))
+
+
+def _pictures(log: FlightLog, limits: Limits | None) -> dict[str, Callable[[], Figure]]:
     pictures: dict[str, Callable[[], Figure]] = {}
     if log.motion.holds("north", "east"):
         pictures["flight"] = lambda: flight_picture(log)
@@ -144,13 +158,7 @@ def write_pictures(
         pictures["wind"] = lambda: wind_picture(log)
     if {ESTIMATE.name, TRUTH.name} <= log.series.keys():
         pictures["navigation_error"] = lambda: navigation_picture(log)
-    paths = tuple(folder / f"{name}.png" for name in pictures)
-    for path in paths:
-        if path.exists() and not force:
-            raise AlreadyExistsError(path)
-    for path, draw in zip(paths, pictures.values(), strict=True):
-        publish_picture(draw(), path, force=force)
-    return paths
+    return pictures
 
 
 def publish_picture(figure: Figure, path: Path, *, force: bool = False) -> None:

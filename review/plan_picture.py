@@ -16,6 +16,16 @@ from .map_axes import dress_map
 from .marks import dart, draw_goal, note
 from .stroke import Stroke
 
+SHOWN = 0.005
+"""Seconds that a trim is held for at least, where it is shown: less is written 0.00 s."""
+
+DECIDING = Stroke(palette.INK, 1.3, layer=4.5)
+
+# Greys, told apart by their dots: every colour is a trim's.
+AT_ZERO = Stroke(palette.FAINT, 1.2, layer=3.5)
+ABOVE = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 1.0)), layer=3.5)
+BELOW = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 3.0)), layer=3.5)
+
 
 class NothingToDrawError(FlightError):
     """A plan that is an honest no has no track."""
@@ -27,7 +37,7 @@ class NothingToDrawError(FlightError):
 def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
     """Returns the picture of a plan: north up, east right, one metre as long as the other.
 
-    The deciding scenario is drawn in the colours of its trims, the others faintly.
+    The deciding scenario is drawn with the colours of its trims, the others grey.
 
     Args:
         plan: what is drawn.
@@ -62,11 +72,11 @@ def _promise(plan: Plan) -> str:
 
 
 def _draw_scenarios(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
-    handles = []
+    handles = _draw_deciding(axes, plan, library, mission)
     for scenario in plan.scenarios:
         if scenario is not plan.deciding:
             handles.append(_draw_faint(axes, plan, scenario, library, mission))
-    return _draw_deciding(axes, plan, library, mission) + handles
+    return handles
 
 
 def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
@@ -75,30 +85,34 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
         library, plan.sequence, scenario.coasting_times, start=mission.start, gamma=scenario.gamma
     )
     colors = trim_colors(trim.id for trim in library.trims)
-    handles = []
+    held: dict[int, list[float]] = {}
     for trim, line, time in zip(plan.sequence, coasts, scenario.coasting_times, strict=True):
-        style = Stroke(colors[trim], 3.0, layer=5.0)
-        if time > 0:
-            _draw(axes, style, line)
-        handles.append(style.entry(f"trim {trim}, {library.trim(trim).name}: {time:.2f} s"))
-    style = Stroke(palette.INK, 1.3, layer=4.5)
+        if time >= SHOWN:
+            _draw(axes, _coast(colors[trim]), line)
+            held.setdefault(trim, []).append(time)
     for line in maneuvers:
-        _draw(axes, style, line)
-    if maneuvers:
-        names = ", ".join(str(maneuver) for maneuver in plan.maneuvers)
-        handles.append(style.entry(f"maneuvers {names}"))
-    return handles
+        _draw(axes, DECIDING, line)
+    level = f"gamma {scenario.gamma:g}, decides: {scenario.cost:.2f} s" if len(plan.scenarios) > 1 else ""
+    steps = f"maneuvers {', '.join(map(str, plan.maneuvers))}" if maneuvers else ""
+    entries = [DECIDING.entry("; ".join(filter(None, (level, steps))))] if level or steps else []
+    for trim, times in held.items():
+        seconds = " + ".join(f"{time:.2f}" for time in times)
+        entries.append(_coast(colors[trim]).entry(f"trim {trim}, {library.trim(trim).name}: {seconds} s"))
+    return entries
 
 
 def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mission: Mission) -> Line2D:
     coasts, maneuvers = planned_track(
         library, plan.sequence, scenario.coasting_times, start=mission.start, gamma=scenario.gamma
     )
-    color = palette.BELIEVED if scenario.gamma < 0 else palette.TRUE if scenario.gamma > 0 else palette.FAINT
-    style = Stroke(color, 1.2, opacity=0.8, layer=3.5)
+    style = BELOW if scenario.gamma < 0 else ABOVE if scenario.gamma > 0 else AT_ZERO
     for line in (*coasts, *maneuvers):
         _draw(axes, style, line)
-    return style.entry(f"at gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
+    return style.entry(f"gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
+
+
+def _coast(color: str) -> Stroke:
+    return Stroke(color, 3.0, layer=5.0)
 
 
 def _draw(axes: Axes, style: Stroke, line: Line) -> None:

@@ -15,8 +15,8 @@ from jaxtyping import Float
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter1d
 
-from flight.errors import AlreadyExistsError
 from flight.log import PRIMITIVE, FlightLog, PrimitiveKind
+from flight.publishing import file_target
 from flight.stretches import stretches_flown
 from flight.trim_labels import trim_label, trim_names
 
@@ -119,20 +119,20 @@ def write_film(
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
+        CannotWriteError: it is no regular file.
         FlightError: the log cannot be drawn, nothing here can draw, or the file cannot be written.
     """
-    if path.exists() and not force:
-        raise AlreadyExistsError(path)
+    target = file_target(path, force=force)
     settings = settings or FilmSettings()
     size = {"width": settings.width, "height": settings.height, "rate": settings.rate}
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=target.parent) as folder:
         made = Path(folder) / path.name
         with closing(Film(log, settings)) as film, film_encoder(made, **size) as add:
             numbers = iter(range(len(film)))
             for number in shown(numbers, len(film)) if shown else numbers:
                 add(film.picture(number))
-        made.replace(path)
+        made.replace(target)
 
 
 def write_still(log: FlightLog, path: Path, *, time: float, settings: FilmSettings | None = None) -> None:

@@ -191,7 +191,7 @@ def test_without_opengl_there_is_one_line_and_no_flight(
     [
         (
             ["--sequence", "figure-eight", "--video", "eight.avi"],
-            "name of a film to end with .mp4, got eight.avi",
+            "ends with .mp4, got eight.avi",
         ),
         (["--campaign", "gtmax", "--video", "all.mp4"], "--video belongs to one flight"),
     ],

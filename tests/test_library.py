@@ -130,7 +130,7 @@ def _no_band(content: dict[str, Any]) -> None:
         (_negative_duration, r"maneuvers\[2\].duration: .*greater than or equal to 0"),
         (_not_finite, r"trims\[2\].velocity.forward: .*finite"),
         (_infinite_error, r"maneuvers\[2\].error.side: .*finite"),
-        (_missing_part, r"maneuvers\[1\].displacement: Field required"),
+        (_missing_part, r"maneuvers\[1\].displacement: is missing"),
         (_unknown_part, r"trims\[0\].colour: Extra inputs are not permitted"),
         (_newer, r"this program reads maneuver-library/1, the file is maneuver-library/2"),
         (_no_trims, r"trims: .*at least 1"),

@@ -156,4 +156,4 @@ def test_the_graph_of_any_library_is_drawn(tmp_path: Path, capsys: pytest.Captur
         assert run(["library", "graph", name, "--out", str(path)]) == 0
         assert path.stat().st_size > 20_000
     assert run(["library", "graph", "thesis-gtmax", "--out", str(tmp_path / "graph.pdf")]) == 2
-    assert "must end in .png" in capsys.readouterr().err
+    assert "ends with .png" in capsys.readouterr().err

@@ -12,6 +12,9 @@ from flight.campaign import NoRuleForWindError, read_campaign
 from flight.errors import BadFileError
 from flight.mission import read_mission
 from flight.sequence import read_sequence
+from maneuver.files import find_mission
+from planner.nominal import Nominal
+from tools.thesis_libraries import thesis_gtmax
 
 MISSION = """
 name = "out"
@@ -68,10 +71,13 @@ def test_a_shipped_campaign_is_named_for_its_file(path: Path) -> None:
         ("trim = 2", 'trim = "two"', "start.trim: .*integer"),
         ("tolerance = 0.9144", "tolerance = -1.0", "goal.tolerance: .*greater than or equal to 0"),
         ("tolerance = 0.9144", "tolerance = nan", "goal.tolerance: .*finite"),
-        ("position = [9.144, 0]", "position = [9.144]", r"goal.position\[1\]: Field required"),
-        ("position = [9.144, 0]", "", "goal.position: Field required"),
+        ("position = [9.144, 0]", "position = [9.144]", r"goal.position\[1\]: is missing"),
+        ("position = [9.144, 0]", "", "goal.position: is missing"),
         ("max_trims = 3", "max_trims = 0", "planner.max_trims: .*greater than 0"),
         ("max_trims = 3", "max_trimz = 3", "planner.max_trimz: Extra inputs are not permitted"),
+        ("heading = 0.5", "heading = 1e17", "start.heading: .*from -1000 to 1000 rad, got 1e.17 rad"),
+        ("position = [9.144, 0]", "position = [9.144, -2e6]", r"goal.position\[1\]: .*1e.06 m, got -2e.06 m"),
+        ("max_trims = 3", "max_trims = 9", "planner.max_trims: .*less than or equal to 8"),
         ("heading = 0.5", "heading = 1979-05-27", "got a date or time"),
         ("[goal]", "[goal", "is not TOML"),
     ],
@@ -110,3 +116,24 @@ def test_a_heading_is_wanted_to_within_a_tolerance(tmp_path: Path) -> None:
         read_mission(path)
     path.write_text(MISSION.replace("[planner]", "heading = 1.0\nheading_tolerance = 0.2\n[planner]"))
     assert (read_mission(path).goal_heading, read_mission(path).heading_tolerance) == (1.0, 0.2)
+
+
+@pytest.mark.parametrize(("position", "heading"), [(1e6, 1e3), (-1e6, -1e3), (1e6, -999.9)])
+def test_the_farthest_mission_that_a_file_may_say_has_a_plan_that_passes_its_check(
+    tmp_path: Path, position: float, heading: float
+) -> None:
+    path = tmp_path / "far.toml"
+    path.write_text(
+        MISSION.replace("heading = 0.5", f"heading = {heading}")
+        .replace("position = [9.144, 0]", f"position = [{position}, {-position}]")
+        .replace("tolerance = 0.9144", "tolerance = 0.0")
+    )
+    assert Nominal(thesis_gtmax()).plan(read_mission(path)).verified
+
+
+def test_a_mission_names_the_place_of_a_trim_that_the_library_lacks(tmp_path: Path) -> None:
+    path = tmp_path / "lost.toml"
+    for old, key in (("trim = 2", "start.trim"), ("[planner]", "goal.trim")):
+        path.write_text(MISSION.replace(old, "trim = 99" if old != "[planner]" else "trim = 99\n[planner]"))
+        with pytest.raises(BadFileError, match=rf"lost.toml: {key}: no trim 99; the library has \[1, 2"):
+            find_mission(str(path), thesis_gtmax())

@@ -37,6 +37,7 @@ from review.automaton_picture import draw_automaton
 from review.demo_picture import PlanFlown, caption, demo_picture
 from review.library_picture import library_picture
 from review.pictures import publish_picture, track_picture, write_pictures
+from review.plan_picture import plan_picture
 from review.primitive_lane import draw_primitive_lane
 from review.summary import arrival
 from review.time_histories import draw_control, draw_velocity, draw_wind
@@ -247,3 +248,34 @@ def test_rates_of_the_air_are_shown_in_degrees(flight: FlightLog) -> None:
     draw_wind(axes, windy, WIND.field_names[3:], "rotation")
     shown = [float(np.asarray(line.get_ydata())[0]) for line in axes.lines]
     assert shown == pytest.approx(np.degrees([0.1, 0.2, 0.3]).tolist())
+
+
+def legend(plan: Plan) -> dict[str, Line2D]:
+    figure = plan_picture(plan, LIBRARY, Mission("out", SE2.identity(), 1, (20.0, 10.0), 2.0))
+    handles = figure.legends[0].legend_handles
+    return {str(one.get_label()): one for one in handles if isinstance(one, Line2D)}
+
+
+def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
+    walk, times = (1, 2, 1, 3), (1.25, 0.0, 2.5, 0.004)
+    scenarios = [Scenario(gamma, 10 - gamma, times, SE2.identity()) for gamma in (0.0, -1.0, 1.0)]
+    plan = Plan("optimal", "l", "", "out", "worst-case", 1.0, 2.0, walk, (4, 5, 6), tuple(scenarios))
+    entries = legend(plan)
+    name = LIBRARY.trim(1).name
+    assert list(entries) == [
+        "gamma -1, decides: 11.00 s; maneuvers 4, 5, 6",
+        f"trim 1, {name}: 1.25 + 2.50 s",
+        "gamma 0: 10.00 s",
+        "gamma 1: 9.00 s",
+        "goal, within 2 m",
+    ]
+    colors = trim_colors(trim.id for trim in LIBRARY.trims)
+    assert not {entries[level].get_color() for level in ("gamma 0: 10.00 s", "gamma 1: 9.00 s")} & set(
+        colors.values()
+    )
+
+
+def test_the_legend_of_a_nominal_plan_has_no_level() -> None:
+    only = Scenario(0.0, 3.0, (3.0,), SE2.identity())
+    plan = Plan("optimal", "l", "", "out", "nominal", 0.0, 2.0, (1,), (), (only,))
+    assert list(legend(plan)) == [f"trim 1, {LIBRARY.trim(1).name}: 3.00 s", "goal, within 2 m"]

@@ -126,3 +126,27 @@ def test_the_status_of_a_validation_says_what_is_missing(
     assert run([*words, "--workers", "1"]) in {0, 1}
     assert run([*words, "--status"]) == 0
     assert run([*words[:-2], "--status"]) == 2
+
+
+@pytest.mark.parametrize(
+    ("words", "resumes"),
+    [
+        (["plan", "gtmax-2"], False),
+        (["fly", "--mission", "gtmax-2"], False),
+        (["fly", "--campaign", "gtmax"], True),
+        (["validate", "--out", "here"], True),
+        (["validate"], False),
+        (["regenerate"], True),
+    ],
+)
+def test_only_a_command_that_goes_on_from_there_says_so(
+    words: list[str], resumes: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def stop(**_: object) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("maneuver.app.build", stop)
+    assert run(words) == 130
+    said = capsys.readouterr().err
+    assert "files that are there are whole" in said
+    assert ("the same command goes on from there" in said) is resumes

@@ -18,7 +18,7 @@ from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from maneuver.app import run
 from planner.check import problems
-from planner.commitment.boxes import Boxes, examine
+from planner.commitment.boxes import Boxes, Known, examine
 from planner.commitment.fan import fan
 from planner.commitment.task import Task
 from planner.commitment.whole_interval import Lines, worst_miss
@@ -207,7 +207,7 @@ def test_no_box_loses_coasting_times_that_are_allowed(seed: int) -> None:
         count, gamma = len(walk), float(rng.choice([0.1, 0.5, 1.0]))
         numbers = fan(library, (walk,), (-gamma, 0.0, gamma))
         times = rng.uniform(0, 10, (1, count)) * (rng.random((1, count)) < 0.6)
-        end, heading, _ = numbers.ends(none, times)
+        end, heading, _ = numbers.ends(times)
         goal = complex(end[0].mean()) + complex(*rng.normal(size=2))
         miss, off = float(np.abs(end[0] - goal).max()), float(np.abs(heading[0] - heading[0].mean()).max())
         task = Task(goal, miss, gamma, bool(off < 3), float(heading[0].mean()) + 2 * pi, off * 1.01 + 1e-3)
@@ -215,8 +215,9 @@ def test_no_box_loses_coasting_times_that_are_allowed(seed: int) -> None:
         low = np.maximum(times - rng.uniform(0, size, (1, count)), 0)
         boxes = Boxes.of(none, low, times + rng.uniform(0, size, (1, count)))
         pulls = rng.normal(size=(1, 3)) + 1j * rng.normal(size=(1, 3))
+        twists = rng.normal(size=(1, 2)) * (rng.random((1, 2)) < 0.7)
         budget = np.array([times.sum() + 10 ** rng.uniform(-6, 0)])
-        left = examine(numbers, boxes, task, pulls, radius=miss * (1 + 1e-9), budget=budget)
+        left = examine(numbers, boxes, task, Known(pulls, twists), radius=miss * (1 + 1e-9), budget=budget)
         assert len(left.rows) == 1
         assert (left.low <= times + 1e-7).all()
         assert (left.high >= times - 1e-7).all()

@@ -18,6 +18,13 @@ SLACK = 1e-9
 """Metres, seconds and radians that no bound is trusted beyond, for rounding."""
 
 
+AFTER_PULLS = 3
+"""Where the known directions stand among all, from the last."""
+
+ROUNDS = 3
+"""How often the inequalities cut a box, each time from what the time before left of it."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Boxes:
     """Boxes of coasting times.
@@ -92,48 +99,59 @@ class Inequalities:
     room: Float[np.ndarray, "n count"]
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Known:
+    """What cuts well near the best known times of each box's walk; 0 for nothing.
+
+    Attributes:
+        pulls: weighted directions, metres per metre.
+        twists: signed weights of the heading at the smallest and the largest level, metres per radian.
+    """
+
+    pulls: Complex[np.ndarray, "n levels"]
+    twists: Float[np.ndarray, "n 2"]
+
+
 def examine(
     fan: Fan,
     boxes: Boxes,
     task: Task,
-    pulls: Complex[np.ndarray, "walks levels"],
+    known: Known,
     *,
     radius: float,
-    budget: Float[np.ndarray, "walks"],
+    budget: Float[np.ndarray, "n"],
 ) -> Boxes:
     """Returns what may remain of boxes: smaller, better known, and without those that hold no allowed times.
 
     Args:
-        fan: the walks.
-        boxes: of their times.
+        fan: the walk of each box, at levels from the smallest to the largest or between them.
+        boxes: of times.
         task: what is asked.
-        pulls: for each walk, weighted directions that cut well near its best known times; 0 for none.
+        known: what cuts well; anything is right.
         radius: metres within which every level must end.
-        budget: seconds that the coasting times of each walk may take together.
+        budget: seconds that the coasting times of each box may take together.
     """
     middle, width = 0.5 * (boxes.low + boxes.high), 0.5 * (boxes.high - boxes.low)
-    end, heading, along = fan.ends(boxes.rows, middle)
+    end, heading, along = fan.ends(middle)
     off = end - task.goal
-    fastest = fan.fastest(boxes.rows, along, width, boxes.high)
-    bent = _bent(np.abs(fan.rate[boxes.rows]), fastest, width)
+    fastest = fan.fastest(along, width, boxes.high)
+    bent = _bent(np.abs(fan.rate), fastest, width)
     stray = bent.sum(axis=2) / 2
     moved = (fastest * width[:, None, :]).sum(axis=2)
-    directions = _directions(off, pulls[boxes.rows])
+    directions = _directions(off, known.pulls)
     position, here = _position(off, along, stray, directions, radius)
-    miss = np.maximum((np.abs(off) - moved).max(axis=1), _least_miss(position, here, directions, width))
-    turning, possible = _turning(fan, boxes.rows, heading, width, task)
-    useful = Inequalities(
-        np.concatenate([position.slope, turning.slope], axis=1),
-        np.concatenate([position.room, turning.room], axis=1),
+    turning, possible = _turning(fan, heading, width, task)
+    both = _with_heading(position, turning, known.twists)
+    spare = budget - middle.sum(axis=1)
+    every = Inequalities(
+        np.concatenate([position.slope, both.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
+        np.concatenate([position.room, both.room, spare[:, None]], axis=1),
     )
-    seconds = middle.sum(axis=1) + _least_sum(useful, width)
-    spare = budget[boxes.rows] - middle.sum(axis=1)
-    everything = Inequalities(
-        np.concatenate([useful.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
-        np.concatenate([useful.room, spare[:, None]], axis=1),
-    )
-    below, above, open_ = _cut(everything, width)
-    kept = open_ & possible & (miss <= radius + SLACK) & (seconds <= budget[boxes.rows] + SLACK)
+    below, above, open_ = _cut(every, width)
+    middle_miss = (np.abs(off) - moved).max(axis=1)
+    miss = np.maximum(middle_miss, _least_miss(position, here, directions, below, above))
+    seconds = middle.sum(axis=1) + _least_sum(every, below, above)
+    kept = open_ & possible & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
     return Boxes(
         boxes.rows,
@@ -197,19 +215,30 @@ def _least_miss(
     position: Inequalities,
     here: Float[np.ndarray, "n cuts"],
     directions: Complex[np.ndarray, "n cuts levels"],
-    width: Float[np.ndarray, "n trims"],
+    below: Float[np.ndarray, "n trims"],
+    above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n"]:
-    """Returns metres that no times of the box can make the largest miss smaller than."""
+    """Returns metres that no offsets between these can make the largest miss smaller than."""
     weight = np.abs(directions).sum(axis=2)
-    spread = np.einsum("nct,nt->nc", np.abs(position.slope), width)
-    least = (here - spread) / np.maximum(weight, 1e-300)
+    least = (here + _least(position.slope, below, above)) / np.maximum(weight, 1e-300)
     known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, least, 0.0).max(axis=1)
     return known
 
 
+def _least(
+    slope: Float[np.ndarray, "n count trims"],
+    below: Float[np.ndarray, "n trims"],
+    above: Float[np.ndarray, "n trims"],
+) -> Float[np.ndarray, "n count"]:
+    """Returns the least value of each slope . d for offsets d between these."""
+    least: Float[np.ndarray, "n count"] = (
+        np.maximum(slope, 0) @ below[:, :, None] + np.minimum(slope, 0) @ above[:, :, None]
+    )[:, :, 0]
+    return least
+
+
 def _turning(
     fan: Fan,
-    rows: Int[np.ndarray, "n"],
     heading: Float[np.ndarray, "n levels"],
     width: Float[np.ndarray, "n trims"],
     task: Task,
@@ -221,7 +250,7 @@ def _turning(
     count, trims = width.shape
     if not task.wants_heading:
         return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0))), np.ones(count, dtype=bool)
-    rate = fan.rate[rows]
+    rate = fan.rate
     swing = np.einsum("nlt,nt->nl", np.abs(rate), width) + SLACK
     off, allowed = heading - task.heading, task.heading_tolerance
     fewest = np.ceil((off - swing - allowed) / (2 * np.pi)).max(axis=1)
@@ -234,17 +263,39 @@ def _turning(
     return both, fewest <= most
 
 
-def _least_sum(given: Inequalities, width: Float[np.ndarray, "n trims"]) -> Float[np.ndarray, "n"]:
-    """Returns the least sum of offsets from the middle that one inequality at a time allows: its dual."""
-    least = -width.sum(axis=1)
-    for place in range(width.shape[1]):
+def _with_heading(
+    position: Inequalities, turning: Inequalities, twists: Float[np.ndarray, "n 2"]
+) -> Inequalities:
+    """Returns what the heading asks for, and that together with what the known directions ask for."""
+    count = turning.slope.shape[1] // 2
+    if not count:
+        return turning
+    place = position.slope.shape[1] - AFTER_PULLS
+    slope, room = position.slope[:, place], position.room[:, place]
+    for side, level in enumerate((0, count - 1)):
+        weight = twists[:, side]
+        row = np.arange(len(weight)), np.where(weight > 0, level, count + level)
+        size = np.abs(weight)
+        slope = slope + size[:, None] * turning.slope[row]
+        room = room + np.where(size > 0, size * np.where(size > 0, turning.room[row], 0.0), 0.0)
+    return Inequalities(
+        np.concatenate([turning.slope, slope[:, None]], axis=1),
+        np.concatenate([turning.room, room[:, None]], axis=1),
+    )
+
+
+def _least_sum(
+    given: Inequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
+) -> Float[np.ndarray, "n"]:
+    """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
+    least = below.sum(axis=1)
+    room = np.where(np.isfinite(given.room), given.room, 0.0)
+    for place in range(below.shape[1]):
         falling = given.slope[:, :, place]
         with np.errstate(divide="ignore", invalid="ignore"):
             price = np.where(falling < 0, -1 / falling, 0.0)
             price = np.where(np.isfinite(price) & np.isfinite(given.room), price, 0.0)
-            room = np.where(np.isfinite(given.room), given.room, 0.0)
-        reduced = np.abs(1 + price[:, :, None] * given.slope)
-        value = -price * room - np.einsum("nct,nt->nc", reduced, width)
+        value = _least(1 + price[:, :, None] * given.slope, below, above) - price * room
         least = np.maximum(least, value.max(axis=1))
     return np.asarray(least)
 
@@ -252,12 +303,17 @@ def _least_sum(given: Inequalities, width: Float[np.ndarray, "n trims"]) -> Floa
 def _cut(
     given: Inequalities, width: Float[np.ndarray, "n trims"]
 ) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that each inequality leaves, and whether any are left."""
-    steep = np.abs(given.slope)
-    slack = given.room + np.einsum("nct,nt->nc", steep, width)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = slack[:, :, None] / steep - width[:, None, :]
-    above = np.where(given.slope > 0, reach, np.inf).min(axis=1)
-    below = np.where(given.slope < 0, -reach, -np.inf).max(axis=1)
-    above, below = np.minimum(above, width), np.maximum(below, -width)
-    return below, above, (slack >= 0).all(axis=1) & (below <= above).all(axis=1)
+    """Returns the smallest and largest offsets that the inequalities leave, and whether any are left."""
+    below, above, open_ = -width, width, np.ones(len(width), dtype=bool)
+    rising, falling = given.slope > 0, given.slope < 0
+    for _ in range(ROUNDS):
+        slack = given.room - _least(given.slope, below, above)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = slack[:, :, None] / given.slope
+        most = np.where(rising, below[:, None, :] + reach, np.inf).min(axis=1)
+        fewest = np.where(falling, above[:, None, :] + reach, -np.inf).max(axis=1)
+        open_ &= (slack >= 0).all(axis=1)
+        below, above = np.maximum(below, fewest), np.minimum(above, most)
+        open_ &= (below <= above).all(axis=1)
+        above = np.maximum(above, below)
+    return below, above, open_

@@ -10,9 +10,10 @@ from jaxtyping import Float
 from flight.library import Library
 from planner.sequences import Walk
 
-from .boxes import Boxes, examine, joined
+from .boxes import Boxes, Known, examine, joined
 from .descent import Descended, Descent
-from .fan import fan
+from .fan import Sheaf
+from .levels import telling_levels
 from .task import Task
 
 BATCH = 1024
@@ -21,8 +22,14 @@ BATCH = 1024
 DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
-MOST_LEVELS = 9
-"""At which boxes are looked at; more cost more than they cut."""
+GRID = 17
+"""Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
+
+PEAKS = 3
+"""Levels inside the interval at which a box is bounded, besides its ends and those that are known to matter."""
+
+KNOWN = 3
+"""Levels that are known to matter near the best times of a walk, the heaviest of them."""
 
 FAR = 1e6
 """Metres from the goal at which nothing is of interest."""
@@ -72,12 +79,14 @@ class Branching:
         until: float = inf,
     ) -> None:
         self.walks, self.fixed, self.task = walks, fixed, task
-        self._library, self._most_nodes, self._until = library, most_nodes, until
-        self._levels = [-task.gamma, 0.0, task.gamma]
+        self._most_nodes, self._until = most_nodes, until
         self._descents = [Descent(library, walk, task) for walk in walks]
         self._known: dict[int, list[Descended]] = {}
-        self._fan = fan(library, walks, tuple(self._levels))
-        self._pulls = np.zeros((len(walks), len(self._levels)), dtype=complex)
+        self._sheaf = Sheaf.of(library, walks)
+        self._grid = np.linspace(-task.gamma, task.gamma, GRID)
+        self._matter = np.zeros((len(walks), KNOWN))
+        self._pulls = np.zeros((len(walks), KNOWN), dtype=complex)
+        self._twists = np.zeros((len(walks), 2))
 
     def soonest(self, bounds: Float[np.ndarray, "walks"], best: Best, gap: float) -> Best:
         """Returns the fastest times within the tolerance; none are faster by more than a gap.
@@ -143,9 +152,7 @@ class Branching:
             time = best.value - gap if soonest else limit
             halves = open_.take(chosen).halves()
             nodes += len(halves.rows)
-            children = examine(
-                self._fan, halves, self.task, self._pulls, radius=radius, budget=time - self.fixed
-            )
+            children = self._examined(halves, radius, time)
             best = self._improved(best, children, limit, soonest=soonest)
             open_ = joined([open_.take(~chosen), children])
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
@@ -154,11 +161,26 @@ class Branching:
         complete = left > best.value - gap
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
+    def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of boxes, each looked at where its middle misses most."""
+        rows, middle = boxes.rows, 0.5 * (boxes.low + boxes.high)
+        grid = np.broadcast_to(self._grid, (len(rows), GRID))
+        off = self._sheaf.at(rows, grid).ends(middle)[0] - self.task.goal
+        ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
+        inside = telling_levels(self._grid, off, PEAKS)
+        levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])
+        pulls = np.zeros(levels.shape, dtype=complex)
+        pulls[:, 1 : 1 + KNOWN] = self._pulls[rows]
+        fan = self._sheaf.at(rows, levels)
+        budget = time - self.fixed[rows]
+        known = Known(pulls, self._twists[rows])
+        return examine(fan, boxes, self.task, known, radius=radius, budget=budget)
+
     def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
         rows = np.flatnonzero(bounds <= limit)
-        trims = self._fan.rate.shape[2]
+        trims = self._sheaf.rate.shape[2]
         high = np.tile((limit - self.fixed[rows])[:, None], (1, trims))
-        high[np.arange(trims) >= self._fan.lengths[rows][:, None]] = 0.0
+        high[np.arange(trims) >= self._sheaf.lengths[rows][:, None]] = 0.0
         boxes = Boxes.of(rows, np.zeros_like(high), high)
         return Boxes(
             rows, boxes.low, high, np.maximum(bounds[rows] - self.fixed[rows], 0.0), boxes.miss, boxes.widest
@@ -189,21 +211,9 @@ class Branching:
         return best
 
     def _learn(self, row: int, found: Descended) -> None:
-        """Notes which directions cut well near times that were found, and the levels that matter there."""
-        apart = 0.02 * self.task.gamma
-        new = [
-            level
-            for level in found.levels
-            if min(abs(level - one) for one in self._levels) > apart and len(self._levels) < MOST_LEVELS
-        ]
-        if new:
-            old = self._levels
-            self._levels = sorted({*old, *new})
-            self._fan = fan(self._library, self.walks, tuple(self._levels))
-            pulls = np.zeros((len(self.walks), len(self._levels)), dtype=complex)
-            pulls[:, [self._levels.index(one) for one in old]] = self._pulls
-            self._pulls = pulls
-        self._pulls[row] = 0.0
-        for level, pull in zip(found.levels, found.pulls, strict=True):
-            nearest = min(range(len(self._levels)), key=lambda place: abs(self._levels[place] - level))
-            self._pulls[row, nearest] += pull
+        """Notes the levels that matter near times that were found, and which directions cut well there."""
+        heaviest = np.argsort(-np.abs(found.pulls))[:KNOWN]
+        self._matter[row], self._pulls[row] = 0.0, 0.0
+        self._matter[row, : len(heaviest)] = np.array(found.levels)[heaviest]
+        self._pulls[row, : len(heaviest)] = np.array(found.pulls)[heaviest]
+        self._twists[row] = found.twists

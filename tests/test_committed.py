@@ -213,7 +213,7 @@ def test_no_box_loses_coasting_times_that_are_allowed(seed: int) -> None:
         task = Task(goal, miss, gamma, bool(off < 3), float(heading[0].mean()) + 2 * pi, off * 1.01 + 1e-3)
         size = 10 ** rng.uniform(-2, 1.2)
         low = np.maximum(times - rng.uniform(0, size, (1, count)), 0)
-        boxes = Boxes.of(none, low, times + rng.uniform(0, size, (1, count)))
+        boxes = Boxes.of(none, none - 1, low, times + rng.uniform(0, size, (1, count)))
         pulls = rng.normal(size=(1, 3)) + 1j * rng.normal(size=(1, 3))
         twists = rng.normal(size=(1, 2)) * (rng.random((1, 2)) < 0.7)
         budget = np.array([times.sum() + 10 ** rng.uniform(-6, 0)])

@@ -31,6 +31,7 @@ class Boxes:
 
     Attributes:
         rows: which walk each belongs to.
+        turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
         low: smallest times in seconds.
         high: largest times in seconds.
         seconds: that all times in the box take together, at least.
@@ -39,6 +40,7 @@ class Boxes:
     """
 
     rows: Int[np.ndarray, "n"]
+    turns: Int[np.ndarray, "n"]
     low: Float[np.ndarray, "n trims"]
     high: Float[np.ndarray, "n trims"]
     seconds: Float[np.ndarray, "n"]
@@ -47,16 +49,21 @@ class Boxes:
 
     @classmethod
     def of(
-        cls, rows: Int[np.ndarray, "n"], low: Float[np.ndarray, "n trims"], high: Float[np.ndarray, "n trims"]
+        cls,
+        rows: Int[np.ndarray, "n"],
+        turns: Int[np.ndarray, "n"],
+        low: Float[np.ndarray, "n trims"],
+        high: Float[np.ndarray, "n trims"],
     ) -> "Boxes":
         """Returns boxes about which nothing is known yet."""
         nothing = np.zeros(len(rows))
-        return cls(rows, low, high, low.sum(axis=1), nothing, np.zeros(len(rows), dtype=int))
+        return cls(rows, turns, low, high, low.sum(axis=1), nothing, np.zeros(len(rows), dtype=int))
 
     def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "Boxes":
         """Returns some of them."""
         return Boxes(
             self.rows[which],
+            self.turns[which],
             self.low[which],
             self.high[which],
             self.seconds[which],
@@ -73,8 +80,8 @@ class Boxes:
         above[at, self.widest] = middle
         return joined(
             [
-                Boxes(self.rows, self.low, below, self.seconds, self.miss, self.widest),
-                Boxes(self.rows, above, self.high, self.seconds, self.miss, self.widest),
+                Boxes(self.rows, self.turns, self.low, below, self.seconds, self.miss, self.widest),
+                Boxes(self.rows, self.turns, above, self.high, self.seconds, self.miss, self.widest),
             ]
         )
 
@@ -83,6 +90,7 @@ def joined(parts: list[Boxes]) -> Boxes:
     """Returns all boxes in one."""
     return Boxes(
         np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.turns for part in parts]),
         np.concatenate([part.low for part in parts]),
         np.concatenate([part.high for part in parts]),
         np.concatenate([part.seconds for part in parts]),
@@ -140,7 +148,7 @@ def examine(
     moved = (fastest * width[:, None, :]).sum(axis=2)
     directions = _directions(off, known.pulls)
     position, here = _position(off, along, stray, directions, radius)
-    turning, possible = _turning(fan, heading, width, task)
+    turning = _turning(fan, heading, boxes.turns, task)
     both = _with_heading(position, turning, known.twists)
     spare = budget - middle.sum(axis=1)
     every = Inequalities(
@@ -151,10 +159,11 @@ def examine(
     middle_miss = (np.abs(off) - moved).max(axis=1)
     miss = np.maximum(middle_miss, _least_miss(position, here, directions, below, above))
     seconds = middle.sum(axis=1) + _least_sum(every, below, above)
-    kept = open_ & possible & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
+    kept = open_ & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
     return Boxes(
         boxes.rows,
+        boxes.turns,
         np.maximum(middle + below, 0.0),
         middle + above,
         np.maximum(boxes.seconds, seconds),
@@ -238,29 +247,18 @@ def _least(
 
 
 def _turning(
-    fan: Fan,
-    heading: Float[np.ndarray, "n levels"],
-    width: Float[np.ndarray, "n trims"],
-    task: Task,
-) -> tuple[Inequalities, Bool[np.ndarray, "n"]]:
-    """Returns what the wanted heading asks for, and whether the box may have it.
+    fan: Fan, heading: Float[np.ndarray, "n levels"], turns: Int[np.ndarray, "n"], task: Task
+) -> Inequalities:
+    """Returns what the wanted heading asks for: at each level not too far right, then not too far left.
 
     From one level to the next the heading changes evenly: all levels have it with the same full turns.
     """
-    count, trims = width.shape
+    count, _, trims = fan.rate.shape
     if not task.wants_heading:
-        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0))), np.ones(count, dtype=bool)
-    rate = fan.rate
-    swing = np.einsum("nlt,nt->nl", np.abs(rate), width) + SLACK
-    off, allowed = heading - task.heading, task.heading_tolerance
-    fewest = np.ceil((off - swing - allowed) / (2 * np.pi)).max(axis=1)
-    most = np.floor((off + swing + allowed) / (2 * np.pi)).min(axis=1)
-    exact = (fewest == most)[:, None]
-    left = off - 2 * np.pi * fewest[:, None]
-    slope = np.where(exact[:, :, None], rate, 0.0)
-    rooms = [np.where(exact, allowed - sign * left + SLACK, np.inf) for sign in (1, -1)]
-    both = Inequalities(np.concatenate([slope, -slope], axis=1), np.concatenate(rooms, axis=1))
-    return both, fewest <= most
+        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0)))
+    left = heading - task.heading - 2 * np.pi * turns[:, None]
+    rooms = [task.heading_tolerance - sign * left + SLACK for sign in (1, -1)]
+    return Inequalities(np.concatenate([fan.rate, -fan.rate], axis=1), np.concatenate(rooms, axis=1))
 
 
 def _with_heading(
@@ -275,9 +273,8 @@ def _with_heading(
     for side, level in enumerate((0, count - 1)):
         weight = twists[:, side]
         row = np.arange(len(weight)), np.where(weight > 0, level, count + level)
-        size = np.abs(weight)
-        slope = slope + size[:, None] * turning.slope[row]
-        room = room + np.where(size > 0, size * np.where(size > 0, turning.room[row], 0.0), 0.0)
+        slope = slope + np.abs(weight)[:, None] * turning.slope[row]
+        room = room + np.abs(weight) * turning.room[row]
     return Inequalities(
         np.concatenate([turning.slope, slope[:, None]], axis=1),
         np.concatenate([turning.room, room[:, None]], axis=1),
@@ -289,13 +286,12 @@ def _least_sum(
 ) -> Float[np.ndarray, "n"]:
     """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
     least = below.sum(axis=1)
-    room = np.where(np.isfinite(given.room), given.room, 0.0)
     for place in range(below.shape[1]):
         falling = given.slope[:, :, place]
         with np.errstate(divide="ignore", invalid="ignore"):
             price = np.where(falling < 0, -1 / falling, 0.0)
-            price = np.where(np.isfinite(price) & np.isfinite(given.room), price, 0.0)
-        value = _least(1 + price[:, :, None] * given.slope, below, above) - price * room
+            price = np.where(np.isfinite(price), price, 0.0)
+        value = _least(1 + price[:, :, None] * given.slope, below, above) - price * given.room
         least = np.maximum(least, value.max(axis=1))
     return np.asarray(least)
 

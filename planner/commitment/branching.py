@@ -1,16 +1,16 @@
 """Branch and bound over boxes of coasting times of many walks: the best, and that none is better."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf
 from time import perf_counter
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from flight.library import Library
 from planner.sequences import Walk
 
-from .boxes import Boxes, Known, examine, joined
+from .boxes import SLACK, Boxes, Known, examine, joined
 from .descent import Descended, Descent
 from .fan import Sheaf
 from .levels import telling_levels
@@ -158,7 +158,7 @@ class Branching:
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
         left = float(keys.min(initial=inf))
         bound = min(left, best.value - gap)
-        complete = left > best.value - gap
+        complete = left == inf or left > best.value - gap
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
     def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
@@ -177,14 +177,30 @@ class Branching:
         return examine(fan, boxes, self.task, known, radius=radius, budget=budget)
 
     def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
+        """Returns all times that walks may coast; where a heading is wanted, for each number of full turns."""
         rows = np.flatnonzero(bounds <= limit)
         trims = self._sheaf.rate.shape[2]
         high = np.tile((limit - self.fixed[rows])[:, None], (1, trims))
         high[np.arange(trims) >= self._sheaf.lengths[rows][:, None]] = 0.0
-        boxes = Boxes.of(rows, np.zeros_like(high), high)
-        return Boxes(
-            rows, boxes.low, high, np.maximum(bounds[rows] - self.fixed[rows], 0.0), boxes.miss, boxes.widest
-        )
+        if not self.task.wants_heading:
+            return self._boxes(rows, np.zeros(len(rows), dtype=int), high, bounds)
+        off = self._sheaf.turned[0][rows, -1] - self.task.heading
+        swept, allowed = self._sheaf.rate[0][rows] * high, self.task.heading_tolerance + SLACK
+        fewest = np.ceil((off + np.minimum(swept, 0).sum(axis=1) - allowed) / (2 * np.pi)).astype(int)
+        most = np.floor((off + np.maximum(swept, 0).sum(axis=1) + allowed) / (2 * np.pi)).astype(int)
+        each = np.repeat(np.arange(len(rows)), np.maximum(most - fewest + 1, 0))
+        turns = fewest[each] + np.arange(len(each)) - np.searchsorted(each, each)
+        return self._boxes(rows[each], turns, high[each], bounds)
+
+    def _boxes(
+        self,
+        rows: Int[np.ndarray, "n"],
+        turns: Int[np.ndarray, "n"],
+        high: Float[np.ndarray, "n trims"],
+        bounds: Float[np.ndarray, "walks"],
+    ) -> Boxes:
+        boxes = Boxes.of(rows, turns, np.zeros_like(high), high)
+        return replace(boxes, seconds=np.maximum(bounds[rows] - self.fixed[rows], 0.0))
 
     def _improved(self, best: Best, children: Boxes, limit: float, *, soonest: bool) -> Best:
         keys = self.fixed[children.rows] + children.seconds if soonest else children.miss

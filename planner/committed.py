@@ -42,6 +42,8 @@ LEVELS = 5
 HORIZON = 120.0
 """Seconds that a plan for the smallest tolerance may take; more where the nominal plan is long."""
 
+NOTHING = Best((), None, inf, 0.0, False, 0)
+
 UNFINISHED = "not proved optimal: the search stopped before every box of coasting times was excluded"
 
 
@@ -93,14 +95,22 @@ class Committed:
         if self._gamma == 0:
             return _committed(self._nominal.plan(mission), mission)
         case = self._prepared(mission, began + self._deadline)
-        start = self._feasible(case)
-        if start.found is not None and start.value <= Task.of(mission, self._gamma).tolerance:
-            seconds = sum(start.found.times) + float(case.fixed[case.walks.index(start.walk)])
-            fast = self._descended(case, start.walk, [start.found.times], soonest=True)
-            begin = fast if fast.value < seconds else replace(start, value=seconds)
-            plan = self._found(case, case.search.soonest(case.bounds, begin, GAP))
+        search, horizon = case.search, case.horizon
+        starts = self._starts(case)
+        fast = self._descended(case, starts, soonest=True)
+        fast = search.soonest(case.bounds, fast, GAP, limit=horizon)
+        near = NOTHING
+        if fast.found is None:
+            near = self._descended(case, starts, soonest=False)
+            enough = search.task.tolerance
+            near = search.nearest(near, GAP, limit=horizon, enough=0.0 if fast.complete else enough)
+            if near.value <= enough and near.found is not None:
+                seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
+                fast = search.soonest(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
+        if fast.found is not None:
+            plan = self._found(case, fast)
         else:
-            plan = self._none(case, start)
+            plan = self._none(case, near, proved=fast.complete)
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
@@ -142,27 +152,24 @@ class Committed:
                 least[rows] = np.maximum(least[rows], coasting)
         return least
 
-    def _feasible(self, case: _Case) -> Best:
-        """Returns times within the tolerance, as nearest; or the nearest there are, proved if possible."""
+    def _starts(self, case: _Case) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
+        """Returns coasting times to start from: those of who learns gamma first, and their mean."""
         known = self._worst_case.plan(case.mission)
-        tolerance = Task.of(case.mission, self._gamma).tolerance
-        best = Best((), None, inf, 0.0, False, 0)
-        if known.found:
-            starts = [scenario.coasting_times for scenario in known.scenarios]
-            starts.append(tuple(np.mean(starts, axis=0).tolist()))
-            best = self._descended(case, known.sequence, starts, soonest=True)
-            if best.found is not None:
-                return replace(best, value=best.found.worst.bound)
-            best = self._descended(case, known.sequence, starts, soonest=False)
-        return case.search.nearest(best, GAP, limit=case.horizon, enough=tolerance)
+        if not known.found:
+            return ()
+        each = [scenario.coasting_times for scenario in known.scenarios]
+        each.append(tuple(np.mean(each, axis=0).tolist()))
+        return tuple((known.sequence, times) for times in each)
 
     def _descended(
-        self, case: _Case, walk: Walk, starts: Iterable[tuple[float, ...]], *, soonest: bool
+        self, case: _Case, starts: Iterable[tuple[Walk, tuple[float, ...]]], *, soonest: bool
     ) -> Best:
-        row = case.walks.index(walk)
-        found = [case.search.descend(row, np.array(start), case.horizon, soonest=soonest) for start in starts]
-        nothing = Best((), None, inf, 0.0, False, 0)
-        return min((one for one in found if one is not None), key=lambda one: one.value, default=nothing)
+        descend, horizon = case.search.descend, case.horizon
+        found = [
+            descend(case.walks.index(walk), np.array(times), horizon, soonest=soonest)
+            for walk, times in starts
+        ]
+        return min((one for one in found if one is not None), key=lambda one: one.value, default=NOTHING)
 
     def _found(self, case: _Case, best: Best) -> Plan:
         plan = self._assembled(case.mission, best)
@@ -176,13 +183,15 @@ class Committed:
             case.mission,
         )
 
-    def _none(self, case: _Case, nearest: Best) -> Plan:
+    def _none(self, case: _Case, nearest: Best, *, proved: bool) -> Plan:
         """Returns the honest no, with the plan for the smallest tolerance."""
         mission = case.mission
         plan = self._empty(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
         alone = not np.isfinite(case.bounds).any()
-        proved = nearest.complete and nearest.bound > Task.of(mission, self._gamma).tolerance
+        tolerance = case.search.task.tolerance
+        proved = proved or nearest.bound > tolerance
+        bound = max(nearest.bound, tolerance if proved else 0.0)
         if alone:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
         elif proved:
@@ -199,9 +208,10 @@ class Committed:
         wider = replace(mission, tolerance=nearest.found.worst.bound)
         widened = self._assembled(wider, nearest)
         note = (
-            f"the smallest tolerance within {case.horizon:.1f} s: none below {nearest.bound:.4f} m"
+            f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
-            else "the smallest tolerance that was found; the search for smaller ones was stopped"
+            else f"the smallest tolerance that was found within {case.horizon:.1f} s, where none is below "
+            f"{bound:.4f} m; the search for smaller ones was stopped"
         )
         widened = self._verified(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)

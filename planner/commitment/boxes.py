@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
 from .fan import Fan
+from .inequalities import Inequalities, cut, least, least_sum
 from .task import Task
 
 SLACK = 1e-9
@@ -20,9 +21,6 @@ SLACK = 1e-9
 
 AFTER_PULLS = 3
 """Where the known directions stand among all, from the last."""
-
-ROUNDS = 3
-"""How often the inequalities cut a box, each time from what the time before left of it."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,14 +98,6 @@ def joined(parts: list[Boxes]) -> Boxes:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inequalities:
-    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
-
-    slope: Float[np.ndarray, "n count trims"]
-    room: Float[np.ndarray, "n count"]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Known:
     """What cuts well near the best known times of each box's walk; 0 for nothing.
 
@@ -155,10 +145,10 @@ def examine(
         np.concatenate([position.slope, both.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
         np.concatenate([position.room, both.room, spare[:, None]], axis=1),
     )
-    below, above, open_ = _cut(every, width)
+    below, above, open_ = cut(every, width)
     middle_miss = (np.abs(off) - moved).max(axis=1)
     miss = np.maximum(middle_miss, _least_miss(position, here, directions, below, above))
-    seconds = middle.sum(axis=1) + _least_sum(every, below, above)
+    seconds = middle.sum(axis=1) + least_sum(every, below, above)
     kept = open_ & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
     return Boxes(
@@ -229,21 +219,9 @@ def _least_miss(
 ) -> Float[np.ndarray, "n"]:
     """Returns metres that no offsets between these can make the largest miss smaller than."""
     weight = np.abs(directions).sum(axis=2)
-    least = (here + _least(position.slope, below, above)) / np.maximum(weight, 1e-300)
-    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, least, 0.0).max(axis=1)
+    value = (here + least(position.slope, below, above)) / np.maximum(weight, 1e-300)
+    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, value, 0.0).max(axis=1)
     return known
-
-
-def _least(
-    slope: Float[np.ndarray, "n count trims"],
-    below: Float[np.ndarray, "n trims"],
-    above: Float[np.ndarray, "n trims"],
-) -> Float[np.ndarray, "n count"]:
-    """Returns the least value of each slope . d for offsets d between these."""
-    least: Float[np.ndarray, "n count"] = (
-        np.maximum(slope, 0) @ below[:, :, None] + np.minimum(slope, 0) @ above[:, :, None]
-    )[:, :, 0]
-    return least
 
 
 def _turning(
@@ -279,37 +257,3 @@ def _with_heading(
         np.concatenate([turning.slope, slope[:, None]], axis=1),
         np.concatenate([turning.room, room[:, None]], axis=1),
     )
-
-
-def _least_sum(
-    given: Inequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
-) -> Float[np.ndarray, "n"]:
-    """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
-    least = below.sum(axis=1)
-    for place in range(below.shape[1]):
-        falling = given.slope[:, :, place]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            price = np.where(falling < 0, -1 / falling, 0.0)
-            price = np.where(np.isfinite(price), price, 0.0)
-        value = _least(1 + price[:, :, None] * given.slope, below, above) - price * given.room
-        least = np.maximum(least, value.max(axis=1))
-    return np.asarray(least)
-
-
-def _cut(
-    given: Inequalities, width: Float[np.ndarray, "n trims"]
-) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that the inequalities leave, and whether any are left."""
-    below, above, open_ = -width, width, np.ones(len(width), dtype=bool)
-    rising, falling = given.slope > 0, given.slope < 0
-    for _ in range(ROUNDS):
-        slack = given.room - _least(given.slope, below, above)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            reach = slack[:, :, None] / given.slope
-        most = np.where(rising, below[:, None, :] + reach, np.inf).min(axis=1)
-        fewest = np.where(falling, above[:, None, :] + reach, -np.inf).max(axis=1)
-        open_ &= (slack >= 0).all(axis=1)
-        below, above = np.maximum(below, fewest), np.minimum(above, most)
-        open_ &= (below <= above).all(axis=1)
-        above = np.maximum(above, below)
-    return below, above, open_

@@ -26,7 +26,7 @@ GRID = 17
 """Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
 
 PEAKS = 3
-"""Levels inside the interval at which a box is bounded, besides its ends and those that are known to matter."""
+"""Levels inside the interval at which a box is bounded, besides those that are known to matter."""
 
 KNOWN = 3
 """Levels that are known to matter near the best times of a walk, the heaviest of them."""
@@ -84,19 +84,22 @@ class Branching:
         self._known: dict[int, list[Descended]] = {}
         self._sheaf = Sheaf.of(library, walks)
         self._grid = np.linspace(-task.gamma, task.gamma, GRID)
+        levels = np.tile(self._grid, (len(walks), 1))
+        self._everywhere = self._sheaf.at(np.arange(len(walks)), levels)
         self._matter = np.zeros((len(walks), KNOWN))
         self._pulls = np.zeros((len(walks), KNOWN), dtype=complex)
         self._twists = np.zeros((len(walks), 2))
 
-    def soonest(self, bounds: Float[np.ndarray, "walks"], best: Best, gap: float) -> Best:
+    def soonest(self, bounds: Float[np.ndarray, "walks"], best: Best, gap: float, *, limit: float) -> Best:
         """Returns the fastest times within the tolerance; none are faster by more than a gap.
 
         Args:
             bounds: seconds that each walk takes at least.
-            best: the fastest known; something must be.
+            best: the fastest known.
             gap: seconds.
+            limit: seconds that a plan may take.
         """
-        return self._search(best, gap, soonest=True, bounds=bounds, limit=best.value)
+        return self._search(best, gap, soonest=True, bounds=bounds, limit=min(best.value, limit))
 
     def nearest(self, best: Best, gap: float, *, limit: float, enough: float) -> Best:
         """Returns the times whose largest miss is least; for none is it less by more than a gap.
@@ -135,9 +138,9 @@ class Branching:
     ) -> Best:
         open_ = self._whole(bounds, limit)
         nodes = 0
-        row_of = {walk: row for row, walk in enumerate(self.walks)}
+        self._known.clear()
         if best.found is not None:
-            self._learn(row_of[best.walk], best.found)
+            self._learn(self.walks.index(best.walk), best.found)
         while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
             if perf_counter() > self._until:
                 break
@@ -149,10 +152,10 @@ class Branching:
             chosen = np.zeros(len(keys), dtype=bool)
             chosen[np.argpartition(keys, min(BATCH, len(keys)) - 1)[:BATCH]] = True
             radius = self.task.tolerance if soonest else min(best.value - gap, FAR)
-            time = best.value - gap if soonest else limit
-            halves = open_.take(chosen).halves()
-            nodes += len(halves.rows)
-            children = self._examined(halves, radius, time)
+            time = min(best.value - gap, limit) if soonest else limit
+            whole = open_.take(chosen)
+            nodes += 2 * len(whole.rows)
+            children = self._examined(whole, radius, time)
             best = self._improved(best, children, limit, soonest=soonest)
             open_ = joined([open_.take(~chosen), children])
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
@@ -162,22 +165,21 @@ class Branching:
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
     def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
-        """Returns what remains of boxes, each looked at where its middle misses most."""
-        rows, middle = boxes.rows, 0.5 * (boxes.low + boxes.high)
-        grid = np.broadcast_to(self._grid, (len(rows), GRID))
-        off = self._sheaf.at(rows, grid).ends(middle)[0] - self.task.goal
+        """Returns what remains of both halves of boxes, looked at where the whole misses most."""
+        off = self._everywhere.take(boxes.rows).ends(0.5 * (boxes.low + boxes.high))[0] - self.task.goal
+        inside = np.tile(telling_levels(self._grid, off, PEAKS), (2, 1))
+        halves = boxes.halves()
+        rows = halves.rows
         ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
-        inside = telling_levels(self._grid, off, PEAKS)
         levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])
         pulls = np.zeros(levels.shape, dtype=complex)
         pulls[:, 1 : 1 + KNOWN] = self._pulls[rows]
-        fan = self._sheaf.at(rows, levels)
+        fan, known = self._sheaf.at(rows, levels), Known(pulls, self._twists[rows])
         budget = time - self.fixed[rows]
-        known = Known(pulls, self._twists[rows])
-        return examine(fan, boxes, self.task, known, radius=radius, budget=budget)
+        return examine(fan, halves, self.task, known, radius=radius, budget=budget)
 
     def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
-        """Returns all times that walks may coast; where a heading is wanted, for each number of full turns."""
+        """Returns all times that walks may coast, for each number of full turns to a wanted heading."""
         rows = np.flatnonzero(bounds <= limit)
         trims = self._sheaf.rate.shape[2]
         high = np.tile((limit - self.fixed[rows])[:, None], (1, trims))

@@ -109,9 +109,7 @@ class Descent:
         gammas = [-gamma, 0.0, gamma]
         for _ in range(ROUNDS):
             levels = tuple(gammas)
-            finite = Finite(
-                fan(self._library, (self._walk,), levels), levels, task, turns, budget, radius
-            )
+            finite = Finite(fan(self._library, (self._walk,), levels), levels, task, turns, budget, radius)
             solved = finite.solved(times)
             if solved is None:
                 return None
@@ -155,7 +153,7 @@ def _described(finite: Finite, times: Float[np.ndarray, "trims"], worst: WorstMi
 def _turning(
     finite: Finite, times: Float[np.ndarray, "trims"]
 ) -> tuple[Float[np.ndarray, "active trims"], Float[np.ndarray, "active 2"]]:
-    """Returns how the headings that are at a limit grow, and which they are: signed, smallest or largest level."""
+    """Returns how the headings at a limit grow, and the side of each at the smallest and largest level."""
     rates, task = finite.fan.rate[0], finite.task
     outer = [int(np.argmin(finite.gammas)), int(np.argmax(finite.gammas))]
     off = (finite.fan.turned[0] - task.heading - finite.turns + rates @ times)[outer]

@@ -86,6 +86,10 @@ class Fan:
             arm = arm + chord[:, :, place] + moved[:, :, place]
         return np.asarray(bound)
 
+    def take(self, rows: Int[np.ndarray, "taken"]) -> "Fan":
+        """Returns some of the walks."""
+        return Fan(self.velocity[rows], self.rate[rows], self.displacement[rows], self.turned[rows])
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sheaf:

@@ -53,6 +53,7 @@ def plan(
     pareto: Annotated[bool, Parameter(negative="")] = False,
     max_nodes: Count | None = None,
     deadline: Seconds | None = None,
+    horizon: Seconds | None = None,
     max_trims: Count | None = None,
     certify: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
@@ -81,7 +82,7 @@ def plan(
 
         maneuver plan gtmax-1 --library thesis-gtmax --certify --out proved.json
 
-        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1
+        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1 --horizon 200
 
         maneuver plan gtmax-1 --policy price-of-robustness --alpha 1.1
 
@@ -97,6 +98,8 @@ def plan(
         max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
             planner may examine, before the best plan so far is given.
         deadline: seconds after which the best plan so far is given, with a bound.
+        horizon: seconds that a committed plan may take, and beyond which nothing is claimed where there is
+            none; by default 120, or twice the nominal plan's where that is more.
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
@@ -108,14 +111,16 @@ def plan(
     for path in (out, picture):
         if path is not None:
             refuse_existing(path, force=force)
+    if horizon is not None and (pareto or policy != "committed" or gamma == 0):
+        asked = "--pareto" if pareto else f"{policy} at gamma {gamma:g}"
+        raise FlightError(f"expected --horizon with --policy committed and a gamma above 0, got {asked}")
     primitives, task = find_library(library), _asked(mission, max_trims)
     if pareto:
         return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     if certify and policy == "committed":
         raise FlightError("expected a policy that can be certified; committed plans carry no certificate")
-    planner = _planner(
-        primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=inf if deadline is None else deadline
-    )
+    limit = inf if deadline is None else deadline
+    planner = _planner(primitives, policy, gamma, alpha, max_nodes=max_nodes, deadline=limit, horizon=horizon)
     answer = planner.plan(task)
     if certify:
         from planner.certified import certified
@@ -235,6 +240,7 @@ def _planner(
     *,
     max_nodes: int | None,
     deadline: float,
+    horizon: float | None,
 ) -> Planner:
     if policy == "nominal":
         return Nominal(library, max_nodes=max_nodes, deadline=deadline)
@@ -243,7 +249,7 @@ def _planner(
     if policy == "committed":
         from planner.committed import Committed
 
-        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline)
+        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
     return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 

@@ -40,7 +40,7 @@ LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
 HORIZON = 120.0
-"""Seconds that a plan for the smallest tolerance may take; more where the nominal plan is long."""
+"""Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
 
 NOTHING = Best((), None, inf, 0.0, False, 0)
 
@@ -67,6 +67,8 @@ class Committed:
         gamma: uncertainty level, from 0 (nominal) to 1 (the errors of the library).
         max_nodes: boxes of coasting times that each search may examine.
         deadline: seconds after which the best plan so far is given, with a bound.
+        horizon: seconds that a plan may take, maneuvers included; by default 120, or twice the nominal
+            plan's where that is more.
 
     Raises:
         GammaError: the level is outside [0, 1].
@@ -74,14 +76,20 @@ class Committed:
     """
 
     def __init__(
-        self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
+        self,
+        library: Library,
+        gamma: float,
+        *,
+        max_nodes: int | None = None,
+        deadline: float = inf,
+        horizon: float | None = None,
     ) -> None:
         refuse_gamma(gamma)
         for level in (-gamma, gamma):
             refuse_negative_durations(library, level)
         self._library, self._gamma = library, gamma
         self._hash = library_hash(library)
-        self._deadline = deadline
+        self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
         self._nominal, self._worst_case = Nominal(library), WorstCase(library, gamma)
 
@@ -114,7 +122,9 @@ class Committed:
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
-        """Returns the seconds beyond which the smallest tolerance is not looked for."""
+        """Returns the seconds that a plan may take."""
+        if self._horizon is not None:
+            return self._horizon
         nominal = self._nominal.plan(mission)
         return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
 

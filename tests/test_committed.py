@@ -264,6 +264,36 @@ def test_the_verb_plans_and_checks(tmp_path: Path, capsys: pytest.CaptureFixture
     assert run([*asked, "--certify"]) == 2
 
 
+def test_the_smallest_tolerance_falls_with_the_horizon_until_there_is_a_plan() -> None:
+    mission = read_mission(missions.FOLDER / "gtmax-1.toml")
+    plans = [Committed(thesis_gtmax(), 0.5, horizon=seconds).plan(mission) for seconds in (5.0, 60.0, 100.0)]
+    still, short, long = plans
+    assert short.at_smallest_tolerance is not None
+    assert still.at_smallest_tolerance is not None
+    assert "at most 60.0 s" in short.reason
+    assert short.at_smallest_tolerance.cost <= 60.0
+    assert mission.tolerance < short.at_smallest_tolerance.tolerance < still.at_smallest_tolerance.tolerance
+    assert long.status == "optimal"
+    assert 60.0 < long.cost <= 100.0
+
+
+@pytest.mark.parametrize(
+    ("asked", "got"),
+    [
+        (("--policy", "worst-case"), "worst-case at gamma 1"),
+        (("--policy", "committed", "--gamma", "0"), "committed at gamma 0"),
+        (("--policy", "committed", "--pareto"), "--pareto"),
+    ],
+)
+def test_a_horizon_that_no_search_has_is_refused(
+    asked: tuple[str, ...], got: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["plan", "gtmax-1", *asked, "--horizon", "60"]) == 2
+    said = capsys.readouterr().err
+    assert got in said
+    assert said.count("\n") == 1
+
+
 def test_a_search_that_is_stopped_early_says_so_and_its_bound_holds() -> None:
     plan, library, mission = case()
     early = Committed(library, 0.4, max_nodes=300).plan(mission)

@@ -33,7 +33,7 @@ from .worst_case import WorstCase
 GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
-MOST_NODES = 200_000
+MOST_NODES = 300_000
 """Boxes of coasting times that a search examines before it gives up its proof."""
 
 LEVELS = 5

@@ -34,6 +34,7 @@ class Boxes:
         high: largest times in seconds.
         seconds: that all times in the box take together, at least.
         miss: metres that the largest miss of each set of times in the box exceeds, at least.
+        near: metres that the times in the middle miss by at most, at the levels looked at.
         widest: the place whose time the box is best split along.
     """
 
@@ -43,6 +44,7 @@ class Boxes:
     high: Float[np.ndarray, "n trims"]
     seconds: Float[np.ndarray, "n"]
     miss: Float[np.ndarray, "n"]
+    near: Float[np.ndarray, "n"]
     widest: Int[np.ndarray, "n"]
 
     @classmethod
@@ -55,7 +57,7 @@ class Boxes:
     ) -> "Boxes":
         """Returns boxes about which nothing is known yet."""
         nothing = np.zeros(len(rows))
-        return cls(rows, turns, low, high, low.sum(axis=1), nothing, np.zeros(len(rows), dtype=int))
+        return cls(rows, turns, low, high, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
 
     def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "Boxes":
         """Returns some of them."""
@@ -66,6 +68,7 @@ class Boxes:
             self.high[which],
             self.seconds[which],
             self.miss[which],
+            self.near[which],
             self.widest[which],
         )
 
@@ -78,8 +81,12 @@ class Boxes:
         above[at, self.widest] = middle
         return joined(
             [
-                Boxes(self.rows, self.turns, self.low, below, self.seconds, self.miss, self.widest),
-                Boxes(self.rows, self.turns, above, self.high, self.seconds, self.miss, self.widest),
+                Boxes(
+                    self.rows, self.turns, self.low, below, self.seconds, self.miss, self.near, self.widest
+                ),
+                Boxes(
+                    self.rows, self.turns, above, self.high, self.seconds, self.miss, self.near, self.widest
+                ),
             ]
         )
 
@@ -93,6 +100,7 @@ def joined(parts: list[Boxes]) -> Boxes:
         np.concatenate([part.high for part in parts]),
         np.concatenate([part.seconds for part in parts]),
         np.concatenate([part.miss for part in parts]),
+        np.concatenate([part.near for part in parts]),
         np.concatenate([part.widest for part in parts]),
     )
 
@@ -158,6 +166,7 @@ def examine(
         middle + above,
         np.maximum(boxes.seconds, seconds),
         np.maximum(boxes.miss, miss),
+        np.abs(off).max(axis=1),
         influence.argmax(axis=1),
     ).take(kept)
 

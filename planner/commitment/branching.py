@@ -22,11 +22,17 @@ BATCH = 1024
 DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
+LONGEST_PAUSE = 8
+"""Batches without descents after many that were in vain."""
+
 GRID = 17
 """Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
 
 PEAKS = 3
 """Levels inside the interval at which a box is bounded, besides those that are known to matter."""
+
+LARGE = 0.5
+"""Radians; a box whose times turn by more is bounded at three levels: closer looks tell little about it."""
 
 KNOWN = 3
 """Levels that are known to matter near the best times of a walk, the heaviest of them."""
@@ -84,8 +90,10 @@ class Branching:
         self._known: dict[int, list[Descended]] = {}
         self._sheaf = Sheaf.of(library, walks)
         self._grid = np.linspace(-task.gamma, task.gamma, GRID)
-        levels = np.tile(self._grid, (len(walks), 1))
-        self._everywhere = self._sheaf.at(np.arange(len(walks)), levels)
+        every, tile = np.arange(len(walks)), (len(walks), 1)
+        self._everywhere = self._sheaf.at(every, np.tile(self._grid, tile))
+        self._three = self._sheaf.at(every, np.tile(self._grid[:: GRID // 2], tile))
+        self._begun = np.zeros(len(walks), dtype=int)
         self._matter = np.zeros((len(walks), KNOWN))
         self._pulls = np.zeros((len(walks), KNOWN), dtype=complex)
         self._twists = np.zeros((len(walks), 2))
@@ -137,8 +145,9 @@ class Branching:
         enough: float = 0.0,
     ) -> Best:
         open_ = self._whole(bounds, limit)
-        nodes = 0
+        nodes, vain, pause = 0, 0, 0
         self._known.clear()
+        self._begun[:] = 0
         if best.found is not None:
             self._learn(self.walks.index(best.walk), best.found)
         while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
@@ -156,7 +165,12 @@ class Branching:
             whole = open_.take(chosen)
             nodes += 2 * len(whole.rows)
             children = self._examined(whole, radius, time)
-            best = self._improved(best, children, limit, soonest=soonest)
+            if pause:
+                pause -= 1
+            else:
+                improved = self._improved(best, children, limit, soonest=soonest)
+                vain = 0 if improved.value < best.value else min(vain + 1, LONGEST_PAUSE)
+                best, pause = improved, vain
             open_ = joined([open_.take(~chosen), children])
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
         left = float(keys.min(initial=inf))
@@ -165,17 +179,34 @@ class Branching:
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
     def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
-        """Returns what remains of both halves of boxes, looked at where the whole misses most."""
+        """Returns what remains of both halves of boxes."""
+        swing = np.abs(self._sheaf.rate[0][boxes.rows]) * (boxes.high - boxes.low)
+        large = (swing > LARGE).any(axis=1)
+        parts = [
+            self._roughly(boxes.take(large), radius, time),
+            self._closely(boxes.take(~large), radius, time),
+        ]
+        return joined(parts)
+
+    def _roughly(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of halves, looked at in the middle and at the ends of the levels."""
+        halves = boxes.halves()
+        rows, budget = halves.rows, time - self.fixed[halves.rows]
+        known = Known(np.zeros((len(rows), 3), dtype=complex), np.zeros((len(rows), 2)))
+        fan = self._three.take(rows)
+        return examine(fan, halves, self.task, known, radius=radius, budget=budget)
+
+    def _closely(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of halves, looked at where the whole misses most and where that is known."""
         off = self._everywhere.take(boxes.rows).ends(0.5 * (boxes.low + boxes.high))[0] - self.task.goal
         inside = np.tile(telling_levels(self._grid, off, PEAKS), (2, 1))
         halves = boxes.halves()
-        rows = halves.rows
+        rows, budget = halves.rows, time - self.fixed[halves.rows]
         ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
         levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])
         pulls = np.zeros(levels.shape, dtype=complex)
         pulls[:, 1 : 1 + KNOWN] = self._pulls[rows]
         fan, known = self._sheaf.at(rows, levels), Known(pulls, self._twists[rows])
-        budget = time - self.fixed[rows]
         return examine(fan, halves, self.task, known, radius=radius, budget=budget)
 
     def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
@@ -205,7 +236,10 @@ class Branching:
         return replace(boxes, seconds=np.maximum(bounds[rows] - self.fixed[rows], 0.0))
 
     def _improved(self, best: Best, children: Boxes, limit: float, *, soonest: bool) -> Best:
-        keys = self.fixed[children.rows] + children.seconds if soonest else children.miss
+        if best.found is not None and soonest:
+            keys = self.fixed[children.rows] + children.seconds
+        else:
+            keys = children.near * (1 + self._begun[children.rows])
         tried = 0
         for place in np.argsort(keys)[: 8 * DESCENTS].tolist():
             if tried == DESCENTS:
@@ -219,6 +253,7 @@ class Branching:
             ):
                 continue
             tried += 1
+            self._begun[row] += 1
             found = self.descend(row, 0.5 * (low + high), limit, soonest=soonest)
             if found is None:
                 continue

@@ -33,7 +33,7 @@ from .worst_case import WorstCase
 GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
-MOST_NODES = 300_000
+MOST_NODES = 500_000
 """Boxes of coasting times that a search examines before it gives up its proof."""
 
 LEVELS = 5
@@ -41,6 +41,9 @@ LEVELS = 5
 
 HORIZON = 120.0
 """Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
+
+WALKS_AT_ONCE = 64
+"""That are solved between two looks at the clock."""
 
 NOTHING = Best((), None, inf, 0.0, False, 0)
 
@@ -91,7 +94,8 @@ class Committed:
         self._hash = library_hash(library)
         self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal, self._worst_case = Nominal(library), WorstCase(library, gamma)
+        self._nominal = Nominal(library, deadline=deadline)
+        self._worst_case = WorstCase(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.
@@ -115,10 +119,7 @@ class Committed:
             if near.value <= enough and near.found is not None:
                 seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
                 fast = search.soonest(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
-        if fast.found is not None:
-            plan = self._found(case, fast)
-        else:
-            plan = self._none(case, near, proved=fast.complete)
+        plan = self._none(case, near, fast) if fast.found is None else self._found(case, fast)
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
@@ -138,7 +139,7 @@ class Committed:
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = Task.of(mission, self._gamma)
         search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
-        coasting = self._coasting(mission, every, nominal_fixed, slope)
+        coasting = self._coasting(mission, every, nominal_fixed, slope, until)
         return _Case(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
 
     def _coasting(
@@ -147,8 +148,9 @@ class Committed:
         every: tuple[Walk, ...],
         fixed: Float[np.ndarray, "walks"],
         slope: Float[np.ndarray, "walks"],
+        until: float,
     ) -> Float[np.ndarray, "walks"]:
-        """Returns seconds that each walk coasts at least: exact at each of some levels, alone."""
+        """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
         least = np.zeros(len(every))
         if kernel() is None:
             return least
@@ -157,9 +159,12 @@ class Committed:
             for table in tables(
                 self._library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim
             ):
-                rows = [row_of[tuple(walk)] for walk in table.walks.tolist()]
-                coasting = least_costs_of_each(table, mission) - (fixed[rows] + gamma * slope[rows])
-                least[rows] = np.maximum(least[rows], coasting)
+                for part in table.parts(WALKS_AT_ONCE):
+                    if perf_counter() > until:
+                        return least
+                    rows = [row_of[tuple(walk)] for walk in part.walks.tolist()]
+                    coasting = least_costs_of_each(part, mission) - (fixed[rows] + gamma * slope[rows])
+                    least[rows] = np.maximum(least[rows], coasting)
         return least
 
     def _starts(self, case: _Case) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
@@ -193,14 +198,14 @@ class Committed:
             case.mission,
         )
 
-    def _none(self, case: _Case, nearest: Best, *, proved: bool) -> Plan:
+    def _none(self, case: _Case, nearest: Best, fast: Best) -> Plan:
         """Returns the honest no, with the plan for the smallest tolerance."""
         mission = case.mission
         plan = self._empty(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
         alone = not np.isfinite(case.bounds).any()
         tolerance = case.search.task.tolerance
-        proved = proved or nearest.bound > tolerance
+        proved = fast.complete or nearest.bound > tolerance
         bound = max(nearest.bound, tolerance if proved else 0.0)
         if alone:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
@@ -211,7 +216,10 @@ class Committed:
                 f"{self._gamma:g}; longer ones were not looked at"
             )
         else:
-            reason = f"no coasting times that stay within the tolerance were found for any walk {depth}"
+            reason = (
+                f"no coasting times that stay within the tolerance were found for any walk {depth}; the "
+                f"search was stopped, and none take less than {min(fast.bound, case.horizon):.3f} s"
+            )
         plan = replace(plan, status="infeasible" if alone else "unknown", reason=reason)
         if nearest.found is None:
             return plan

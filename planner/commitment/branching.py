@@ -1,6 +1,7 @@
 """Branch and bound over boxes of coasting times of many walks: the best, and that none is better."""
 
 from dataclasses import dataclass, replace
+from functools import cache
 from math import inf
 from time import perf_counter
 
@@ -86,7 +87,7 @@ class Branching:
     ) -> None:
         self.walks, self.fixed, self.task = walks, fixed, task
         self._most_nodes, self._until = most_nodes, until
-        self._descents = [Descent(library, walk, task) for walk in walks]
+        self._descents = cache(lambda row: Descent(library, walks[row], task))
         self._known: dict[int, list[Descended]] = {}
         self._sheaf = Sheaf.of(library, walks)
         self._grid = np.linspace(-task.gamma, task.gamma, GRID)
@@ -124,7 +125,7 @@ class Branching:
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, soonest: bool
     ) -> Best | None:
         """Returns the best times near some of a walk, or None if no descent ends well."""
-        descent, budget = self._descents[row], limit - float(self.fixed[row])
+        descent, budget = self._descents(row), limit - float(self.fixed[row])
         if budget < 0:
             return None
         found = (descent.soonest if soonest else descent.nearest)(start, budget)

@@ -236,30 +236,38 @@ def _least_miss(
 def _turning(
     fan: Fan, heading: Float[np.ndarray, "n levels"], turns: Int[np.ndarray, "n"], task: Task
 ) -> Inequalities:
-    """Returns what the wanted heading asks for: at each level not too far right, then not too far left.
+    """Returns what the wanted heading asks for: at the outer levels not too far right, then not too far left.
 
-    From one level to the next the heading changes evenly: all levels have it with the same full turns.
+    From one level to the next the heading changes evenly: all levels have it with the same full turns. Then
+    follow, likewise, mixtures of both outer levels in which one time after the other is of no matter.
     """
     count, _, trims = fan.rate.shape
     if not task.wants_heading:
         return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0)))
-    left = heading - task.heading - 2 * np.pi * turns[:, None]
-    rooms = [task.heading_tolerance - sign * left + SLACK for sign in (1, -1)]
-    return Inequalities(np.concatenate([fan.rate, -fan.rate], axis=1), np.concatenate(rooms, axis=1))
+    left = (heading - task.heading - 2 * np.pi * turns[:, None])[:, [0, -1]]
+    low, high = fan.rate[:, 0], fan.rate[:, -1]
+    mixed = high[:, :, None] * low[:, None, :] - low[:, :, None] * high[:, None, :]
+    apart = high * left[:, :1] - low * left[:, 1:]
+    limit = task.heading_tolerance + SLACK
+    wide = limit * (np.abs(low) + np.abs(high)) + SLACK
+    outer = fan.rate[:, [0, -1]]
+    return Inequalities(
+        np.concatenate([outer, -outer, mixed, -mixed], axis=1),
+        np.concatenate([limit - left, limit + left, wide - apart, wide + apart], axis=1),
+    )
 
 
 def _with_heading(
     position: Inequalities, turning: Inequalities, twists: Float[np.ndarray, "n 2"]
 ) -> Inequalities:
     """Returns what the heading asks for, and that together with what the known directions ask for."""
-    count = turning.slope.shape[1] // 2
-    if not count:
+    if not turning.slope.shape[1]:
         return turning
     place = position.slope.shape[1] - AFTER_PULLS
     slope, room = position.slope[:, place], position.room[:, place]
-    for side, level in enumerate((0, count - 1)):
+    for side in (0, 1):
         weight = twists[:, side]
-        row = np.arange(len(weight)), np.where(weight > 0, level, count + level)
+        row = np.arange(len(weight)), np.where(weight > 0, side, 2 + side)
         slope = slope + np.abs(weight)[:, None] * turning.slope[row]
         room = room + np.abs(weight) * turning.room[row]
     return Inequalities(

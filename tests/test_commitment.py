@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from flight.library import Library
+from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
@@ -102,6 +103,19 @@ def test_a_wanted_heading_leaves_few_boxes() -> None:
     plan = Committed(thesis_gtmax(), 0.3, max_nodes=FEW).plan(mission)
     assert plan.at_smallest_tolerance is not None
     assert "stopped" not in plan.at_smallest_tolerance.reason
+
+
+def test_who_ends_in_the_middle_of_his_circle_may_circle_as_long_as_he_likes() -> None:
+    # Why no horizon is enough: the heading is smeared over gamma, the end is not.
+    trims = (
+        Trim(1, "turn", Twist(2.0, 0, 0.5), Twist(0.2, 0, 0.05)),
+        Trim(2, "hover", Twist(0, 0, 0), Twist(0, 0, 0)),
+    )
+    inwards = Maneuver(1, 1, 2, 2.0, SE2(0, 4.0, 0), ManeuverError(0, 0, 0, 0))
+    lines = Lines.of(Library("middle", "", "", trims, (inwards,)), (1, 2))
+    for time in (0.0, 100.0, 10_000.0):
+        ends = lines.ends(np.array([time, 0.0]), np.linspace(-1, 1, 101))
+        np.testing.assert_allclose(ends, 4j, atol=1e-9)
 
 
 def test_a_heading_that_errors_smear_is_had_by_no_times() -> None:

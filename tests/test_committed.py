@@ -130,6 +130,14 @@ def test_a_goal_out_of_reach_at_one_level_is_proved_so() -> None:
     assert plan.at_smallest_tolerance.tolerance == pytest.approx(20.0, abs=1e-6)
 
 
+@pytest.mark.parametrize("heading", [None, 1.0])
+def test_a_last_trim_that_no_walk_ends_with_is_proved_out_of_reach(heading: float | None) -> None:
+    mission = replace(case()[2], max_trims=1, goal_trim=6, goal_heading=heading, heading_tolerance=0.1)
+    plan = Committed(thesis_gtmax(), 0.5).plan(mission)
+    assert plan.status == "infeasible"
+    assert plan.at_smallest_tolerance is None
+
+
 def test_a_wanted_heading_is_had_at_every_level() -> None:
     library = thesis_gtmax()
     mission = replace(

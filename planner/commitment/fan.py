@@ -113,13 +113,13 @@ class Sheaf:
 
     @classmethod
     def of(cls, library: Library, walks: tuple[Walk, ...]) -> "Sheaf":
-        """Returns walks of at least one trim.
+        """Returns walks of at least one trim; there may be none.
 
         Raises:
             NoManeuverError: the library does not join two trims of a walk.
         """
-        lengths = np.array([len(walk) for walk in walks])
-        shape = 2, len(walks), int(lengths.max())
+        lengths = np.array([len(walk) for walk in walks], dtype=int)
+        shape = 2, len(walks), int(lengths.max(initial=1))
         velocity, displacement = np.zeros(shape, dtype=complex), np.zeros(shape, dtype=complex)
         rate, turn = np.zeros(shape), np.zeros(shape)
         for row, walk in enumerate(walks):

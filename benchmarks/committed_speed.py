@@ -62,6 +62,8 @@ def proved(plan: Plan) -> str:
         return plan.status
     if "in any walk" not in plan.reason:
         return "unknown, nothing proved"
+    if "have the wanted heading" in plan.reason:
+        return "unknown, none within the horizon at any tolerance"
     wider = plan.at_smallest_tolerance
     if wider is None or "stopped" in wider.reason:
         return "unknown, none within the horizon"

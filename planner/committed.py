@@ -207,12 +207,14 @@ class Committed:
         tolerance = case.search.task.tolerance
         proved = fast.complete or nearest.bound > tolerance
         bound = max(nearest.bound, tolerance if proved else 0.0)
+        headed = nearest.complete and nearest.found is None
+        kept = "have the wanted heading" if headed else "stay within the tolerance"
         if alone:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
         elif proved:
             reason = (
                 f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
-                f"walk {depth}, stay within the tolerance at every gamma from {-self._gamma:g} to "
+                f"walk {depth}, {kept} at every gamma from {-self._gamma:g} to "
                 f"{self._gamma:g}; longer ones were not looked at"
             )
         else:

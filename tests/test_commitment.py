@@ -126,4 +126,5 @@ def test_a_heading_that_errors_smear_is_had_by_no_times() -> None:
     mission = replace(goal, heading_tolerance=0.05)
     plan = Committed(library, 1.0).plan(mission)
     assert "at most 120.0 s" in plan.reason
+    assert "have the wanted heading" in plan.reason
     assert plan.at_smallest_tolerance is None

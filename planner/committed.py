@@ -207,8 +207,8 @@ class Committed:
         tolerance = case.search.task.tolerance
         proved = fast.complete or nearest.bound > tolerance
         bound = max(nearest.bound, tolerance if proved else 0.0)
-        headed = nearest.complete and nearest.found is None
-        kept = "have the wanted heading" if headed else "stay within the tolerance"
+        headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
+        kept = "have the wanted heading" if headless else "stay within the tolerance"
         if alone:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
         elif proved:

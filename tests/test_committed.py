@@ -130,6 +130,14 @@ def test_a_goal_out_of_reach_at_one_level_is_proved_so() -> None:
     assert plan.at_smallest_tolerance.tolerance == pytest.approx(20.0, abs=1e-6)
 
 
+def test_a_horizon_shorter_than_every_walk_leaves_nothing_to_look_at() -> None:
+    plan = Committed(thesis_gtmax(), 0.5, horizon=1.0).plan(replace(case()[2], goal_trim=1))
+    assert plan.status == "unknown"
+    assert "at most 1.0 s" in plan.reason
+    assert "heading" not in plan.reason
+    assert plan.at_smallest_tolerance is None
+
+
 @pytest.mark.parametrize("heading", [None, 1.0])
 def test_a_last_trim_that_no_walk_ends_with_is_proved_out_of_reach(heading: float | None) -> None:
     mission = replace(case()[2], max_trims=1, goal_trim=6, goal_heading=heading, heading_tolerance=0.1)

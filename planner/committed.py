@@ -230,8 +230,8 @@ class Committed:
         note = (
             f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
-            else f"the smallest tolerance that was found within {case.horizon:.1f} s, where none is below "
-            f"{bound:.4f} m; the search for smaller ones was stopped"
+            else f"the smallest tolerance that was found within {case.horizon:.1f} s; the search for smaller "
+            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'nothing is proved of them'}"
         )
         widened = self._verified(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)

@@ -51,6 +51,7 @@ def plan(
     pareto: Annotated[bool, Parameter(negative="")] = False,
     max_nodes: Count | None = None,
     deadline: Seconds | None = None,
+    horizon: Seconds | None = None,
     max_trims: Count | None = None,
     certify: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
@@ -79,7 +80,7 @@ def plan(
 
         maneuver plan gtmax-1 --library thesis-gtmax --certify --out proved.json
 
-        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1
+        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1 --horizon 200
 
         maneuver plan gtmax-1 --policy price-of-robustness --alpha 1.1
 
@@ -96,6 +97,8 @@ def plan(
         max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
             planner may examine, before the best plan so far is given.
         deadline: seconds after which the best plan so far is given, with a bound.
+        horizon: seconds that a committed plan may take, and beyond which nothing is claimed where there is
+            none; by default 120, or twice the nominal plan's where that is more.
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
@@ -105,8 +108,10 @@ def plan(
         json: print the plan as JSON.
     """
     told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
-    told |= {"--max-nodes": max_nodes, "--deadline": deadline}
+    told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
     refuse_misfits(policy, told, pareto=pareto)
+    if horizon is not None and gamma == 0:
+        raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
     read = [mission_path(mission), library_path(library), times_path(library_path(library))]
     refuse_files(out, picture, force=force, inputs=read)
     refuse_files(picture, force=force, ending=".png")
@@ -121,6 +126,7 @@ def plan(
         ALPHA if alpha is None else alpha,
         max_nodes=max_nodes,
         deadline=inf if deadline is None else deadline,
+        horizon=horizon,
     )
     answer = planner.plan(task)
     if certify:
@@ -151,6 +157,7 @@ def _planner(
     *,
     max_nodes: int | None,
     deadline: float,
+    horizon: float | None,
 ) -> Planner:
     if policy == "nominal":
         return Nominal(library, max_nodes=max_nodes, deadline=deadline)
@@ -159,7 +166,7 @@ def _planner(
     if policy == "committed":
         from planner.committed import Committed
 
-        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline)
+        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
     return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 

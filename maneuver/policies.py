@@ -26,6 +26,7 @@ HEEDED: Mapping[str, tuple[PlannedPolicy, ...]] = {
     "--alpha": ("price-of-robustness",),
     "--max-nodes": ("nominal", "worst-case", "committed"),
     "--deadline": ("nominal", "worst-case", "committed"),
+    "--horizon": ("committed",),
     "--certify": CERTIFIABLE,
 }
 """Which policies heed an option of `maneuver plan`; given with another it is refused, not ignored."""

@@ -33,14 +33,19 @@ from .worst_case import WorstCase
 GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
-MOST_NODES = 200_000
+MOST_NODES = 500_000
 """Boxes of coasting times that a search examines before it gives up its proof."""
 
 LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
 HORIZON = 120.0
-"""Seconds that a plan for the smallest tolerance may take; more where the nominal plan is long."""
+"""Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
+
+WALKS_AT_ONCE = 64
+"""That are solved between two looks at the clock."""
+
+NOTHING = Best((), None, inf, 0.0, False, 0)
 
 UNFINISHED = "not proved optimal: the search stopped before every box of coasting times was excluded"
 
@@ -65,6 +70,8 @@ class Committed:
         gamma: uncertainty level, from 0 (nominal) to 1 (the errors of the library).
         max_nodes: boxes of coasting times that each search may examine.
         deadline: seconds after which the best plan so far is given, with a bound.
+        horizon: seconds that a plan may take, maneuvers included; by default 120, or twice the nominal
+            plan's where that is more.
 
     Raises:
         GammaError: the level is outside [0, 1].
@@ -72,16 +79,23 @@ class Committed:
     """
 
     def __init__(
-        self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
+        self,
+        library: Library,
+        gamma: float,
+        *,
+        max_nodes: int | None = None,
+        deadline: float = inf,
+        horizon: float | None = None,
     ) -> None:
         refuse_gamma(gamma)
         for level in (-gamma, gamma):
             refuse_negative_durations(library, level)
         self._library, self._gamma = library, gamma
         self._hash = library_hash(library)
-        self._deadline = deadline
+        self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal, self._worst_case = Nominal(library), WorstCase(library, gamma)
+        self._nominal = Nominal(library, deadline=deadline)
+        self._worst_case = WorstCase(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.
@@ -93,18 +107,25 @@ class Committed:
         if self._gamma == 0:
             return _committed(self._nominal.plan(mission), mission)
         case = self._prepared(mission, began + self._deadline)
-        start = self._feasible(case)
-        if start.found is not None and start.value <= Task.of(mission, self._gamma).tolerance:
-            seconds = sum(start.found.times) + float(case.fixed[case.walks.index(start.walk)])
-            fast = self._descended(case, start.walk, [start.found.times], soonest=True)
-            begin = fast if fast.value < seconds else replace(start, value=seconds)
-            plan = self._found(case, case.search.soonest(case.bounds, begin, GAP))
-        else:
-            plan = self._none(case, start)
+        search, horizon = case.search, case.horizon
+        starts = self._starts(case)
+        fast = self._descended(case, starts, soonest=True)
+        fast = search.soonest(case.bounds, fast, GAP, limit=horizon)
+        near = NOTHING
+        if fast.found is None:
+            near = self._descended(case, starts, soonest=False)
+            enough = search.task.tolerance
+            near = search.nearest(near, GAP, limit=horizon, enough=0.0 if fast.complete else enough)
+            if near.value <= enough and near.found is not None:
+                seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
+                fast = search.soonest(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
+        plan = self._none(case, near, fast) if fast.found is None else self._found(case, fast)
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
-        """Returns the seconds beyond which the smallest tolerance is not looked for."""
+        """Returns the seconds that a plan may take."""
+        if self._horizon is not None:
+            return self._horizon
         nominal = self._nominal.plan(mission)
         return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
 
@@ -118,7 +139,7 @@ class Committed:
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = Task.of(mission, self._gamma)
         search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
-        coasting = self._coasting(mission, every, nominal_fixed, slope)
+        coasting = self._coasting(mission, every, nominal_fixed, slope, until)
         return _Case(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
 
     def _coasting(
@@ -127,8 +148,9 @@ class Committed:
         every: tuple[Walk, ...],
         fixed: Float[np.ndarray, "walks"],
         slope: Float[np.ndarray, "walks"],
+        until: float,
     ) -> Float[np.ndarray, "walks"]:
-        """Returns seconds that each walk coasts at least: exact at each of some levels, alone."""
+        """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
         least = np.zeros(len(every))
         if kernel() is None:
             return least
@@ -137,32 +159,32 @@ class Committed:
             for table in tables(
                 self._library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim
             ):
-                rows = [row_of[tuple(walk)] for walk in table.walks.tolist()]
-                coasting = least_costs_of_each(table, mission) - (fixed[rows] + gamma * slope[rows])
-                least[rows] = np.maximum(least[rows], coasting)
+                for part in table.parts(WALKS_AT_ONCE):
+                    if perf_counter() > until:
+                        return least
+                    rows = [row_of[tuple(walk)] for walk in part.walks.tolist()]
+                    coasting = least_costs_of_each(part, mission) - (fixed[rows] + gamma * slope[rows])
+                    least[rows] = np.maximum(least[rows], coasting)
         return least
 
-    def _feasible(self, case: _Case) -> Best:
-        """Returns times within the tolerance, as nearest; or the nearest there are, proved if possible."""
+    def _starts(self, case: _Case) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
+        """Returns coasting times to start from: those of who learns gamma first, and their mean."""
         known = self._worst_case.plan(case.mission)
-        tolerance = Task.of(case.mission, self._gamma).tolerance
-        best = Best((), None, inf, 0.0, False, 0)
-        if known.found:
-            starts = [scenario.coasting_times for scenario in known.scenarios]
-            starts.append(tuple(np.mean(starts, axis=0).tolist()))
-            best = self._descended(case, known.sequence, starts, soonest=True)
-            if best.found is not None:
-                return replace(best, value=best.found.worst.bound)
-            best = self._descended(case, known.sequence, starts, soonest=False)
-        return case.search.nearest(best, GAP, limit=case.horizon, enough=tolerance)
+        if not known.found:
+            return ()
+        each = [scenario.coasting_times for scenario in known.scenarios]
+        each.append(tuple(np.mean(each, axis=0).tolist()))
+        return tuple((known.sequence, times) for times in each)
 
     def _descended(
-        self, case: _Case, walk: Walk, starts: Iterable[tuple[float, ...]], *, soonest: bool
+        self, case: _Case, starts: Iterable[tuple[Walk, tuple[float, ...]]], *, soonest: bool
     ) -> Best:
-        row = case.walks.index(walk)
-        found = [case.search.descend(row, np.array(start), case.horizon, soonest=soonest) for start in starts]
-        nothing = Best((), None, inf, 0.0, False, 0)
-        return min((one for one in found if one is not None), key=lambda one: one.value, default=nothing)
+        descend, horizon = case.search.descend, case.horizon
+        found = [
+            descend(case.walks.index(walk), np.array(times), horizon, soonest=soonest)
+            for walk, times in starts
+        ]
+        return min((one for one in found if one is not None), key=lambda one: one.value, default=NOTHING)
 
     def _found(self, case: _Case, best: Best) -> Plan:
         plan = self._assembled(case.mission, best)
@@ -176,32 +198,40 @@ class Committed:
             case.mission,
         )
 
-    def _none(self, case: _Case, nearest: Best) -> Plan:
+    def _none(self, case: _Case, nearest: Best, fast: Best) -> Plan:
         """Returns the honest no, with the plan for the smallest tolerance."""
         mission = case.mission
         plan = self._empty(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
         alone = not np.isfinite(case.bounds).any()
-        proved = nearest.complete and nearest.bound > Task.of(mission, self._gamma).tolerance
+        tolerance = case.search.task.tolerance
+        proved = fast.complete or nearest.bound > tolerance
+        bound = max(nearest.bound, tolerance if proved else 0.0)
+        headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
+        kept = "have the wanted heading" if headless else "stay within the tolerance"
         if alone:
             reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
         elif proved:
             reason = (
                 f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
-                f"walk {depth}, stay within the tolerance at every gamma from {-self._gamma:g} to "
+                f"walk {depth}, {kept} at every gamma from {-self._gamma:g} to "
                 f"{self._gamma:g}; longer ones were not looked at"
             )
         else:
-            reason = f"no coasting times that stay within the tolerance were found for any walk {depth}"
+            reason = (
+                f"no coasting times that stay within the tolerance were found for any walk {depth}; the "
+                f"search was stopped, and none take less than {min(fast.bound, case.horizon):.3f} s"
+            )
         plan = replace(plan, status="infeasible" if alone else "unknown", reason=reason)
         if nearest.found is None:
             return plan
         wider = replace(mission, tolerance=nearest.found.worst.bound)
         widened = self._assembled(wider, nearest)
         note = (
-            f"the smallest tolerance within {case.horizon:.1f} s: none below {nearest.bound:.4f} m"
+            f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
-            else "the smallest tolerance that was found; the search for smaller ones was stopped"
+            else f"the smallest tolerance that was found within {case.horizon:.1f} s; the search for smaller "
+            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'nothing is proved of them'}"
         )
         widened = self._verified(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)

@@ -298,7 +298,7 @@ class _Search:
                 look.bound[row[at]] = bound[at]
                 toward = np.sign(closed.seconds.slope[at, :variables])
                 look.corner[row[at]] = look.boxes.middle[row[at]] + toward * look.boxes.width[row[at]]
-        return holds & (shortest < 0)
+        return np.asarray(holds & (shortest < 0))
 
     def _faces(self, closed: Closed) -> Bool[np.ndarray, "m"]:
         """Returns where the heading at the end is as wanted."""

@@ -12,10 +12,15 @@ import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
 from .fan import Fan
+from .inequalities import Inequalities, cut, least, least_sum
 from .task import Task
 
 SLACK = 1e-9
 """Metres, seconds and radians that no bound is trusted beyond, for rounding."""
+
+
+AFTER_PULLS = 3
+"""Where the known directions stand among all, from the last."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,36 +29,46 @@ class Boxes:
 
     Attributes:
         rows: which walk each belongs to.
+        turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
         low: smallest times in seconds.
         high: largest times in seconds.
         seconds: that all times in the box take together, at least.
         miss: metres that the largest miss of each set of times in the box exceeds, at least.
+        near: metres that the times in the middle miss by at most, at the levels looked at.
         widest: the place whose time the box is best split along.
     """
 
     rows: Int[np.ndarray, "n"]
+    turns: Int[np.ndarray, "n"]
     low: Float[np.ndarray, "n trims"]
     high: Float[np.ndarray, "n trims"]
     seconds: Float[np.ndarray, "n"]
     miss: Float[np.ndarray, "n"]
+    near: Float[np.ndarray, "n"]
     widest: Int[np.ndarray, "n"]
 
     @classmethod
     def of(
-        cls, rows: Int[np.ndarray, "n"], low: Float[np.ndarray, "n trims"], high: Float[np.ndarray, "n trims"]
+        cls,
+        rows: Int[np.ndarray, "n"],
+        turns: Int[np.ndarray, "n"],
+        low: Float[np.ndarray, "n trims"],
+        high: Float[np.ndarray, "n trims"],
     ) -> "Boxes":
         """Returns boxes about which nothing is known yet."""
         nothing = np.zeros(len(rows))
-        return cls(rows, low, high, low.sum(axis=1), nothing, np.zeros(len(rows), dtype=int))
+        return cls(rows, turns, low, high, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
 
     def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "Boxes":
         """Returns some of them."""
         return Boxes(
             self.rows[which],
+            self.turns[which],
             self.low[which],
             self.high[which],
             self.seconds[which],
             self.miss[which],
+            self.near[which],
             self.widest[which],
         )
 
@@ -66,8 +81,12 @@ class Boxes:
         above[at, self.widest] = middle
         return joined(
             [
-                Boxes(self.rows, self.low, below, self.seconds, self.miss, self.widest),
-                Boxes(self.rows, above, self.high, self.seconds, self.miss, self.widest),
+                Boxes(
+                    self.rows, self.turns, self.low, below, self.seconds, self.miss, self.near, self.widest
+                ),
+                Boxes(
+                    self.rows, self.turns, above, self.high, self.seconds, self.miss, self.near, self.widest
+                ),
             ]
         )
 
@@ -76,71 +95,78 @@ def joined(parts: list[Boxes]) -> Boxes:
     """Returns all boxes in one."""
     return Boxes(
         np.concatenate([part.rows for part in parts]),
+        np.concatenate([part.turns for part in parts]),
         np.concatenate([part.low for part in parts]),
         np.concatenate([part.high for part in parts]),
         np.concatenate([part.seconds for part in parts]),
         np.concatenate([part.miss for part in parts]),
+        np.concatenate([part.near for part in parts]),
         np.concatenate([part.widest for part in parts]),
     )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inequalities:
-    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
+class Known:
+    """What cuts well near the best known times of each box's walk; 0 for nothing.
 
-    slope: Float[np.ndarray, "n count trims"]
-    room: Float[np.ndarray, "n count"]
+    Attributes:
+        pulls: weighted directions, metres per metre.
+        twists: signed weights of the heading at the smallest and the largest level, metres per radian.
+    """
+
+    pulls: Complex[np.ndarray, "n levels"]
+    twists: Float[np.ndarray, "n 2"]
 
 
 def examine(
     fan: Fan,
     boxes: Boxes,
     task: Task,
-    pulls: Complex[np.ndarray, "walks levels"],
+    known: Known,
     *,
     radius: float,
-    budget: Float[np.ndarray, "walks"],
+    budget: Float[np.ndarray, "n"],
 ) -> Boxes:
     """Returns what may remain of boxes: smaller, better known, and without those that hold no allowed times.
 
     Args:
-        fan: the walks.
-        boxes: of their times.
+        fan: the walk of each box, at levels from the smallest to the largest or between them.
+        boxes: of times.
         task: what is asked.
-        pulls: for each walk, weighted directions that cut well near its best known times; 0 for none.
+        known: what cuts well; anything is right.
         radius: metres within which every level must end.
-        budget: seconds that the coasting times of each walk may take together.
+        budget: seconds that the coasting times of each box may take together.
     """
     middle, width = 0.5 * (boxes.low + boxes.high), 0.5 * (boxes.high - boxes.low)
-    end, heading, along = fan.ends(boxes.rows, middle)
+    end, heading, along = fan.ends(middle)
     off = end - task.goal
-    fastest = fan.fastest(boxes.rows, along, width, boxes.high)
-    bent = _bent(np.abs(fan.rate[boxes.rows]), fastest, width)
+    fastest = fan.fastest(along, width, boxes.high)
+    bent = _bent(np.abs(fan.rate), fastest, width)
     stray = bent.sum(axis=2) / 2
     moved = (fastest * width[:, None, :]).sum(axis=2)
-    directions = _directions(off, pulls[boxes.rows])
+    directions = _directions(off, known.pulls)
     position, here = _position(off, along, stray, directions, radius)
-    miss = np.maximum((np.abs(off) - moved).max(axis=1), _least_miss(position, here, directions, width))
-    turning, possible = _turning(fan, boxes.rows, heading, width, task)
-    useful = Inequalities(
-        np.concatenate([position.slope, turning.slope], axis=1),
-        np.concatenate([position.room, turning.room], axis=1),
+    turning = _turning(fan, heading, boxes.turns, task)
+    both = _with_heading(position, turning, known.twists)
+    spare = budget - middle.sum(axis=1)
+    every = Inequalities(
+        np.concatenate([position.slope, both.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
+        np.concatenate([position.room, both.room, spare[:, None]], axis=1),
     )
-    seconds = middle.sum(axis=1) + _least_sum(useful, width)
-    spare = budget[boxes.rows] - middle.sum(axis=1)
-    everything = Inequalities(
-        np.concatenate([useful.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
-        np.concatenate([useful.room, spare[:, None]], axis=1),
-    )
-    below, above, open_ = _cut(everything, width)
-    kept = open_ & possible & (miss <= radius + SLACK) & (seconds <= budget[boxes.rows] + SLACK)
+    below, above, open_ = cut(every, width)
+    middle_miss = (np.abs(off) - moved).max(axis=1)
+    miss = np.maximum(middle_miss, _least_miss(position, here, directions, below, above))
+    seconds = middle.sum(axis=1) + least_sum(every, below, above)
+    kept = open_ & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
     return Boxes(
         boxes.rows,
+        boxes.turns,
         np.maximum(middle + below, 0.0),
         middle + above,
         np.maximum(boxes.seconds, seconds),
         np.maximum(boxes.miss, miss),
+        np.abs(off).max(axis=1),
         influence.argmax(axis=1),
     ).take(kept)
 
@@ -197,67 +223,54 @@ def _least_miss(
     position: Inequalities,
     here: Float[np.ndarray, "n cuts"],
     directions: Complex[np.ndarray, "n cuts levels"],
-    width: Float[np.ndarray, "n trims"],
+    below: Float[np.ndarray, "n trims"],
+    above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n"]:
-    """Returns metres that no times of the box can make the largest miss smaller than."""
+    """Returns metres that no offsets between these can make the largest miss smaller than."""
     weight = np.abs(directions).sum(axis=2)
-    spread = np.einsum("nct,nt->nc", np.abs(position.slope), width)
-    least = (here - spread) / np.maximum(weight, 1e-300)
-    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, least, 0.0).max(axis=1)
+    value = (here + least(position.slope, below, above)) / np.maximum(weight, 1e-300)
+    known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, value, 0.0).max(axis=1)
     return known
 
 
 def _turning(
-    fan: Fan,
-    rows: Int[np.ndarray, "n"],
-    heading: Float[np.ndarray, "n levels"],
-    width: Float[np.ndarray, "n trims"],
-    task: Task,
-) -> tuple[Inequalities, Bool[np.ndarray, "n"]]:
-    """Returns what the wanted heading asks for, and whether the box may have it.
+    fan: Fan, heading: Float[np.ndarray, "n levels"], turns: Int[np.ndarray, "n"], task: Task
+) -> Inequalities:
+    """Returns what the wanted heading asks for: at the outer levels not too far right, then not too far left.
 
-    From one level to the next the heading changes evenly: all levels have it with the same full turns.
+    From one level to the next the heading changes evenly: all levels have it with the same full turns. Then
+    follow, likewise, mixtures of both outer levels in which one time after the other is of no matter.
     """
-    count, trims = width.shape
+    count, _, trims = fan.rate.shape
     if not task.wants_heading:
-        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0))), np.ones(count, dtype=bool)
-    rate = fan.rate[rows]
-    swing = np.einsum("nlt,nt->nl", np.abs(rate), width) + SLACK
-    off, allowed = heading - task.heading, task.heading_tolerance
-    fewest = np.ceil((off - swing - allowed) / (2 * np.pi)).max(axis=1)
-    most = np.floor((off + swing + allowed) / (2 * np.pi)).min(axis=1)
-    exact = (fewest == most)[:, None]
-    left = off - 2 * np.pi * fewest[:, None]
-    slope = np.where(exact[:, :, None], rate, 0.0)
-    rooms = [np.where(exact, allowed - sign * left + SLACK, np.inf) for sign in (1, -1)]
-    both = Inequalities(np.concatenate([slope, -slope], axis=1), np.concatenate(rooms, axis=1))
-    return both, fewest <= most
+        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0)))
+    left = (heading - task.heading - 2 * np.pi * turns[:, None])[:, [0, -1]]
+    low, high = fan.rate[:, 0], fan.rate[:, -1]
+    mixed = high[:, :, None] * low[:, None, :] - low[:, :, None] * high[:, None, :]
+    apart = high * left[:, :1] - low * left[:, 1:]
+    limit = task.heading_tolerance + SLACK
+    wide = limit * (np.abs(low) + np.abs(high)) + SLACK
+    outer = fan.rate[:, [0, -1]]
+    return Inequalities(
+        np.concatenate([outer, -outer, mixed, -mixed], axis=1),
+        np.concatenate([limit - left, limit + left, wide - apart, wide + apart], axis=1),
+    )
 
 
-def _least_sum(given: Inequalities, width: Float[np.ndarray, "n trims"]) -> Float[np.ndarray, "n"]:
-    """Returns the least sum of offsets from the middle that one inequality at a time allows: its dual."""
-    least = -width.sum(axis=1)
-    for place in range(width.shape[1]):
-        falling = given.slope[:, :, place]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            price = np.where(falling < 0, -1 / falling, 0.0)
-            price = np.where(np.isfinite(price) & np.isfinite(given.room), price, 0.0)
-            room = np.where(np.isfinite(given.room), given.room, 0.0)
-        reduced = np.abs(1 + price[:, :, None] * given.slope)
-        value = -price * room - np.einsum("nct,nt->nc", reduced, width)
-        least = np.maximum(least, value.max(axis=1))
-    return np.asarray(least)
-
-
-def _cut(
-    given: Inequalities, width: Float[np.ndarray, "n trims"]
-) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that each inequality leaves, and whether any are left."""
-    steep = np.abs(given.slope)
-    slack = given.room + np.einsum("nct,nt->nc", steep, width)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = slack[:, :, None] / steep - width[:, None, :]
-    above = np.where(given.slope > 0, reach, np.inf).min(axis=1)
-    below = np.where(given.slope < 0, -reach, -np.inf).max(axis=1)
-    above, below = np.minimum(above, width), np.maximum(below, -width)
-    return below, above, (slack >= 0).all(axis=1) & (below <= above).all(axis=1)
+def _with_heading(
+    position: Inequalities, turning: Inequalities, twists: Float[np.ndarray, "n 2"]
+) -> Inequalities:
+    """Returns what the heading asks for, and that together with what the known directions ask for."""
+    if not turning.slope.shape[1]:
+        return turning
+    place = position.slope.shape[1] - AFTER_PULLS
+    slope, room = position.slope[:, place], position.room[:, place]
+    for side in (0, 1):
+        weight = twists[:, side]
+        row = np.arange(len(weight)), np.where(weight > 0, side, 2 + side)
+        slope = slope + np.abs(weight)[:, None] * turning.slope[row]
+        room = room + np.abs(weight) * turning.room[row]
+    return Inequalities(
+        np.concatenate([turning.slope, slope[:, None]], axis=1),
+        np.concatenate([turning.room, room[:, None]], axis=1),
+    )

@@ -1,18 +1,20 @@
 """Branch and bound over boxes of coasting times of many walks: the best, and that none is better."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 from math import inf
 from time import perf_counter
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from flight.library import Library
 from planner.sequences import Walk
 
-from .boxes import Boxes, examine, joined
+from .boxes import SLACK, Boxes, Known, examine, joined
 from .descent import Descended, Descent
-from .fan import fan
+from .fan import Sheaf
+from .levels import telling_levels
 from .task import Task
 
 BATCH = 1024
@@ -21,8 +23,20 @@ BATCH = 1024
 DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
-MOST_LEVELS = 9
-"""At which boxes are looked at; more cost more than they cut."""
+LONGEST_PAUSE = 8
+"""Batches without descents after many that were in vain."""
+
+GRID = 17
+"""Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
+
+PEAKS = 3
+"""Levels inside the interval at which a box is bounded, besides those that are known to matter."""
+
+LARGE = 0.5
+"""Radians; a box whose times turn by more is bounded at three levels: closer looks tell little about it."""
+
+KNOWN = 3
+"""Levels that are known to matter near the best times of a walk, the heaviest of them."""
 
 FAR = 1e6
 """Metres from the goal at which nothing is of interest."""
@@ -72,22 +86,29 @@ class Branching:
         until: float = inf,
     ) -> None:
         self.walks, self.fixed, self.task = walks, fixed, task
-        self._library, self._most_nodes, self._until = library, most_nodes, until
-        self._levels = [-task.gamma, 0.0, task.gamma]
-        self._descents = [Descent(library, walk, task) for walk in walks]
+        self._most_nodes, self._until = most_nodes, until
+        self._descents = cache(lambda row: Descent(library, walks[row], task))
         self._known: dict[int, list[Descended]] = {}
-        self._fan = fan(library, walks, tuple(self._levels))
-        self._pulls = np.zeros((len(walks), len(self._levels)), dtype=complex)
+        self._sheaf = Sheaf.of(library, walks)
+        self._grid = np.linspace(-task.gamma, task.gamma, GRID)
+        every, tile = np.arange(len(walks)), (len(walks), 1)
+        self._everywhere = self._sheaf.at(every, np.tile(self._grid, tile))
+        self._three = self._sheaf.at(every, np.tile(self._grid[:: GRID // 2], tile))
+        self._begun = np.zeros(len(walks), dtype=int)
+        self._matter = np.zeros((len(walks), KNOWN))
+        self._pulls = np.zeros((len(walks), KNOWN), dtype=complex)
+        self._twists = np.zeros((len(walks), 2))
 
-    def soonest(self, bounds: Float[np.ndarray, "walks"], best: Best, gap: float) -> Best:
+    def soonest(self, bounds: Float[np.ndarray, "walks"], best: Best, gap: float, *, limit: float) -> Best:
         """Returns the fastest times within the tolerance; none are faster by more than a gap.
 
         Args:
             bounds: seconds that each walk takes at least.
-            best: the fastest known; something must be.
+            best: the fastest known.
             gap: seconds.
+            limit: seconds that a plan may take.
         """
-        return self._search(best, gap, soonest=True, bounds=bounds, limit=best.value)
+        return self._search(best, gap, soonest=True, bounds=bounds, limit=min(best.value, limit))
 
     def nearest(self, best: Best, gap: float, *, limit: float, enough: float) -> Best:
         """Returns the times whose largest miss is least; for none is it less by more than a gap.
@@ -104,7 +125,7 @@ class Branching:
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, soonest: bool
     ) -> Best | None:
         """Returns the best times near some of a walk, or None if no descent ends well."""
-        descent, budget = self._descents[row], limit - float(self.fixed[row])
+        descent, budget = self._descents(row), limit - float(self.fixed[row])
         if budget < 0:
             return None
         found = (descent.soonest if soonest else descent.nearest)(start, budget)
@@ -125,10 +146,11 @@ class Branching:
         enough: float = 0.0,
     ) -> Best:
         open_ = self._whole(bounds, limit)
-        nodes = 0
-        row_of = {walk: row for row, walk in enumerate(self.walks)}
+        nodes, vain, pause = 0, 0, 0
+        self._known.clear()
+        self._begun[:] = 0
         if best.found is not None:
-            self._learn(row_of[best.walk], best.found)
+            self._learn(self.walks.index(best.walk), best.found)
         while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
             if perf_counter() > self._until:
                 break
@@ -140,32 +162,85 @@ class Branching:
             chosen = np.zeros(len(keys), dtype=bool)
             chosen[np.argpartition(keys, min(BATCH, len(keys)) - 1)[:BATCH]] = True
             radius = self.task.tolerance if soonest else min(best.value - gap, FAR)
-            time = best.value - gap if soonest else limit
-            halves = open_.take(chosen).halves()
-            nodes += len(halves.rows)
-            children = examine(
-                self._fan, halves, self.task, self._pulls, radius=radius, budget=time - self.fixed
-            )
-            best = self._improved(best, children, limit, soonest=soonest)
+            time = min(best.value - gap, limit) if soonest else limit
+            whole = open_.take(chosen)
+            nodes += 2 * len(whole.rows)
+            children = self._examined(whole, radius, time)
+            if pause:
+                pause -= 1
+            else:
+                improved = self._improved(best, children, limit, soonest=soonest)
+                vain = 0 if improved.value < best.value else min(vain + 1, LONGEST_PAUSE)
+                best, pause = improved, vain
             open_ = joined([open_.take(~chosen), children])
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
         left = float(keys.min(initial=inf))
         bound = min(left, best.value - gap)
-        complete = left > best.value - gap
+        complete = left == inf or left > best.value - gap
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
+    def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of both halves of boxes."""
+        swing = np.abs(self._sheaf.rate[0][boxes.rows]) * (boxes.high - boxes.low)
+        large = (swing > LARGE).any(axis=1)
+        parts = [
+            self._roughly(boxes.take(large), radius, time),
+            self._closely(boxes.take(~large), radius, time),
+        ]
+        return joined(parts)
+
+    def _roughly(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of halves, looked at in the middle and at the ends of the levels."""
+        halves = boxes.halves()
+        rows, budget = halves.rows, time - self.fixed[halves.rows]
+        known = Known(np.zeros((len(rows), 3), dtype=complex), np.zeros((len(rows), 2)))
+        fan = self._three.take(rows)
+        return examine(fan, halves, self.task, known, radius=radius, budget=budget)
+
+    def _closely(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+        """Returns what remains of halves, looked at where the whole misses most and where that is known."""
+        off = self._everywhere.take(boxes.rows).ends(0.5 * (boxes.low + boxes.high))[0] - self.task.goal
+        inside = np.tile(telling_levels(self._grid, off, PEAKS), (2, 1))
+        halves = boxes.halves()
+        rows, budget = halves.rows, time - self.fixed[halves.rows]
+        ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
+        levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])
+        pulls = np.zeros(levels.shape, dtype=complex)
+        pulls[:, 1 : 1 + KNOWN] = self._pulls[rows]
+        fan, known = self._sheaf.at(rows, levels), Known(pulls, self._twists[rows])
+        return examine(fan, halves, self.task, known, radius=radius, budget=budget)
+
     def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
+        """Returns all times that walks may coast, for each number of full turns to a wanted heading."""
         rows = np.flatnonzero(bounds <= limit)
-        trims = self._fan.rate.shape[2]
+        trims = self._sheaf.rate.shape[2]
         high = np.tile((limit - self.fixed[rows])[:, None], (1, trims))
-        high[np.arange(trims) >= self._fan.lengths[rows][:, None]] = 0.0
-        boxes = Boxes.of(rows, np.zeros_like(high), high)
-        return Boxes(
-            rows, boxes.low, high, np.maximum(bounds[rows] - self.fixed[rows], 0.0), boxes.miss, boxes.widest
-        )
+        high[np.arange(trims) >= self._sheaf.lengths[rows][:, None]] = 0.0
+        if not self.task.wants_heading:
+            return self._boxes(rows, np.zeros(len(rows), dtype=int), high, bounds)
+        off = self._sheaf.turned[0][rows, -1] - self.task.heading
+        swept, allowed = self._sheaf.rate[0][rows] * high, self.task.heading_tolerance + SLACK
+        fewest = np.ceil((off + np.minimum(swept, 0).sum(axis=1) - allowed) / (2 * np.pi)).astype(int)
+        most = np.floor((off + np.maximum(swept, 0).sum(axis=1) + allowed) / (2 * np.pi)).astype(int)
+        each = np.repeat(np.arange(len(rows)), np.maximum(most - fewest + 1, 0))
+        turns = fewest[each] + np.arange(len(each)) - np.searchsorted(each, each)
+        return self._boxes(rows[each], turns, high[each], bounds)
+
+    def _boxes(
+        self,
+        rows: Int[np.ndarray, "n"],
+        turns: Int[np.ndarray, "n"],
+        high: Float[np.ndarray, "n trims"],
+        bounds: Float[np.ndarray, "walks"],
+    ) -> Boxes:
+        boxes = Boxes.of(rows, turns, np.zeros_like(high), high)
+        return replace(boxes, seconds=np.maximum(bounds[rows] - self.fixed[rows], 0.0))
 
     def _improved(self, best: Best, children: Boxes, limit: float, *, soonest: bool) -> Best:
-        keys = self.fixed[children.rows] + children.seconds if soonest else children.miss
+        if best.found is not None and soonest:
+            keys = self.fixed[children.rows] + children.seconds
+        else:
+            keys = children.near * (1 + self._begun[children.rows])
         tried = 0
         for place in np.argsort(keys)[: 8 * DESCENTS].tolist():
             if tried == DESCENTS:
@@ -179,6 +254,7 @@ class Branching:
             ):
                 continue
             tried += 1
+            self._begun[row] += 1
             found = self.descend(row, 0.5 * (low + high), limit, soonest=soonest)
             if found is None:
                 continue
@@ -189,21 +265,9 @@ class Branching:
         return best
 
     def _learn(self, row: int, found: Descended) -> None:
-        """Notes which directions cut well near times that were found, and the levels that matter there."""
-        apart = 0.02 * self.task.gamma
-        new = [
-            level
-            for level in found.levels
-            if min(abs(level - one) for one in self._levels) > apart and len(self._levels) < MOST_LEVELS
-        ]
-        if new:
-            old = self._levels
-            self._levels = sorted({*old, *new})
-            self._fan = fan(self._library, self.walks, tuple(self._levels))
-            pulls = np.zeros((len(self.walks), len(self._levels)), dtype=complex)
-            pulls[:, [self._levels.index(one) for one in old]] = self._pulls
-            self._pulls = pulls
-        self._pulls[row] = 0.0
-        for level, pull in zip(found.levels, found.pulls, strict=True):
-            nearest = min(range(len(self._levels)), key=lambda place: abs(self._levels[place] - level))
-            self._pulls[row, nearest] += pull
+        """Notes the levels that matter near times that were found, and which directions cut well there."""
+        heaviest = np.argsort(-np.abs(found.pulls))[:KNOWN]
+        self._matter[row], self._pulls[row] = 0.0, 0.0
+        self._matter[row, : len(heaviest)] = np.array(found.levels)[heaviest]
+        self._pulls[row, : len(heaviest)] = np.array(found.pulls)[heaviest]
+        self._twists[row] = found.twists

@@ -11,6 +11,7 @@ from jaxtyping import Float
 from scipy.optimize import nnls
 
 from flight.library import Library
+from planner.coasting import HEADING_MARGIN
 from planner.sequences import Walk
 
 from .exchange import Finite
@@ -30,6 +31,9 @@ MARGIN = 1e-6
 ACTIVE = 1e-4
 """Metres within which a miss counts as one of the largest."""
 
+AT_LIMIT = 1e-6
+"""Radians within which a heading counts as being at a limit."""
+
 HELD = 1e-6
 """Seconds above which a coasting time counts as not zero."""
 
@@ -45,12 +49,14 @@ class Descended:
         worst: the largest miss.
         levels: where the miss is among the largest.
         pulls: for each of these, direction and weight of its constraint in the optimality condition.
+        twists: weights there of the heading at the smallest and the largest level, signed.
     """
 
     times: tuple[float, ...]
     worst: WorstMiss
     levels: tuple[float, ...]
     pulls: tuple[complex, ...]
+    twists: tuple[float, float]
 
 
 class Descent:
@@ -102,7 +108,8 @@ class Descent:
         gamma, task, turns = self._task.gamma, self._task, self._turns(times)
         gammas = [-gamma, 0.0, gamma]
         for _ in range(ROUNDS):
-            finite = Finite(fan(self._library, (self._walk,), tuple(gammas)), task, turns, budget, radius)
+            levels = tuple(gammas)
+            finite = Finite(fan(self._library, (self._walk,), levels), levels, task, turns, budget, radius)
             solved = finite.solved(times)
             if solved is None:
                 return None
@@ -123,17 +130,34 @@ class Descent:
 
 def _described(finite: Finite, times: Float[np.ndarray, "trims"], worst: WorstMiss) -> Descended:
     """Returns times with the weights by which the levels that miss most balance them."""
-    end, _, _ = finite.fan.ends(np.zeros(1, dtype=int), times[None, :])
+    end, _, _ = finite.fan.ends(times[None, :])
     size, growth = finite.misses(times)
     active = size > size.max() - ACTIVE
     normal = ((end[0] - finite.task.goal) / size)[active]
     held = times > HELD
-    rows, count = growth[active].T[held], int(active.sum())
+    turning, sides = _turning(finite, times)
+    rows, count = np.hstack([growth[active].T[held], turning.T[held]]), int(active.sum())
     if finite.radius is None:
         # Where the largest miss is least, weights sum to 1; where time is, they outweigh each second held.
-        rows, wanted = np.vstack([rows, np.ones(count)]), np.append(np.zeros(int(held.sum())), 1.0)
+        ones = np.append(np.ones(count), np.zeros(len(turning)))
+        rows, wanted = np.vstack([rows, ones]), np.append(np.zeros(int(held.sum())), 1.0)
     else:
         wanted = -np.ones(int(held.sum()))
-    weights = nnls(rows, wanted)[0] if len(rows) else np.zeros(count)
-    levels = tuple(np.array(finite.fan.gammas)[active].tolist())
-    return Descended(tuple(times.tolist()), worst, levels, tuple((weights * normal).tolist()))
+    weights = nnls(rows, wanted)[0] if len(rows) else np.zeros(count + len(turning))
+    levels = tuple(np.array(finite.gammas)[active].tolist())
+    pulls = tuple((weights[:count] * normal).tolist())
+    low, high = (weights[count:] @ sides).tolist()
+    return Descended(tuple(times.tolist()), worst, levels, pulls, (low, high))
+
+
+def _turning(
+    finite: Finite, times: Float[np.ndarray, "trims"]
+) -> tuple[Float[np.ndarray, "active trims"], Float[np.ndarray, "active 2"]]:
+    """Returns how the headings at a limit grow, and the side of each at the smallest and largest level."""
+    rates, task = finite.fan.rate[0], finite.task
+    outer = [int(np.argmin(finite.gammas)), int(np.argmax(finite.gammas))]
+    off = (finite.fan.turned[0] - task.heading - finite.turns + rates @ times)[outer]
+    limit = task.heading_tolerance - HEADING_MARGIN - AT_LIMIT if task.wants_heading else np.inf
+    sides = [sign * np.eye(2)[place] for place in (0, 1) for sign in (1, -1) if sign * off[place] > limit]
+    picked = np.array(sides).reshape(-1, 2)
+    return picked @ rates[outer], picked

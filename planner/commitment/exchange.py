@@ -25,6 +25,7 @@ class Finite:
 
     Attributes:
         fan: the walk.
+        gammas: those levels.
         task: what is asked.
         turns: radians of full turns with which the wanted heading is meant.
         budget: seconds that the times may take together.
@@ -32,6 +33,7 @@ class Finite:
     """
 
     fan: Fan
+    gammas: tuple[float, ...]
     task: Task
     turns: float
     budget: float
@@ -41,7 +43,7 @@ class Finite:
         self, times: Float[np.ndarray, "trims"]
     ) -> tuple[Float[np.ndarray, "levels"], Float[np.ndarray, "levels trims"]]:
         """Returns how far from the goal each level ends in metres, and how that grows with each time."""
-        end, _, along = self.fan.ends(np.zeros(1, dtype=int), times[None, :])
+        end, _, along = self.fan.ends(times[None, :])
         off = end[0] - self.task.goal
         size = np.maximum(np.abs(off), COINCIDENT)
         return size, (np.conj(off / size)[:, None] * along[0]).real

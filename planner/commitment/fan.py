@@ -17,31 +17,27 @@ from jaxtyping import Complex, Float, Int
 from flight.library import Library
 from planner.sequences import Walk
 
+from .whole_interval import Lines
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Fan:
-    """Walks at some levels.
+    """Walks, one a row, each at some levels.
 
     Attributes:
-        walks: trim ids.
-        lengths: trims in each walk.
-        gammas: the levels.
         velocity: turned by the maneuvers before, metres per second.
         rate: yaw rates in radians per second.
         displacement: of the maneuver before each trim, turned likewise, metres; 0 for the first.
         turned: heading change of all maneuvers together, radians.
     """
 
-    walks: tuple[Walk, ...]
-    lengths: Int[np.ndarray, "walks"]
-    gammas: tuple[float, ...]
-    velocity: Complex[np.ndarray, "walks levels trims"]
-    rate: Float[np.ndarray, "walks levels trims"]
-    displacement: Complex[np.ndarray, "walks levels trims"]
-    turned: Float[np.ndarray, "walks levels"]
+    velocity: Complex[np.ndarray, "n levels trims"]
+    rate: Float[np.ndarray, "n levels trims"]
+    displacement: Complex[np.ndarray, "n levels trims"]
+    turned: Float[np.ndarray, "n levels"]
 
     def ends(
-        self, rows: Int[np.ndarray, "n"], times: Float[np.ndarray, "n trims"]
+        self, times: Float[np.ndarray, "n trims"]
     ) -> tuple[
         Complex[np.ndarray, "n levels"],
         Float[np.ndarray, "n levels"],
@@ -50,42 +46,33 @@ class Fan:
         """Returns where coasting times lead, with which heading, and the velocity of the end along each.
 
         Args:
-            rows: which walk each set of times belongs to.
-            times: seconds.
+            times: seconds, of each walk.
         """
-        rate, velocity, chord, turn = self._coasts(rows, times)
-        heading = np.cumsum(rate * times[:, None, :], axis=2)
-        facing = np.exp(1j * (heading - rate * times[:, None, :]))
-        after = np.cumsum(facing * (self.displacement[rows] + chord), axis=2)
-        end = after[:, :, -1]
-        along = facing * turn * velocity + 1j * rate * (end[:, :, None] - after)
-        return end, heading[:, :, -1] + self.turned[rows], along
-
-    def _coasts(
-        self, rows: Int[np.ndarray, "n"], times: Float[np.ndarray, "n trims"]
-    ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        rate, velocity = self.rate[rows], self.velocity[rows]
-        half = 0.5 * rate * times[:, None, :]
+        swept = self.rate * times[:, None, :]
+        half = 0.5 * swept
         turn = np.exp(1j * half)
-        return rate, velocity, velocity * times[:, None, :] * np.sinc(half / np.pi) * turn, turn * turn
+        chord = self.velocity * times[:, None, :] * np.sinc(half / np.pi) * turn
+        heading = np.cumsum(swept, axis=2)
+        facing = np.exp(1j * (heading - swept))
+        after = np.cumsum(facing * (self.displacement + chord), axis=2)
+        end = after[:, :, -1]
+        along = facing * turn * turn * self.velocity + 1j * self.rate * (end[:, :, None] - after)
+        return end, heading[:, :, -1] + self.turned, along
 
     def fastest(
         self,
-        rows: Int[np.ndarray, "n"],
         along: Complex[np.ndarray, "n levels trims"],
         width: Float[np.ndarray, "n trims"],
         latest: Float[np.ndarray, "n trims"],
     ) -> Float[np.ndarray, "n levels trims"]:
-        """Returns bounds, over boxes of coasting times, of the speed of the end along each of them.
+        """Returns bounds, over a box of coasting times for each walk, of the speed of the end along each.
 
         Args:
-            rows: which walk each box belongs to.
             along: velocities of the end at the middle of the box.
             width: half widths of the box in seconds.
             latest: largest times in the box in seconds.
         """
-        rate, speed = np.abs(self.rate[rows]), np.abs(self.velocity[rows])
-        moved = np.abs(self.displacement[rows])
+        rate, speed, moved = np.abs(self.rate), np.abs(self.velocity), np.abs(self.displacement)
         with np.errstate(divide="ignore", invalid="ignore"):
             chord = np.minimum(speed * latest[:, None, :], np.where(rate > 0, 2 * speed / rate, np.inf))
         known = np.abs(along)
@@ -99,30 +86,66 @@ class Fan:
             arm = arm + chord[:, :, place] + moved[:, :, place]
         return np.asarray(bound)
 
+    def take(self, rows: Int[np.ndarray, "taken"]) -> "Fan":
+        """Returns some of the walks."""
+        return Fan(self.velocity[rows], self.rate[rows], self.displacement[rows], self.turned[rows])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Sheaf:
+    """Walks whose numbers are straight lines over the level: value + level * slope.
+
+    Attributes:
+        lengths: trims in each walk.
+        velocity: forward + i side in metres per second, and its slope.
+        rate: yaw rate in radians per second, and its slope.
+        displacement: of the maneuver before each trim, in the body frame at entry, metres, and its slope.
+        turned: by the maneuvers up to each trim in radians, and its slope.
+        entered: turned by those before the maneuver to each trim in radians, and its slope.
+    """
+
+    lengths: Int[np.ndarray, "walks"]
+    velocity: Complex[np.ndarray, "two walks trims"]
+    rate: Float[np.ndarray, "two walks trims"]
+    displacement: Complex[np.ndarray, "two walks trims"]
+    turned: Float[np.ndarray, "two walks trims"]
+    entered: Float[np.ndarray, "two walks trims"]
+
+    @classmethod
+    def of(cls, library: Library, walks: tuple[Walk, ...]) -> "Sheaf":
+        """Returns walks of at least one trim; there may be none.
+
+        Raises:
+            NoManeuverError: the library does not join two trims of a walk.
+        """
+        lengths = np.array([len(walk) for walk in walks], dtype=int)
+        shape = 2, len(walks), int(lengths.max(initial=1))
+        velocity, displacement = np.zeros(shape, dtype=complex), np.zeros(shape, dtype=complex)
+        rate, turn = np.zeros(shape), np.zeros(shape)
+        for row, walk in enumerate(walks):
+            lines, count = Lines.of(library, walk), len(walk)
+            velocity[:, row, :count], displacement[:, row, :count] = lines.velocity, lines.displacement
+            rate[:, row, :count], turn[:, row, :count] = lines.rate, lines.turn
+        turned = np.cumsum(turn, axis=2)
+        return cls(lengths, velocity, rate, displacement, turned, turned - turn)
+
+    def at(self, rows: Int[np.ndarray, "n"], levels: Float[np.ndarray, "n levels"]) -> Fan:
+        """Returns some of the walks, each at levels of its own."""
+        level = levels[:, :, None]
+        velocity, rate, displacement, turned, entered = (
+            one[0][rows][:, None, :] + level * one[1][rows][:, None, :]
+            for one in (self.velocity, self.rate, self.displacement, self.turned, self.entered)
+        )
+        return Fan(
+            velocity * np.exp(1j * turned), rate, displacement * np.exp(1j * entered), turned[:, :, -1]
+        )
+
 
 def fan(library: Library, walks: tuple[Walk, ...], gammas: tuple[float, ...]) -> Fan:
-    """Returns walks of at least one trim at some levels.
+    """Returns walks of at least one trim, all at the same levels.
 
     Raises:
         NoManeuverError: the library does not join two trims of a walk.
     """
-    lengths = np.array([len(walk) for walk in walks])
-    shape = len(walks), len(gammas), int(lengths.max())
-    velocity, displacement = np.zeros(shape, dtype=complex), np.zeros(shape, dtype=complex)
-    rate, turned = np.zeros(shape), np.zeros(shape[:2])
-    outcome = {one.id: [one.at(gamma) for gamma in gammas] for one in library.maneuvers}
-    twist = {one.id: [one.at(gamma) for gamma in gammas] for one in library.trims}
-    for row, walk in enumerate(walks):
-        steps = library.maneuvers_along(walk)
-        for level in range(len(gammas)):
-            turn = 0.0
-            for place, trim in enumerate(walk):
-                if place:
-                    moved = outcome[steps[place - 1].id][level].displacement
-                    displacement[row, level, place] = complex(moved.x, moved.y) * np.exp(1j * turn)
-                    turn += moved.heading
-                held = twist[trim][level]
-                velocity[row, level, place] = complex(held.forward, held.side) * np.exp(1j * turn)
-                rate[row, level, place] = held.yaw_rate
-            turned[row, level] = turn
-    return Fan(walks, lengths, gammas, velocity, rate, displacement, turned)
+    levels = np.tile(np.array(gammas), (len(walks), 1))
+    return Sheaf.of(library, walks).at(np.arange(len(walks)), levels)

@@ -1,6 +1,7 @@
 """Every walk from a trim as the arrays that the kernel reads, a table for each length."""
 
 import ctypes
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -55,6 +56,12 @@ class Table:
         for (name, *_), array in zip(CTable._fields_, self.arrays, strict=False):
             setattr(structure, name, array.ctypes.data)
         structure.walks, structure.trims = self.walks.shape
+
+    def parts(self, size: int) -> Iterator["Table"]:
+        """Yields a table of one level in parts of at most so many walks."""
+        for begin in range(0, len(self.walks), size):
+            rows = slice(begin, begin + size)
+            yield Table(self.walks[rows], tuple(array[rows] for array in self.arrays), self.equal_turns)
 
 
 def tables(

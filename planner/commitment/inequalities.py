@@ -1,0 +1,63 @@
+"""Linear inequalities over boxes of offsets: what they leave of a box, and how small a sum they allow."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+ROUNDS = 3
+"""How often the inequalities cut a box, each time from what the time before left of it."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Inequalities:
+    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
+
+    slope: Float[np.ndarray, "n count trims"]
+    room: Float[np.ndarray, "n count"]
+
+
+def least(
+    slope: Float[np.ndarray, "n count trims"],
+    below: Float[np.ndarray, "n trims"],
+    above: Float[np.ndarray, "n trims"],
+) -> Float[np.ndarray, "n count"]:
+    """Returns the least value of each slope . d for offsets d between these."""
+    value: Float[np.ndarray, "n count"] = (
+        np.maximum(slope, 0) @ below[:, :, None] + np.minimum(slope, 0) @ above[:, :, None]
+    )[:, :, 0]
+    return value
+
+
+def least_sum(
+    given: Inequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
+) -> Float[np.ndarray, "n"]:
+    """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
+    total = below.sum(axis=1)
+    for place in range(below.shape[1]):
+        falling = given.slope[:, :, place]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            price = np.where(falling < 0, -1 / falling, 0.0)
+            price = np.where(np.isfinite(price), price, 0.0)
+        value = least(1 + price[:, :, None] * given.slope, below, above) - price * given.room
+        total = np.maximum(total, value.max(axis=1))
+    return np.asarray(total)
+
+
+def cut(
+    given: Inequalities, width: Float[np.ndarray, "n trims"]
+) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
+    """Returns the smallest and largest offsets that the inequalities leave, and whether any are left."""
+    below, above, open_ = -width, width, np.ones(len(width), dtype=bool)
+    rising, falling = given.slope > 0, given.slope < 0
+    for _ in range(ROUNDS):
+        slack = given.room - least(given.slope, below, above)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = slack[:, :, None] / given.slope
+        most = np.where(rising, below[:, None, :] + reach, np.inf).min(axis=1)
+        fewest = np.where(falling, above[:, None, :] + reach, -np.inf).max(axis=1)
+        open_ &= (slack >= 0).all(axis=1)
+        below, above = np.maximum(below, fewest), np.minimum(above, most)
+        open_ &= (below <= above).all(axis=1)
+        above = np.maximum(above, below)
+    return below, above, open_

@@ -14,9 +14,9 @@ from rich.table import Table
 
 from flight.errors import FlightError
 from flight.plan import read_plan
-from planner.error_box import Each
-from planner.signs import Trust, trust
-from planner.slowest import MOST_TIME_BOXES
+from planner.free_errors.path import Each
+from planner.free_errors.slowest import MOST_TIME_BOXES
+from planner.free_errors.trust import Trust, trust
 
 from .answered import library_and_mission, refuse_others
 from .numbers import Count

@@ -8,8 +8,8 @@ from flight.mission import Mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.example_problems import nominal_example, robust_example
+from planner.free_errors.trust import all_signs
 from planner.sequences import walks
-from planner.signs import all_signs
 
 ALPHA = 1.5
 """At which problem 4.4 is compared, with a = 1."""

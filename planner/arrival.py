@@ -3,7 +3,7 @@
 from math import pi
 
 from flight.mission import Mission
-from flight.se2 import SE2, wrap_angle
+from flight.se2 import SE2, rotate, wrap_angle
 
 EQUALITY_TOLERANCE = 1e-6
 """Metres; a goal tolerance of 0 means equality to within this."""
@@ -22,3 +22,9 @@ def reaches(end: SE2, mission: Mission) -> bool:
 def wants_heading(mission: Mission) -> bool:
     """Whether the heading at the goal is constrained."""
     return mission.goal_heading is not None and mission.heading_tolerance < pi
+
+
+def goal_seen(mission: Mission) -> complex:
+    """Returns the goal seen from the start, ahead + i right in metres."""
+    start = mission.start
+    return complex(*rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading))

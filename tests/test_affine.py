@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.affine import Affine, Point, coasted
+from planner.free_errors.affine import Affine, Point, coasted
 
 SYMBOLS, DRAWS = 5, 400
 

@@ -8,8 +8,8 @@ from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
-from planner.closing import Closed, Way, close, ways
-from planner.error_box import ErrorPath, error_path
+from planner.free_errors.closing import Closed, Way, close, ways
+from planner.free_errors.path import ErrorPath, error_path
 from planner.kernel.build import kernel
 from planner.kernel.exact import best_of_each
 from tools.thesis_libraries import thesis_gtmax

@@ -260,8 +260,8 @@ def test_the_smallest_tolerance_falls_with_the_horizon_until_there_is_a_plan() -
 @pytest.mark.parametrize(
     ("asked", "got"),
     [
-        (("--policy", "worst-case"), "worst-case at gamma 1"),
-        (("--policy", "committed", "--gamma", "0"), "committed at gamma 0"),
+        (("--policy", "worst-case"), "got worst-case"),
+        (("--policy", "committed", "--gamma", "0"), "got gamma 0"),
         (("--policy", "committed", "--pareto"), "--pareto"),
     ],
 )

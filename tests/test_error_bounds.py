@@ -11,13 +11,16 @@ from flight.library import Library
 from flight.mission import Mission, read_mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
-from planner.corners import furthest_corner
-from planner.error_bounds import Bounded, goal_of, worst_miss_bound
-from planner.error_box import Each, ErrorPath, enclose, error_path
+from planner.arrival import goal_seen
+from planner.free_errors.bounded import Bounded
+from planner.free_errors.corners import furthest_corner
+from planner.free_errors.enclosure import enclose
+from planner.free_errors.furthest import worst_miss_bound
+from planner.free_errors.path import Each, ErrorPath, error_path
+from planner.free_errors.slowest import worst_time_bound
+from planner.free_errors.trust import trust
 from planner.kernel.build import kernel
 from planner.kernel.exact import least_costs_of_each
-from planner.signs import trust
-from planner.slowest import worst_time_bound
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
@@ -95,7 +98,7 @@ def test_no_draw_misses_by_more_than_the_bound(each: Each) -> None:
     bound = worst_miss_bound(path, mission, plan.coasting_times)
     drawn = np.random.default_rng(3).uniform(-1, 1, (10_000, len(path.names)))
     ends = path.at(drawn).end(np.tile(plan.coasting_times, (len(drawn), 1)))
-    assert np.abs(ends - goal_of(mission)).max() <= bound.bound
+    assert np.abs(ends - goal_seen(mission)).max() <= bound.bound
     assert bound.bound <= 1.011 * bound.found
 
 

@@ -14,9 +14,9 @@ from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from maneuver.app import run
 from maneuver.thesis_examples import TABLE_33, simple_example
+from planner.free_errors.trust import TooManyScenariosError, all_signs
 from planner.kernel.build import kernel
 from planner.nominal import Nominal
-from planner.signs import TooManyScenariosError, all_signs
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 

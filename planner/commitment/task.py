@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 
 from flight.mission import Mission
-from flight.se2 import rotate
-from planner.arrival import EQUALITY_TOLERANCE, wants_heading
+from planner.arrival import EQUALITY_TOLERANCE, goal_seen, wants_heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,9 +30,8 @@ class Task:
     def of(cls, mission: Mission, gamma: float) -> "Task":
         """Returns what a mission asks for."""
         start = mission.start
-        goal = complex(*rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading))
         return cls(
-            goal,
+            goal_seen(mission),
             max(mission.tolerance, EQUALITY_TOLERANCE),
             gamma,
             wants_heading(mission),

@@ -11,9 +11,8 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
-from flight.se2 import rotate
 from planner.answer import Answer
-from planner.arrival import wants_heading
+from planner.arrival import goal_seen, wants_heading
 
 from .build import kernel
 from .tables import CTable, Table, tables
@@ -170,10 +169,10 @@ def best_of_each(
 
 def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:
     start = mission.start
-    north, east = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
+    goal = goal_seen(mission)
     return _Task(
-        north,
-        east,
+        goal.real,
+        goal.imag,
         _aimed(mission.tolerance),
         (mission.goal_heading or 0.0) - start.heading,
         _aimed(mission.heading_tolerance),

@@ -4,56 +4,28 @@ Boxes of errors are enclosed and, where the bound is worst, halved, until bound 
 within a gap, or the boxes are used up; the bound holds either way.
 """
 
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 from jaxtyping import Float
 
 from flight.mission import Mission
-from flight.se2 import rotate
+from planner.answer import Times
+from planner.arrival import goal_seen
 
-from .answer import Times
+from .bounded import GAP, ROUNDING, Bounded
 from .corners import furthest_corner
-from .error_box import ErrorPath, enclose
-
-ROUNDING = 1e-9
-"""Metres and seconds that every bound is widened by."""
+from .enclosure import enclose
+from .path import ErrorPath
 
 MOST_MISS_BOXES = 20_000
-
-GAP = 0.01
-"""Share of the bound within which what was found is close enough."""
 
 BATCH = 256
 
 
-@dataclass(frozen=True, slots=True)
-class Bounded:
-    """The worst over a box of errors.
-
-    Attributes:
-        found: the worst that was found, seconds or metres.
-        errors: the error variables there, each between -1 and 1.
-        bound: what no errors of the box exceed; infinite where none was proved.
-        boxes: how many were looked at.
-    """
-
-    found: float
-    errors: tuple[float, ...]
-    bound: float
-    boxes: int
-
-
-def goal_of(mission: Mission) -> complex:
-    """Returns the goal seen from the start, north + i east in metres."""
-    start = mission.start
-    return complex(*rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading))
-
-
 def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> Bounded:
     """Returns the largest miss in metres of coasting times that were fixed before the errors are known."""
-    goal, count = goal_of(mission), len(path.names)
+    goal, count = goal_seen(mission), len(path.names)
     middles, widths = np.zeros((1, count)), np.ones((1, count))
     bounds = np.array([inf])
     found, at, boxes, closed = -1.0, np.zeros(count), 0, 0.0

@@ -11,7 +11,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from .affine import Affine, Point, Row, coasted
-from .error_box import ErrorPath
+from .path import ErrorPath
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,6 +51,7 @@ class ErrorBoxes:
         times: Float[np.ndarray, "n trims"],
         own: int,
     ) -> None:
+        self.path = path
         self._own, self._width = own, width
         numbers = path.at(errors)
         trims, steps = range(len(path.walk)), range(len(path.walk) - 1)
@@ -178,3 +179,8 @@ def turns_of(boxes: ErrorBoxes, ring: Ring) -> Affine:
         elif boxes.times[:, one.place].any():
             sum_ = sum_ + boxes.rate[one.place].scaled(boxes.times[:, one.place])
     return sum_
+
+
+def without(ring: Ring, answering: tuple[int, ...]) -> Ring:
+    """Returns a part of the ring without some of its coasts."""
+    return [one for one in ring if isinstance(one, Move) or one.place not in answering]

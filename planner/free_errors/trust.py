@@ -17,10 +17,12 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
+from planner.arrival import goal_seen
+from planner.kernel.exact import least_costs_of_each
 
-from .error_bounds import Bounded, goal_of, worst_miss_bound
-from .error_box import Each, ErrorPath, error_path
-from .kernel.exact import least_costs_of_each
+from .bounded import Bounded
+from .furthest import worst_miss_bound
+from .path import Each, ErrorPath, error_path
 from .slowest import MOST_TIME_BOXES, worst_time_bound
 
 MOST_PRIMITIVES = 11
@@ -238,5 +240,5 @@ def _misses(
 ) -> Float[np.ndarray, "n"]:
     """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
     ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
-    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_of(mission))
+    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_seen(mission))
     return misses

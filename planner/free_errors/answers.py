@@ -1,31 +1,26 @@
-"""The slowest errors: how long a walk takes at most when every error is its own and the times answer it.
+"""What is known of the times that answer the errors of a box: seconds that suffice, and where to cut it.
 
-Boxes of errors are taken worst first. In each, times that close the walk for all its errors
-(`closing.py`) bound its seconds; where they do not suffice the box is halved, along the variable that bends
-the walk most. Times that become negative for some errors are held longer from the start, and where a walk is
-too short to answer large errors, some trim is held for longer than the middle of the box asks for: a detour,
-but one that arrives. So there is a bound early, and more boxes make it better.
+Times that are best in the middle of a box answer its errors in some way (`closing.py`). Those that become
+negative for some errors are held longer from the start; and where a walk is too short to answer large errors,
+some trim is held for longer than the middle asks for: a detour, but one that arrives.
 """
 
-from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
+from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from flight.mission import Mission
 from flight.se2 import wrap_angle
+from planner.arrival import EQUALITY_TOLERANCE, goal_seen, wants_heading
+from planner.kernel.exact import best_of_each
 
-from .arrival import EQUALITY_TOLERANCE, wants_heading
+from .bounded import ROUNDING
 from .closing import Closed, Way, close, ways
-from .error_bounds import GAP, ROUNDING, Bounded, goal_of
-from .error_box import ErrorPath, enclose
-from .kernel.exact import best_of_each
-
-MOST_TIME_BOXES = 4000
-
-BATCH = 128
+from .enclosure import enclose
+from .path import ErrorPath
 
 HELD = 1e-3
 """Seconds above which a coasting time can answer."""
@@ -47,25 +42,41 @@ COSTS = 0.3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Boxes:
+class Boxes:
+    """Boxes of errors.
+
+    Attributes:
+        middle: error variables in the middle of each.
+        width: half widths.
+        bound: seconds that suffice for each; infinite where none are known.
+    """
+
     middle: Float[np.ndarray, "n variables"]
     width: Float[np.ndarray, "n variables"]
     bound: Float[np.ndarray, "n"]
 
-    def take(self, which: Bool[np.ndarray, "n"] | Int[np.ndarray, "m"]) -> "_Boxes":
-        return _Boxes(self.middle[which], self.width[which], self.bound[which])
+    @classmethod
+    def whole(cls, variables: int) -> Self:
+        """Returns the one box of all errors."""
+        return cls(np.zeros((1, variables)), np.ones((1, variables)), np.array([inf]))
 
-    def halves(self, place: Int[np.ndarray, "n"]) -> "_Boxes":
+    def take(self, which: Bool[np.ndarray, "n"] | Int[np.ndarray, "m"]) -> "Boxes":
+        """Returns some of them."""
+        return Boxes(self.middle[which], self.width[which], self.bound[which])
+
+    def halves(self, place: Int[np.ndarray, "n"]) -> "Boxes":
+        """Returns both halves of each, cut along the variables at these places."""
         rows = np.arange(len(place))
         width, shift = self.width.copy(), np.zeros_like(self.width)
         width[rows, place] *= 0.5
         shift[rows, place] = width[rows, place]
         middle = np.concatenate([self.middle - shift, self.middle + shift])
-        return _Boxes(middle, np.tile(width, (2, 1)), np.tile(self.bound, 2))
+        return Boxes(middle, np.tile(width, (2, 1)), np.tile(self.bound, 2))
 
 
-def _joined(one: _Boxes, two: _Boxes) -> _Boxes:
-    return _Boxes(
+def joined(one: Boxes, two: Boxes) -> Boxes:
+    """Returns all boxes in one."""
+    return Boxes(
         np.concatenate([one.middle, two.middle]),
         np.concatenate([one.width, two.width]),
         np.concatenate([one.bound, two.bound]),
@@ -73,7 +84,7 @@ def _joined(one: _Boxes, two: _Boxes) -> _Boxes:
 
 
 @dataclass(eq=False)
-class _Look:
+class Look:
     """What is known of a batch of boxes.
 
     Attributes:
@@ -86,7 +97,7 @@ class _Look:
         rank: how near the attempt came that gave the blame.
     """
 
-    boxes: _Boxes
+    boxes: Boxes
     cost: Float[np.ndarray, "n"]
     times: Float[np.ndarray, "n trims"]
     bound: Float[np.ndarray, "n"] = field(init=False)
@@ -100,100 +111,50 @@ class _Look:
         self.blame = np.zeros_like(self.corner)
 
 
-def worst_time_bound(
-    path: ErrorPath, mission: Mission, known: Bounded, *, gap: float = GAP, most: int = MOST_TIME_BOXES
-) -> Bounded:
-    """Returns the largest least time in seconds: the coasting times are chosen when the errors are known.
-
-    It is infinite where errors are found with which the walk never arrives.
+class Answers:
+    """Looks at boxes of errors of a walk.
 
     Args:
         path: the walk.
         mission: from where to where.
-        known: the slowest errors known; seconds.
-        gap: share of the bound at which the search is content.
-        most: boxes that may be looked at.
-
-    Raises:
-        NoKernelError: there is no C compiler.
     """
-    return _Search(path, mission, gap).bounded(known, most)
 
-
-class _Search:
-    def __init__(self, path: ErrorPath, mission: Mission, gap: float) -> None:
-        self._path, self._mission, self._gap = path, mission, gap
-        self._goal = goal_of(mission)
+    def __init__(self, path: ErrorPath, mission: Mission) -> None:
+        self._path, self._mission = path, mission
+        self._goal = goal_seen(mission)
         self._ways = ways(path, heading=wants_heading(mission), tolerance=mission.tolerance)
 
-    def bounded(self, known: Bounded, most: int) -> Bounded:
-        """Returns the bound; see `worst_time_bound`."""
-        close_ = self._branched(known, most, self._looked)
-        if close_.bound < inf or close_.found == inf:
-            return close_
-        coarse = self._branched(close_, most, self._escaped)
-        return replace(coarse, boxes=close_.boxes + coarse.boxes)
+    def costs(self, errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
+        """Returns the seconds that errors take, with the best times for each."""
+        return best_of_each(self._path.table(errors), self._mission)[0]
 
-    def _branched(self, known: Bounded, most: int, look_at: Callable[[_Boxes, Bounded], _Look]) -> Bounded:
-        """Returns the bound that some way of looking at boxes gives, worst first."""
-        count = len(self._path.names)
-        open_ = _Boxes(np.zeros((1, count)), np.ones((1, count)), np.array([inf]))
-        looked, closed = 0, 0.0
-        while len(open_.bound) and looked < most and open_.bound.max() > self._enough(known):
-            worst = np.argsort(-open_.bound, kind="stable")[:BATCH]
-            worst = worst[open_.bound[worst] > self._enough(known)]
-            chosen = np.zeros(len(open_.bound), dtype=bool)
-            chosen[worst] = True
-            look = look_at(open_.take(chosen), known)
-            looked += len(worst)
-            known = self._slower(known, look.boxes.middle, look.cost)
-            if known.found < inf:
-                corner = best_of_each(self._path.table(look.corner), self._mission)[0]
-                known = self._slower(known, look.corner, corner)
-            if known.found == inf:
-                break
-            bound = np.minimum(look.bound, look.boxes.bound)
-            enough = bound <= self._enough(known)
-            closed = max(closed, float(bound[enough].max(initial=0.0)))
-            rest = replace(look.boxes, bound=bound).take(~enough)
-            open_ = _joined(open_.take(~chosen), rest.halves(look.blame[~enough].argmax(axis=1)))
-        bound_ = max(float(open_.bound.max(initial=0.0)), closed) + ROUNDING
-        return replace(known, bound=max(bound_, known.found), boxes=looked)
+    def close(self, boxes: Boxes, enough: float) -> Look:
+        """Returns bounds for boxes, as close as they are to be had.
 
-    def _enough(self, known: Bounded) -> float:
-        return known.found * (1 + self._gap)
-
-    @staticmethod
-    def _slower(
-        known: Bounded, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]
-    ) -> Bounded:
-        slowest = int(costs.argmax())
-        if costs[slowest] <= known.found:
-            return known
-        return replace(known, found=float(costs[slowest]), errors=tuple(errors[slowest].tolist()))
-
-    def _looked(self, boxes: _Boxes, known: Bounded) -> _Look:
-        """Returns bounds for a batch of boxes, as close as they are to be had."""
-        look, enough = self._begun(boxes), self._enough(known)
+        Args:
+            boxes: of errors.
+            enough: seconds below which no closer bound is looked for.
+        """
+        look = self._begun(boxes)
         if np.isfinite(look.cost).all():
             self._attempts(look, np.arange(len(look.cost)), look.times, enough, longer=SPREADS)
             self._detours(look, DETOURS, enough)
             self._blame(look)
         return look
 
-    def _escaped(self, boxes: _Boxes, known: Bounded) -> _Look:
-        """Returns some bounds for a batch of boxes, by the shortest detour that gives one."""
+    def coarse(self, boxes: Boxes, enough: float) -> Look:
+        """Returns bounds for boxes by the shortest detours that give any; arguments as in `close`."""
         look = self._begun(boxes)
         if np.isfinite(look.cost).all():
             for seconds in ESCAPES:
-                self._detours(look, (seconds,), FOREVER, longer=SPREADS)
+                self._detours(look, (seconds,), max(enough, FOREVER), longer=SPREADS)
             self._blame(look)
         return look
 
-    def _begun(self, boxes: _Boxes) -> _Look:
-        return _Look(boxes, *best_of_each(self._path.table(boxes.middle), self._mission))
+    def _begun(self, boxes: Boxes) -> Look:
+        return Look(boxes, *best_of_each(self._path.table(boxes.middle), self._mission))
 
-    def _blame(self, look: _Look) -> None:
+    def _blame(self, look: Look) -> None:
         """Says where to cut boxes that no attempt has looked at: where the end moves most."""
         lost = look.blame.sum(axis=1) == 0
         middle, times = look.boxes.middle[lost], look.times[lost]
@@ -201,7 +162,7 @@ class _Search:
         look.blame[lost] = enclose(self._path, middle, look.boxes.width[lost], times, still).influence
 
     def _detours(
-        self, look: _Look, seconds: tuple[float, ...], enough: float, *, longer: tuple[float, ...] = ()
+        self, look: Look, seconds: tuple[float, ...], enough: float, *, longer: tuple[float, ...] = ()
     ) -> None:
         """Lets each trim in turn be held for longer than it has to be, in boxes whose bound is not enough."""
         rows, places = np.flatnonzero(look.bound > enough), len(self._path.walk)
@@ -219,7 +180,7 @@ class _Search:
         self._attempts(look, row[useful], times[useful], enough, longer=longer)
 
     def _held(
-        self, look: _Look, row: Int[np.ndarray, "m"], least: Float[np.ndarray, "m trims"]
+        self, look: Look, row: Int[np.ndarray, "m"], least: Float[np.ndarray, "m trims"]
     ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m trims"]]:
         """Returns the best times, each at least so long, for the middles of boxes, and their cost."""
         cost, times = best_of_each(self._path.table(look.boxes.middle[row], least), self._mission)
@@ -227,7 +188,7 @@ class _Search:
 
     def _attempts(
         self,
-        look: _Look,
+        look: Look,
         row: Int[np.ndarray, "m"],
         times: Float[np.ndarray, "m trims"],
         enough: float,
@@ -258,7 +219,7 @@ class _Search:
         return np.asarray(times[:, way.answering].min(axis=1) > HELD)
 
     def _closed(
-        self, look: _Look, row: Int[np.ndarray, "m"], times: Float[np.ndarray, "m trims"], way: Way
+        self, look: Look, row: Int[np.ndarray, "m"], times: Float[np.ndarray, "m trims"], way: Way
     ) -> Closed:
         middle = look.boxes.middle[row]
         alone = way.turn is None and len(way.others) < 2
@@ -275,7 +236,7 @@ class _Search:
 
     def _noted(
         self,
-        look: _Look,
+        look: Look,
         row: Int[np.ndarray, "m"],
         closed: Closed,
         way: Way,

@@ -138,7 +138,7 @@ class Answers:
         look = self._begun(boxes)
         if np.isfinite(look.cost).all():
             self._attempts(look, np.arange(len(look.cost)), look.times, enough, longer=SPREADS)
-            self._detours(look, DETOURS, enough)
+            self._detours(look, DETOURS, enough, longer=SPREADS[:1])
             self._blame(look)
         return look
 
@@ -248,8 +248,10 @@ class Answers:
             shortest = np.minimum(shortest, time.low)
         holds = closed.holds & self._faces(closed)
         bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
+        # Of attempts that fail, the one whose times are short by least tells most; then the one that costs least.
         held = times[:, way.answering].min(axis=1) if way.answering else np.zeros(len(row))
-        rank = np.where(np.isfinite(bound), bound, np.where(holds, 1e6 - shortest, 1e9 - held))
+        fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + times.sum(axis=1) - 0.1 * held)
+        rank = np.where(np.isfinite(bound), bound, fails)
         variables = look.boxes.middle.shape[1]
         # Rows may come more than once: the best comes last.
         for at in np.argsort(-rank, kind="stable"):

@@ -14,11 +14,14 @@ from jaxtyping import Float
 
 from flight.mission import Mission
 
-from .answers import Answers, Boxes, Look, joined
+from .answers import FOREVER, Answers, Boxes, Look, joined
 from .bounded import GAP, ROUNDING, Bounded
 from .path import ErrorPath
 
 MOST_TIME_BOXES = 4000
+
+FIRST, LAST = 0.6, 0.9
+"""Shares of the boxes allowed after which any bound is looked for, where there is none, and then a closer one."""
 
 BATCH = 128
 """Boxes that are looked at together."""
@@ -42,49 +45,69 @@ def worst_time_bound(
         NoKernelError: there is no C compiler.
     """
     answers = Answers(path, mission)
-    start = Boxes.whole(len(path.names))
-    close = _branched(answers, answers.close, start, known, gap=gap, most=most)
-    if close.bound < inf or close.found == inf:
-        return close
-    coarse = _branched(answers, answers.coarse, start, close, gap=gap, most=most)
-    return replace(coarse, boxes=close.boxes + coarse.boxes)
+    search = _Search(answers, Boxes.whole(len(path.names)), known, gap)
+    search.branch(answers.close, int(FIRST * most))
+    search.branch(answers.coarse, int(LAST * most), above=FOREVER)
+    search.branch(answers.close, most)
+    return search.bounded
 
 
-def _branched(
-    answers: Answers,
-    look_at: Callable[[Boxes, float], Look],
-    open_: Boxes,
-    known: Bounded,
-    *,
-    gap: float,
-    most: int,
-) -> Bounded:
-    """Returns the bound that one way of looking at boxes gives, worst first."""
-    looked, closed = 0, 0.0
-    while looked < most and open_.bound.max(initial=0.0) > known.found * (1 + gap):
-        worst = np.argsort(-open_.bound, kind="stable")[:BATCH]
-        chosen = np.zeros(len(open_.bound), dtype=bool)
-        chosen[worst[open_.bound[worst] > known.found * (1 + gap)]] = True
-        look = look_at(open_.take(chosen), known.found * (1 + gap))
-        looked += int(chosen.sum())
-        known = _slower(known, look.boxes.middle, look.cost)
-        if known.found < inf:
-            known = _slower(known, look.corner, answers.costs(look.corner))
-        if known.found == inf:
-            break
+class _Search:
+    """Branch and bound over boxes of errors.
+
+    Args:
+        answers: looks at boxes.
+        whole: all errors.
+        known: the slowest errors known.
+        gap: share of the bound at which the search is content.
+    """
+
+    def __init__(self, answers: Answers, whole: Boxes, known: Bounded, gap: float) -> None:
+        self._answers, self._open, self._known, self._gap = answers, whole, known, gap
+        self._looked, self._closed = 0, 0.0
+
+    @property
+    def bounded(self) -> Bounded:
+        """What was found, and what nothing exceeds."""
+        bound = max(float(self._open.bound.max(initial=0.0)), self._closed) + ROUNDING
+        return replace(self._known, bound=max(bound, self._known.found), boxes=self._looked)
+
+    def branch(self, look_at: Callable[[Boxes, float], Look], most: int, *, above: float = 0.0) -> None:
+        """Looks at boxes, worst first, and halves those whose bound is not enough.
+
+        Args:
+            look_at: gives bounds.
+            most: boxes looked at in all, after which to stop.
+            above: seconds; boxes with a smaller bound are left as they are.
+        """
+        while self._looked < most and self._open.bound.max(initial=0.0) > max(self._enough, above):
+            self._look(look_at, max(self._enough, above))
+            if self._known.found == inf:
+                break
+
+    @property
+    def _enough(self) -> float:
+        return self._known.found * (1 + self._gap)
+
+    def _look(self, look_at: Callable[[Boxes, float], Look], above: float) -> None:
+        worst = np.argsort(-self._open.bound, kind="stable")[:BATCH]
+        chosen = np.zeros(len(self._open.bound), dtype=bool)
+        chosen[worst[self._open.bound[worst] > above]] = True
+        look = look_at(self._open.take(chosen), self._enough)
+        self._looked += int(chosen.sum())
+        self._slower(look.boxes.middle, look.cost)
+        if self._known.found < inf:
+            self._slower(look.corner, self._answers.costs(look.corner))
         bound = np.minimum(look.bound, look.boxes.bound)
-        enough = bound <= known.found * (1 + gap)
-        closed = max(closed, float(bound[enough].max(initial=0.0)))
-        rest = replace(look.boxes, bound=bound).take(~enough)
-        open_ = joined(open_.take(~chosen), rest.halves(look.blame[~enough].argmax(axis=1)))
-    bound_ = max(float(open_.bound.max(initial=0.0)), closed) + ROUNDING
-    return replace(known, bound=max(bound_, known.found), boxes=looked)
+        enough, fine = bound <= self._enough, bound <= above
+        self._closed = max(self._closed, float(bound[enough].max(initial=0.0)))
+        looked = replace(look.boxes, bound=bound)
+        halves = looked.take(~enough & ~fine).halves(look.blame[~enough & ~fine].argmax(axis=1))
+        self._open = joined(self._open.take(~chosen), joined(looked.take(~enough & fine), halves))
 
-
-def _slower(
-    known: Bounded, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]
-) -> Bounded:
-    slowest = int(costs.argmax())
-    if costs[slowest] <= known.found:
-        return known
-    return replace(known, found=float(costs[slowest]), errors=tuple(errors[slowest].tolist()))
+    def _slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
+        """Notes slower errors than were known."""
+        slowest = int(costs.argmax())
+        if costs[slowest] > self._known.found:
+            found, at = float(costs[slowest]), tuple(errors[slowest].tolist())
+            self._known = replace(self._known, found=found, errors=at)

@@ -3,13 +3,16 @@
 
 static void choose(const Row *row, Active *on, unsigned mask)
 {
-    on->count = on->turns = on->slow = 0;
+    on->count = on->turns = on->slow = on->blurred = 0;
+    on->slack = 1e-6;
     for (int k = 0; k < row->trims; k++) {
         if (!((mask >> k) & 1)) continue;
         double rate = fabs(row->rate[k]);
         on->place[on->count++] = k;
-        on->turns += rate > STRAIGHT;
-        on->slow |= rate > 0 && rate <= STRAIGHT;
+        on->turns += rate > row->straight;
+        on->slow |= rate > 0 && rate <= row->straight;
+        on->blurred |= rate > 0 && rate <= 100 * row->hardly_bent;
+        if (rate > row->straight) on->slack = MAX(on->slack, EXACT / rate);
     }
 }
 

@@ -70,7 +70,8 @@ def certify(
     every = walks(library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim)
     if not every:
         return Certificate(mission.max_trims, ())
-    levels = [Problems.of([motion(library, walk, gamma) for walk in every], mission) for gamma in gammas]
+    problems = [Problems.of([motion(library, walk, gamma) for walk in every], mission) for gamma in gammas]
+    levels = [level.straightened(lower_bound) for level in problems]
     order = _levels_by_promise(levels, lower_bound)
     trees: dict[int, tuple[int, str]] = {}
     reached = np.zeros((len(every), len(gammas)), dtype=bool)

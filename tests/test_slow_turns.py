@@ -6,12 +6,16 @@ from math import inf, pi
 import numpy as np
 import pytest
 
+from flight.certificate import Certificate
 from flight.library import Library
 from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.arrival import reaches
+from planner.certified import certified
+from planner.certify import certify
+from planner.check_certificate import certificate_problems
 from planner.kernel import build
 from planner.kernel.exact import ExactSearch
 from planner.kinematics import motion
@@ -169,3 +173,25 @@ def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status:
     plan = Nominal(library).plan(aside)
     assert plan.status == status
     assert ("trim 1 turns so slowly" in plan.reason) == (status == "unknown")
+
+
+@needs_kernel
+@pytest.mark.parametrize("rate", [1e-17, 1e-12, -1e-9, 1e-8, -1e-6])
+@pytest.mark.parametrize("tolerance", [0.0, 3.0])
+def test_a_turn_too_slow_to_show_is_certified_as_a_straight_line(rate: float, tolerance: float) -> None:
+    library = library_of(0.1, 0.0, rate, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
+    mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), tolerance, max_trims=2)
+    plan = certified(Nominal(library).plan(mission), library, mission)
+    assert plan.status == "optimal", plan.reason
+
+
+@needs_kernel
+def test_no_certificate_says_more_than_is_so_where_turns_are_taken_as_straight_lines() -> None:
+    library = library_of(0.1, 0.0, 1e-9, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
+    mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), 0.5, max_trims=2)
+    plan = Nominal(library).plan(mission)
+    proof = certify(library, mission, (0.0,), plan.cost - 1e-3)
+    assert isinstance(proof, Certificate)
+    assert not certificate_problems(proof, library, mission, gammas=(0.0,), lower_bound=plan.cost - 1e-3)
+    assert certificate_problems(proof, library, mission, gammas=(0.0,), lower_bound=plan.cost + 1e-3)
+    assert not isinstance(certify(library, mission, (0.0,), plan.cost + 1e-3), Certificate)

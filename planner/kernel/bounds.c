@@ -3,17 +3,17 @@
 
 static void choose(const Row *row, Active *on, unsigned mask)
 {
-    on->count = on->turns = on->slow = on->blurred = 0;
-    on->slack = 1e-6;
+    on->count = on->turns = 0;
+    on->slowest = INFINITY;
     for (int k = 0; k < row->trims; k++) {
         if (!((mask >> k) & 1)) continue;
         double rate = fabs(row->rate[k]);
         on->place[on->count++] = k;
         on->turns += rate > row->straight;
-        on->slow |= rate > 0 && rate <= row->straight;
-        on->blurred |= rate > 0 && rate <= 100 * row->hardly_bent;
-        if (rate > row->straight) on->slack = MAX(on->slack, EXACT / rate);
+        if (rate > 0 && rate < on->slowest) on->slowest = rate;
     }
+    on->slow = on->slowest <= row->straight;
+    on->blurred = on->slowest <= 100 * row->hardly_bent;
 }
 
 /* Least seconds in which the given trims cover a distance: all chords in line, the end nearing at one speed. */

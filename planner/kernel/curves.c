@@ -1,8 +1,8 @@
 /* The curves of candidates: every choice of signs of the one equation, see times.c. */
 #include "roots.c"
 
-/* Points along a curve, looked at when they are needed: what each stretch adds there, how that changes, and its
- * heading seen from alpha with the sign - and +. */
+/* Points along a curve, looked at when they are needed: what each stretch adds there, how that changes with a
+ * straight coast, and its heading seen from alpha with the sign - and +. */
 typedef struct {
     int count;
     char known[INTERVALS + 5];
@@ -18,11 +18,17 @@ static int has_pole(const Problem *p, const Stretch *s)
 
 static void lay(const Problem *p, Samples *s)
 {
+    /* Cosines of equal steps up to a right angle, the first of 1e-6. */
+    static const double steps[INTERVALS] = {
+        0.9999999999995, 0.9951847266721969, 0.9807852804032304, 0.9569403357322088,
+        0.9238795325112867, 0.881921264348355, 0.8314696123025452, 0.773010453362737,
+        0.7071067811865476, 0.6343932841636455, 0.5555702330196023, 0.4713967368259978,
+        0.38268343236508984, 0.29028467725446233, 0.19509032201612833, 0.09801714032956077};
     static const double near[] = {1.5e-2, 2e-3, 2e-4, 1e-5};
     int pole = 0;
     s->count = 0;
     for (int j = 0; j <= p->free; j++) pole |= has_pole(p, &p->stretch[j]);
-    for (int i = 0; i < INTERVALS; i++) s->at[s->count++] = p->most * cos(MAX(1e-6, i * M_PI_2 / INTERVALS));
+    for (int i = 0; i < INTERVALS; i++) s->at[s->count++] = p->most * steps[i];
     if (!pole) s->at[s->count++] = 0;
     for (int k = 0; pole && k < 4; k++) s->at[s->count++] = p->most * near[k];
     memset(s->known, 0, sizeof(s->known));
@@ -35,8 +41,9 @@ static void look(const Problem *p, Samples *s, int i)
     double u = across(p, s->at[i]);
     for (int j = 0; j <= p->free; j++) {
         const Stretch *one = &p->stretch[j];
-        s->values[j][i] = along(one, s->at[i], &s->slopes[j][i]);
-        double turned = heading_of(one, u, s->at[i], 1);
+        double E = E_of(one, s->at[i]), turned = heading_of(one, u, E, 1);
+        s->values[j][i] = along(one, E);
+        if (one->straight >= 0) s->slopes[j][i] = slope_of(one, E, s->at[i]);
         s->chi[j][1][i] = turned;
         s->chi[j][0][i] = (one->straight < 0 ? M_PI : 0) - turned - 2 * one->aside;
     }

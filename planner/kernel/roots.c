@@ -48,11 +48,12 @@ static Series series(const Problem *p, const double *signs, double s, double low
 
 static double sum(const Problem *p, const double *signs, double s, double *slope)
 {
-    double total = -p->row->tolerance, one;
+    double total = -p->row->tolerance;
     *slope = 0;
     for (int j = 0; j <= p->free; j++) {
-        total += signs[j] * along(&p->stretch[j], s, &one);
-        *slope += signs[j] * one;
+        double E = E_of(&p->stretch[j], s);
+        total += signs[j] * along(&p->stretch[j], E);
+        *slope += signs[j] * slope_of(&p->stretch[j], E, s);
     }
     return total;
 }
@@ -76,8 +77,9 @@ static int piece_too_long(const Problem *p, const double *signs, double low, dou
 {
     double from[MOST + 2], to[MOST + 2], u_low = across(p, low), u_high = across(p, high);
     for (int j = 0; j <= p->free; j++) {
-        from[j] = heading_of(&p->stretch[j], u_low, low, signs[j] > 0);
-        to[j] = heading_of(&p->stretch[j], u_high, high, signs[j] > 0);
+        const Stretch *one = &p->stretch[j];
+        from[j] = heading_of(one, u_low, E_of(one, low), signs[j] > 0);
+        to[j] = heading_of(one, u_high, E_of(one, high), signs[j] > 0);
     }
     return turns_too_long(p, from, to);
 }

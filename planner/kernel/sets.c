@@ -140,19 +140,21 @@ static double set_straight(Row *row, double distance)
 
 /* Candidates of one set of times. Turns that hardly bend are taken as turns, then the slowest of them as a straight
  * line, then the next slowest too: which of them bend enough for the way to show it is not known before. */
-static void both_ways(Row *row, unsigned mask)
+static void both_ways(Row *row, Active *on, unsigned mask)
 {
-    double straight = row->straight, next = straight;
-    while (next < INFINITY) {
-        Active on;
-        row->straight = next;
-        choose(row, &on, mask);
-        both_headings(row, &on);
-        next = INFINITY;
-        for (int i = 0; i < on.count; i++) {
-            double rate = fabs(row->rate[on.place[i]]);
+    both_headings(row, on);
+    if (!(on->slowest <= row->hardly_bent)) return;
+    double straight = row->straight;
+    for (;;) {
+        double next = INFINITY;
+        for (int i = 0; i < on->count; i++) {
+            double rate = fabs(row->rate[on->place[i]]);
             if (rate > row->straight && rate <= row->hardly_bent) next = MIN(next, rate);
         }
+        if (next == INFINITY) break;
+        row->straight = next;
+        choose(row, on, mask);
+        both_headings(row, on);
     }
     row->straight = straight;
 }
@@ -182,7 +184,7 @@ static void solve(Row *row, int most)
                 if (row->fixed + least_time(row, &on, distance) >= row->best) continue;
                 if (row->best < INFINITY && out_of_reach(row, &on, row->best - row->fixed)) continue;
             }
-            both_ways(row, mask);
+            both_ways(row, &on, mask);
         }
     /* Which turns hardly bend is known now. */
     if (began == INFINITY && row->best < INFINITY && most >= row->trims && slowest <= row->hardly_bent)

@@ -57,30 +57,34 @@ static void take(const Problem *p, Point *point)
     from_headings(p->row, p->on, heading, point->straight, alpha / point->u);
 }
 
-/* What a stretch adds along alpha, but for its sign, and how that changes with s. Across alpha all stretches add
- * u a_j, which sums to 0 with the goal's. */
-static double along(const Stretch *one, double s, double *slope)
+static double E_of(const Stretch *one, double s) { return sqrt(one->above + s * s); }
+
+/* What a stretch adds along alpha, but for its sign. Across alpha all stretches add u a_j, which sums to 0 with the
+ * goal's. */
+static double along(const Stretch *one, double E)
 {
-    *slope = 0;
-    if (one->straight < 0 && one->a == 0) return one->size;
-    double E = sqrt(one->above + s * s), rises = E > 0 ? s / E : 1;
-    if (one->straight < 0) {
-        *slope = fabs(one->a) * rises;
-        return fabs(one->a) * E;
-    }
-    *slope = (one->a + one->K / (E * E)) * rises;
-    return one->a * E - one->K / E;
+    if (one->straight >= 0) return one->a * E - one->K / E;
+    return one->a == 0 ? one->size : fabs(one->a) * E;
+}
+
+/* How that changes with s. */
+static double slope_of(const Stretch *one, double E, double s)
+{
+    double rises = E > 0 ? s / E : 1;
+    if (one->straight >= 0) return (one->a + one->K / (E * E)) * rises;
+    return fabs(one->a) * rises;
 }
 
 /* The heading of a stretch, seen from alpha, with the sign +; with the sign - it is mirrored. */
-static double heading_of(const Stretch *one, double u, double s, int plus)
+static double heading_of(const Stretch *one, double u, double E, int plus)
 {
-    double E = sqrt(one->above + s * s);
+    /* Near the limit E tells it, u does not. */
+    double share = u / one->limit, bent = share < 0.9 ? asin(share) : acos(MIN(1, E / one->limit));
     if (one->straight >= 0) {
-        double bent = M_PI_2 + atan2(u, E);
+        bent += M_PI_2;
         return (plus ? bent : -bent) - one->aside;
     }
-    double bent = one->a != 0 ? atan2(one->a < 0 ? -u : u, E) : 0;
+    if (one->a < 0) bent = -bent;
     return (plus ? bent : M_PI - bent) - one->aside;
 }
 

@@ -66,9 +66,9 @@ typedef struct {                 /* times that are taken to be not 0 */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */
+    double slowest;              /* rad/s; of those that turn at all */
     int slow;                    /* whether straight lines stand for slow turns */
     int blurred;                 /* whether turns are so slow that rounding of a heading is much of their time */
-    double slack;                /* s; what rounding of a heading makes otherwise */
 } Active;
 
 typedef struct {                 /* a stretch whose heading is free */
@@ -240,13 +240,14 @@ static void keep(Row *row, double *times)
 
 static void propose(Row *row, const Active *on, const double *of_active, cplx m)
 {
-    double times[MOST] = {0}, cost = row->fixed;
+    double times[MOST] = {0}, cost = row->fixed, slack = MAX(1e-6, EXACT / on->slowest);
+    if (on->slow || on->blurred) slack = 1;
     for (int i = 0; i < on->count; i++) {
-        if (!(of_active[i] >= (on->slow || on->blurred ? -1.0 : -on->slack))) return;
+        if (!(of_active[i] >= -slack)) return;
         times[on->place[i]] = of_active[i];
         cost += of_active[i];
     }
-    if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * on->slack))) return;
+    if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * slack))) return;
     if (newton(row, on, times, m)) keep(row, times);
 }
 

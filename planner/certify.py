@@ -70,8 +70,7 @@ def certify(
     every = walks(library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim)
     if not every:
         return Certificate(mission.max_trims, ())
-    problems = [Problems.of([motion(library, walk, gamma) for walk in every], mission) for gamma in gammas]
-    levels = [level.straightened(lower_bound) for level in problems]
+    levels = [Problems.of([motion(library, walk, gamma) for walk in every], mission) for gamma in gammas]
     order = _levels_by_promise(levels, lower_bound)
     trees: dict[int, tuple[int, str]] = {}
     reached = np.zeros((len(every), len(gammas)), dtype=bool)
@@ -120,7 +119,8 @@ def _faster(
 def _levels_by_promise(levels: list[Problems], target: float) -> Int[np.ndarray, "walks levels"]:
     """Returns the levels of each walk, the one whose first box is refuted most before the others."""
     excess = []
-    for problems in levels:
+    for level in levels:
+        problems = level.straightened(target)
         low, high = root_boxes(problems, target)
         refuter = Refuter(problems, low, high, target)
         refuter.seek(np.zeros(len(low), dtype=complex))

@@ -39,7 +39,8 @@ class Forest:
     """The trees of some walks at one level, grown together, all boxes of a depth at once."""
 
     def __init__(self, problems: Problems, target: float, until: float) -> None:
-        self._problems, self._target, self._until = problems, target, until
+        self._flown, self._problems = problems, problems.straightened(target)
+        self._target, self._until = target, until
         self.ways: dict[int, tuple[float, ...]] = {}
         count = len(problems.rate)
         self.left: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
@@ -71,7 +72,7 @@ class Forest:
             done = empty | (refuter.excess > MARGIN + ROUNDING * _largest(problems, refuter))
             self._note(problems, node[done], refuter, np.flatnonzero(done), empty[done])
             some = ~done
-            found, times = _reaches(problems.take(np.flatnonzero(some)), refuter.middle[some], self._target)
+            found, times = _reaches(self._flown.take(rows[some]), refuter.middle[some], self._target)
             self.reached[rows[some][found]] = True
             self.ways |= dict(zip(rows[some][found].tolist(), map(tuple, times[found].tolist()), strict=True))
             spent += np.bincount(rows, minlength=len(spent))

@@ -31,6 +31,7 @@
 #define LONG 1e4          /* s; as long as no plan is known that says how long a coast can be */
 #define INTERVALS 16      /* samples along a curve of candidates */
 #define SMALL 1e-9        /* s; shorter times are 0 */
+#define FAR 1e5           /* m; on a longer way rounding is more than INSIDE */
 #define ROUNDING 1e-15    /* of the largest term of a sum */
 #define EXACT 1e-12       /* rad; rounding of a heading ... */
 #define BLUR 3e-8         /* rad; ... and near the end of its curve */
@@ -248,7 +249,16 @@ static void propose(Row *row, const Active *on, const double *of_active, cplx m)
         cost += of_active[i];
     }
     if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * slack))) return;
-    if (newton(row, on, times, m)) keep(row, times);
+    if (!newton(row, on, times, m)) return;
+    double way = 0, tolerance = row->tolerance;
+    for (int i = 0; i < on->count; i++) way += row->speed[on->place[i]] * times[on->place[i]];
+    if (way > FAR && tolerance > 0) {
+        /* The end is rounded in proportion to the way: so much further inside. */
+        row->tolerance = MAX(0.5 * tolerance, tolerance - EXACT / 100 * way);
+        newton(row, on, times, m);
+        row->tolerance = tolerance;
+    }
+    keep(row, times);
 }
 
 /* Times of the active turns from the headings after them; straight times are given. */

@@ -2,8 +2,8 @@
 
 So many missions, with that seed, of up to four trims over the three shipped libraries, planned for the worst
 case; every primitive and every scalar in turn has an error of its own. For each, 4,000 errors drawn at random,
-half of them corners, and the corner that a climb leads to are compared with the bounds of the time and of the
-miss. Also printed: how far the bounds are above the worst that was found, and how long they take.
+half of them corners, are compared with the bounds of the time and of the miss. Also printed: how far the bounds
+are above the worst that was found, and how long they take.
 """
 
 import sys
@@ -16,6 +16,7 @@ import numpy as np
 
 from flight.library import Library
 from flight.mission import Mission
+from flight.plan import Plan
 from planner.arrival import goal_seen
 from planner.free_errors.path import Each, error_path
 from planner.free_errors.trust import Trust, trust
@@ -71,20 +72,14 @@ def main(missions: int, seed: int) -> int:
 
 
 def compared(
-    library: Library,
-    mission: Mission,
-    sequence: tuple[int, ...],
-    times: tuple[float, ...],
-    gamma: float,
-    each: Each,
-    rng: np.random.Generator,
+    library: Library, mission: Mission, plan: Plan, each: Each, rng: np.random.Generator
 ) -> tuple[float, float]:
     """Returns the most seconds and metres of errors drawn at random."""
-    path = error_path(library, sequence, gamma, each)
+    path = error_path(library, plan.sequence, plan.gamma, each)
     drawn = rng.uniform(-1, 1, (DRAWS, len(path.names)))
     drawn[::2] = np.sign(drawn[::2])
     costs = least_costs_of_each(path.table(drawn), mission)
-    ends = path.at(drawn).end(np.tile(times, (DRAWS, 1)))
+    ends = path.at(drawn).end(np.tile(plan.coasting_times, (DRAWS, 1)))
     return float(costs.max()), float(np.abs(ends - goal_seen(mission)).max())
 
 

@@ -119,7 +119,8 @@ def _faster(
 def _levels_by_promise(levels: list[Problems], target: float) -> Int[np.ndarray, "walks levels"]:
     """Returns the levels of each walk, the one whose first box is refuted most before the others."""
     excess = []
-    for problems in levels:
+    for level in levels:
+        problems = level.straightened(target)
         low, high = root_boxes(problems, target)
         refuter = Refuter(problems, low, high, target)
         refuter.seek(np.zeros(len(low), dtype=complex))

@@ -19,8 +19,9 @@ from flight.mission import Mission
 from flight.plan import Plan, Scenario
 from flight.se2 import SE2
 
-from .certified_bound import GOAL_EQUALITY, Leaves, bound, scaled, walk_numbers
+from .certified_bound import GOAL_EQUALITY, Leaves, bound
 from .intervals import TURN, PoseBox, hypot, interval
+from .walk_numbers import scaled, straightened, walk_numbers
 
 
 def certificate_problems(
@@ -92,6 +93,7 @@ def _not_refuted(refutation: Refutation, library: Library, mission: Mission, low
         ValueError: the tree does not cut the whole box into parts.
     """
     walk = walk_numbers(library, refutation.sequence, refutation.gamma)
+    walk = straightened(walk, mission, lower_bound)
     leaves = _cut(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
     spare = np.full(len(leaves.low), inf)
     if lower_bound < inf:

@@ -9,10 +9,19 @@ from jaxtyping import Bool, Complex, Float, Int
 from flight.certificate import Cut, Leaf, write_tree
 
 from .multipliers import Refuter
-from .refutation import Boxes, Problems
+from .refutation import Boxes, Each, Problems
 
 MARGIN = 1e-7
 """By which a box is refuted here, so that a check that rounds outward agrees."""
+
+ROUNDING = 1e-14
+"""And this share of what the bound is the sum of: of slow turns that is long, and cancels."""
+
+DIGITS, EXACT = 9, 17
+"""Of multipliers: as many as do where ..."""
+
+SLOW = 1e-2
+"""... no turn is slower than this in rad/s, and all there are where one is: its radius multiplies them."""
 
 LONG = 1e3
 """Seconds that a coasting time without an end counts as, where it is decided which one to cut."""
@@ -30,7 +39,8 @@ class Forest:
     """The trees of some walks at one level, grown together, all boxes of a depth at once."""
 
     def __init__(self, problems: Problems, target: float, until: float) -> None:
-        self._problems, self._target, self._until = problems, target, until
+        self._flown, self._problems = problems, problems.straightened(target)
+        self._target, self._until = target, until
         self.ways: dict[int, tuple[float, ...]] = {}
         count = len(problems.rate)
         self.left: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
@@ -59,10 +69,10 @@ class Forest:
             refuter = Refuter(problems, low, narrowed, self._target)
             refuter.seek(hint)
             empty = rest < -MARGIN
-            done = empty | (refuter.excess > MARGIN)
-            self._note(node[done], refuter, np.flatnonzero(done), empty[done])
+            done = empty | (refuter.excess > MARGIN + ROUNDING * _largest(problems, refuter))
+            self._note(problems, node[done], refuter, np.flatnonzero(done), empty[done])
             some = ~done
-            found, times = _reaches(problems.take(np.flatnonzero(some)), refuter.middle[some], self._target)
+            found, times = _reaches(self._flown.take(rows[some]), refuter.middle[some], self._target)
             self.reached[rows[some][found]] = True
             self.ways |= dict(zip(rows[some][found].tolist(), map(tuple, times[found].tolist()), strict=True))
             spent += np.bincount(rows, minlength=len(spent))
@@ -99,21 +109,23 @@ class Forest:
 
     def _note(
         self,
+        problems: Problems,
         node: Int[np.ndarray, "done"],
         refuter: Refuter,
         which: Int[np.ndarray, "done"],
         empty: Bool[np.ndarray, "done"],
     ) -> None:
         by = refuter.by
+        slow = ((problems.rate != 0) & (np.abs(problems.rate) < SLOW)).any(axis=1)
         for one, index, nothing in zip(node.tolist(), which.tolist(), empty.tolist(), strict=True):
             if nothing or refuter.excess[index] == inf:
                 self._nodes[one] = Leaf()
                 continue
-            vector = complex(by.vector[index])
+            vector, digits = complex(by.vector[index]), EXACT if slow[index] else DIGITS
             self._nodes[one] = Leaf(
                 int(by.kappa[index]),
-                (_rounded(vector.real), _rounded(vector.imag)),
-                tuple(_rounded(share) for share in by.shares[index].tolist()),
+                (_rounded(vector.real, digits), _rounded(vector.imag, digits)),
+                tuple(_rounded(share, digits) for share in by.shares[index].tolist()),
             )
 
     def text(self, row: int, trims: int) -> str:
@@ -132,8 +144,18 @@ class Forest:
         return write_tree(ordered)
 
 
-def _rounded(value: float) -> float:
-    return float(f"{value:.9g}")
+def _largest(problems: Problems, refuter: Refuter) -> Each:
+    """Returns the size of what bounds are the sum of, in their units."""
+    turns = problems.rate != 0
+    radian = np.where(turns, np.abs(refuter.by.kappa[:, None] - refuter.by.shares), 0.0)
+    radian = radian / np.where(turns, np.abs(problems.rate), 1.0)
+    along = np.abs(refuter.by.vector) * (np.abs(problems.goal) + np.abs(problems.centre).sum(axis=1))
+    sizes: Each = along + 2 * np.pi * radian.sum(axis=1)
+    return sizes
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
 
 
 def _cut(

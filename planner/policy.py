@@ -15,6 +15,7 @@ from .answer import Answer
 from .check import problems
 from .kernel.exact import ExactSearch
 from .kinematics import motion, refuse_negative_durations
+from .sequences import trims_of_walks
 from .tail import way_to_rest
 
 if TYPE_CHECKING:
@@ -33,12 +34,12 @@ NOT_PROVED = (
 )
 
 
-SLOW = 1e-4
-"""Yaw rate in rad/s below which the search takes a turn for all but straight."""
+SLOW = 1e-6
+"""Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
 
 SLOW_TURNS = (
-    "no walk leads to the goal in less than a turn; a trim turns so slowly that plans which circle in it "
-    "for an hour were not looked for"
+    "no walk was found that leads to the goal; trim {trim} turns so slowly that plans which circle in it for "
+    "months were not looked for"
 )
 
 
@@ -88,8 +89,10 @@ class LibraryPlanner:
         self._max_nodes = max_nodes
         self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
-        self._turns_slowly = any(
-            0 < abs(trim.at(level).yaw_rate) <= SLOW for trim in library.trims for level in gammas
+        self._slow = frozenset(
+            trim.id
+            for trim in library.trims
+            if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
         )
         self._without_kernel = cache(partial(_without_kernel, library, gammas))
         self._tails = cache(partial(way_to_rest, library))
@@ -122,8 +125,9 @@ class LibraryPlanner:
             lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
         )
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
-        if not isfinite(answer.lower_bound) and self._turns_slowly:
-            return replace(plan, reason=SLOW_TURNS)
+        slow = frozenset[int]() if isfinite(answer.lower_bound) else self._slow & self._on_walks(mission)
+        if slow:
+            return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
         if not isfinite(answer.lower_bound):
             return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
         if not answer.walk:
@@ -141,6 +145,11 @@ class LibraryPlanner:
                 )
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
+        )
+
+    def _on_walks(self, mission: Mission) -> frozenset[int]:
+        return trims_of_walks(
+            self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
 
     def _doubt(self, mission: Mission) -> str:

@@ -18,7 +18,7 @@ coasting time to the headings; at a straight coast it is the time about which it
 and a bound above 0 nothing in the box reaches the goal at all.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
@@ -31,6 +31,12 @@ from .kinematics import Motion
 
 ROUNDING = 1e-12
 """Seconds (for kappa 0: metres) a second."""
+
+ASTRAY = 1e-4
+"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+
+ASKEW = 1e-7
+"""Radians, likewise, where a heading is wanted."""
 
 Boxes = Float[np.ndarray, "boxes trims"]
 Each = Float[np.ndarray, "boxes"]
@@ -90,6 +96,29 @@ class Problems:
             max(mission.tolerance, EQUALITY_TOLERANCE),
             None if wanted is None else wanted - start.heading,
             max(mission.heading_tolerance, EQUALITY_TOLERANCE),
+        )
+
+    def straightened(self, target: float) -> "Problems":
+        """Returns them with turns too slow to show in the seconds allowed made straight, tolerances widened.
+
+        Turning less than an angle in all, a walk leads astray by no more than its length times that angle.
+        """
+        if not np.isfinite(target):
+            return self
+        seconds = np.maximum(target - self.fixed, 0.0)[:, None]
+        length = np.abs(self.displacement).sum(axis=1)[:, None]
+        length = length + np.abs(self.velocity).max(axis=1)[:, None] * seconds
+        angle = np.abs(self.rate) * seconds
+        askew = np.inf if self.heading is None else ASKEW
+        slow = (self.rate != 0) & (angle * length <= ASTRAY) & (angle <= askew)
+        moves = np.where(self.velocity != 0, np.inf, 0.0)
+        return replace(
+            self,
+            rate=np.where(slow, 0.0, self.rate),
+            centre=np.where(slow, 0.0, self.centre),
+            longest=np.where(slow, moves, self.longest),
+            tolerance=self.tolerance + float(np.where(slow, angle * length, 0.0).max(initial=0.0)),
+            heading_tolerance=self.heading_tolerance + float(np.where(slow, angle, 0.0).max(initial=0.0)),
         )
 
     def take(self, rows: Int[np.ndarray, "taken"]) -> "Problems":
@@ -234,6 +263,8 @@ def least_wave(slope: Each, wave: Complex[np.ndarray, "boxes"], low: Each, high:
         lowest + turn * np.floor((high - lowest) / turn),
     ):
         inside = bends & (psi >= low) & (psi <= high)
-        least = np.where(inside, np.minimum(least, slope * psi - depth), least)
+        # Not slope * psi - depth: of slow turns both are long, and the depth is the root of what cancels.
+        there = slope * psi + (wave * np.exp(1j * psi)).real
+        least = np.where(inside, np.minimum(least, there), least)
     found: Each = np.where(low > high, np.inf, least)
     return found

@@ -31,3 +31,24 @@ def walks(
         longest = [(*walk, trim) for walk in longest for trim in library.successors(walk[-1])]
         found += longest
     return tuple(walk for walk in found if goal_trim in (None, walk[-1]))
+
+
+def trims_of_walks(
+    library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None
+) -> frozenset[int]:
+    """Returns the ids of the trims that are in any walk of `walks`, without listing these.
+
+    Raises:
+        UnknownTrimError: the library has no such start or goal trim.
+    """
+    library.trim(start_trim)
+    every = {trim.id for trim in library.trims}
+    ends = every if goal_trim is None else {library.trim(goal_trim).id}
+    onward = {trim: set(library.successors(trim)) for trim in every}
+    # Trims that so many steps may lead to, and those from which so many lead to an end.
+    reached, left = [{start_trim}], [ends]
+    for _ in range(max_trims - 1):
+        reached.append({after for trim in reached[-1] for after in onward[trim]})
+        left.append(left[-1] | {trim for trim in every if onward[trim] & left[-1]})
+    pairs = zip(reached, reversed(left), strict=True)
+    return frozenset(trim for there, on in pairs for trim in there & on)

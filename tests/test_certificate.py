@@ -20,7 +20,7 @@ from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from maneuver.app import run
 from planner.certified import NotProvableError, certified
-from planner.certified_bound import Leaves, walk_numbers
+from planner.certified_bound import Leaves
 from planner.certified_bound import bound as proved_bound
 from planner.certify import certify
 from planner.check import problems
@@ -30,6 +30,7 @@ from planner.nominal import Nominal
 from planner.price_of_robustness import PriceOfRobustness
 from planner.refutation import Multipliers, Problems, bound
 from planner.sequences import walks
+from planner.walk_numbers import walk_numbers
 from planner.worst_case import WorstCase
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 

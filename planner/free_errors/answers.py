@@ -248,7 +248,7 @@ class Answers:
             shortest = np.minimum(shortest, time.low)
         holds = closed.holds & self._faces(closed)
         bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
-        # Of attempts that fail, the one whose times are short by least tells most; then the one that costs least.
+        # Of attempts that fail, those tell most whose times are short by least, then those that cost least.
         held = times[:, way.answering].min(axis=1) if way.answering else np.zeros(len(row))
         fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + times.sum(axis=1) - 0.1 * held)
         rank = np.where(np.isfinite(bound), bound, fails)

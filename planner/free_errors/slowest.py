@@ -21,7 +21,7 @@ from .path import ErrorPath
 MOST_TIME_BOXES = 4000
 
 FIRST, LAST = 0.6, 0.9
-"""Shares of the boxes allowed after which any bound is looked for, where there is none, and then a closer one."""
+"""Shares of the boxes allowed after which any bound is looked for where there is none, then a closer one."""
 
 BATCH = 128
 """Boxes that are looked at together."""

@@ -3,14 +3,17 @@
 
 static void choose(const Row *row, Active *on, unsigned mask)
 {
-    on->count = on->turns = on->slow = 0;
+    on->count = on->turns = 0;
+    on->slowest = INFINITY;
     for (int k = 0; k < row->trims; k++) {
         if (!((mask >> k) & 1)) continue;
         double rate = fabs(row->rate[k]);
         on->place[on->count++] = k;
-        on->turns += rate > STRAIGHT;
-        on->slow |= rate > 0 && rate <= STRAIGHT;
+        on->turns += rate > row->straight;
+        if (rate > 0 && rate < on->slowest) on->slowest = rate;
     }
+    on->slow = on->slowest <= row->straight;
+    on->blurred = on->slowest <= 100 * row->hardly_bent;
 }
 
 /* Least seconds in which the given trims cover a distance: all chords in line, the end nearing at one speed. */

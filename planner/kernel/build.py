@@ -6,7 +6,17 @@ from pathlib import Path
 
 from flight.machine_code import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-SOURCES = ("times.c", "curves.c", "closed_forms.c", "bounds.c", "duality.c", "sets.c", "search.c")
+SOURCES = (
+    "times.c",
+    "stretches.c",
+    "roots.c",
+    "curves.c",
+    "closed_forms.c",
+    "bounds.c",
+    "duality.c",
+    "sets.c",
+    "search.c",
+)
 """Each includes the one before it."""
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of

@@ -64,6 +64,29 @@ static void given_u(Problem *p, int doubled)
     }
 }
 
+/* The corner between two sides of a triangle, from the differences of its sides: cosines of corners between the
+ * radii of slow turns all round to 1. NAN where the third side is too long or too short. */
+static double corner(double one, double two, double third)
+{
+    double near = (third - (one - two)) * (third + (one - two)), far = (one + two - third) * (one + two + third);
+    double slack = 1e-12 * one * two;
+    if (!(near >= -slack && far >= -slack)) return NAN;
+    return 2 * atan2(sqrt(MAX(0.0, near)), sqrt(MAX(0.0, far)));
+}
+
+/* A straight coast meets a circle: |offset + line t| = radius. */
+static int meets(cplx line, cplx offset, double radius, double *times)
+{
+    double square = dot(line, line), along = dot(line, offset), area = cross(line, offset), size = cabs(offset);
+    double inside = radius * radius * square - area * area;
+    if (!(inside >= -1e-12 * radius * radius * square && square > 0)) return 0;
+    /* The root that does not cancel, and the other from their product. */
+    double larger = -along - copysign(sqrt(MAX(0.0, inside)), along);
+    times[0] = larger / square;
+    times[1] = larger != 0 ? (size - radius) * (size + radius) / larger : 0;
+    return 2;
+}
+
 /* As many times as equations: intersections of lines and circles. */
 static void determined(Problem *p)
 {
@@ -72,22 +95,20 @@ static void determined(Problem *p)
     heading[p->free + 1] = p->last;
     if (d > 0 && p->free == 1) {
         cplx A = p->stretch[0].A;
-        double cosine = (dot(A, A) + dot(rest, rest) - d * d) / (2 * cabs(A) * cabs(rest));
-        if (!(fabs(cosine) <= 1)) return;
-        for (int way = -1; way <= 1; way += 2) {
-            heading[1] = turned(carg(rest / A) + way * acos(cosine));
+        double opening = corner(p->stretch[0].size, cabs(rest), d);
+        for (int way = -1; way <= 1 && opening == opening; way += 2) {
+            heading[1] = turned(carg(rest / A) + way * opening);
             from_headings(p->row, p->on, heading, straight, 0);
         }
         return;
     }
     if (d == 0 && p->free == 2) {
         cplx A = p->stretch[0].A, B = p->stretch[1].A;
-        double cosine = (dot(rest, rest) - dot(A, A) - dot(B, B)) / (2 * cabs(A) * cabs(B));
-        if (!(fabs(cosine) <= 1 + 1e-12)) return;
-        double opening = acos(MAX(-1.0, MIN(1.0, cosine)));
-        for (int way = -1; way <= 1; way += 2) {
+        double opening = M_PI - corner(cabs(A), cabs(B), cabs(rest));
+        for (int way = -1; way <= 1 && opening == opening; way += 2) {
             cplx bent = turned(way * opening - carg(B / A));
             heading[1] = rest / (A + bent * B);
+            heading[1] /= cabs(heading[1]);
             heading[2] = heading[1] * bent;
             from_headings(p->row, p->on, heading, straight, 0);
         }
@@ -101,34 +122,49 @@ static void determined(Problem *p)
         from_headings(p->row, p->on, heading, straight, 0);
         return;
     }
-    /* |offset + line t| = radius: a straight coast meets a circle. */
     int within = p->free == 1 && !p->fixed;
     const Stretch *s = &p->stretch[0];
-    cplx line = within ? s->w : -p->fixed_velocity[0], offset = within ? s->A : rest;
-    double radius = within ? cabs(rest) : d > 0 ? d : s->size;
-    double square = dot(line, line), along = dot(line, offset), area = cross(line, offset);
-    double inside = radius * radius * square - area * area;
-    if (!(inside >= -1e-12 * radius * radius * square && square > 0)) return;
-    for (int way = -1; way <= 1; way += 2) {
-        double time = (-along + way * sqrt(MAX(0.0, inside))) / square;
-        straight[within ? s->straight : p->fixed_place[0]] = time;
-        if (within) heading[1] = rest / (s->A + time * s->w);
-        else if (p->free) heading[1] = (rest + time * line) / s->A;
+    double times[2], radius = within ? cabs(rest) : d > 0 ? d : s->size;
+    int count = within ? meets(s->w, s->A, radius, times) : meets(-p->fixed_velocity[0], rest, radius, times);
+    for (int i = 0; i < count; i++) {
+        straight[within ? s->straight : p->fixed_place[0]] = times[i];
+        if (within) heading[1] = rest / (s->A + times[i] * s->w);
+        else if (p->free) heading[1] = (rest - times[i] * p->fixed_velocity[0]) / s->A;
         from_headings(p->row, p->on, heading, straight, 0);
     }
 }
 
-/* One time for two equations: right only where the goal happens to lie on its line or circle. */
+/* Moves times to where they miss least. */
+static void nearest(const Row *row, const Active *on, double *times)
+{
+    int n = on->count;
+    for (int round = 0; round < 4; round++) {
+        cplx velocity[MOST], miss = motion(row, times, velocity, 0) - row->goal;
+        double M[MOST * MOST], b[MOST], turn = 0, off;
+        for (int k = 0; k < row->trims; k++) turn += row->rate[k] * times[k];
+        off = on->bound_heading ? off_turns(turn - on->target) : 0;
+        for (int i = 0; i < n; i++) {
+            cplx v = velocity[on->place[i]];
+            double rate = on->bound_heading ? row->rate[on->place[i]] : 0;
+            b[i] = -dot(v, miss) - rate * off;
+            for (int j = 0; j < n; j++)
+                M[i * n + j] = dot(v, velocity[on->place[j]]) + rate * row->rate[on->place[j]];
+        }
+        if (!eliminate(M, b, n)) return;
+        for (int i = 0; i < n; i++) times[on->place[i]] += b[i];
+    }
+}
+
+/* One time for the two equations of the place: right only where the goal happens to lie on its line or circle. */
 static void in_line(Problem *p)
 {
-    double times[MOST] = {0};
-    const Active *on = p->on;
-    if (on->bound_heading || on->count != 1) return;
-    int place = on->place[0];
-    if (p->free) {
-        double rate = p->row->rate[place], time = carg(p->rest / p->stretch[0].A) / rate;
-        times[place] = time < 0 ? time + 2 * M_PI / fabs(rate) : time;
-    } else
-        times[place] = creal(p->rest / p->fixed_velocity[0]);
+    double straight[MOST] = {0}, of_active[MOST], times[MOST] = {0};
+    cplx heading[MOST + 2] = {0};
+    if (p->free) heading[1] = p->rest / p->stretch[0].A / cabs(p->rest / p->stretch[0].A);
+    else straight[p->fixed_place[0]] = creal(p->rest / p->fixed_velocity[0]);
+    heading[p->free + 1] = p->last;
+    times_of(p->row, p->on, heading, straight, of_active);
+    for (int i = 0; i < p->on->count; i++) times[p->on->place[i]] = of_active[i];
+    nearest(p->row, p->on, times);
     keep(p->row, times);
 }

@@ -91,7 +91,7 @@ static int make_chain(Chain *c, const Row *row, unsigned mask, double seconds)
         c->A[j] += row->D[k];
         if (!((mask >> k) & 1)) continue;
         if (rate == 0) { c->W[j][c->straights[j]++] = row->W[k]; continue; }
-        if (fabs(rate) <= STRAIGHT) return 0;
+        if (fabs(rate) <= 1e-4) return 0;
         c->A[j] -= row->C[k];
         c->a[j] = before - 1 / rate;
         c->rate[j] = rate;

@@ -26,7 +26,10 @@ EQUALITY = 1e-6
 """Metres, radians: a tolerance up to this means equality."""
 
 INSIDE = 1e-9
-"""Metres, radians: how far inside a tolerance the kernel aims; twice what it forgives."""
+"""Metres: how far inside a tolerance the kernel aims; twice what it forgives."""
+
+HEADING_INSIDE = 1e-12
+"""Radians, likewise: at slow yaw rates each is worth many seconds."""
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
@@ -173,9 +176,9 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     return _Task(
         goal.real,
         goal.imag,
-        _aimed(mission.tolerance),
+        _aimed(mission.tolerance, INSIDE),
         (mission.goal_heading or 0.0) - start.heading,
-        _aimed(mission.heading_tolerance),
+        _aimed(mission.heading_tolerance, HEADING_INSIDE),
         seconds,
         int(wants_heading(mission)),
         levels,
@@ -184,6 +187,6 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     )
 
 
-def _aimed(tolerance: float) -> float:
+def _aimed(tolerance: float, inside: float) -> float:
     """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
-    return max(tolerance - INSIDE, 0.0) if tolerance > EQUALITY else 0.0
+    return max(tolerance - inside, 0.0) if tolerance > EQUALITY else 0.0

@@ -63,6 +63,7 @@ static void load(Row *row, const Task *task, const Table *table, long index)
     row->heading = task->heading - table->turned[index];
     row->heading_tolerance = task->heading_tolerance;
     row->worth = first_worth(row->goal);
+    row->straight = row->hardly_bent = 0;
 }
 
 static double bound_of(const Row *row)

@@ -12,7 +12,7 @@ static void examine(Row *row, Active *on)
         A[stretch] += row->D[k];
         if (next >= on->count || on->place[next] != k) continue;
         next++;
-        if (fabs(row->rate[k]) > STRAIGHT) {
+        if (fabs(row->rate[k]) > row->straight) {
             A[stretch] -= row->C[k];
             A[++stretch] = row->C[k];
             rate[stretch] = row->rate[k];
@@ -44,7 +44,8 @@ static void examine(Row *row, Active *on)
         s->a = inverse[j] - (j < stretch ? inverse[j + 1] : 0);
         s->size = cabs(A[j]);
         s->straight = s->other = -1;
-        s->limit = s->a != 0 ? s->size / fabs(s->a) : INFINITY;
+        s->limit = s->size / fabs(s->a);
+        if (!(s->limit < 1e100)) { s->a = 0; s->limit = INFINITY; }
         if (straights[j]) {
             s->straight = straight[j][0];
             s->w = row->W[s->straight];
@@ -70,13 +71,14 @@ static void examine(Row *row, Active *on)
 static void both_headings(Row *row, Active *on)
 {
     on->bound_heading = 0;
-    if (!row->wants_heading || row->heading_tolerance > 0) examine(row, on);
-    else if (!on->turns) examine(row, on);
+    /* As many times as the place needs may happen to have the heading, too. */
+    if (!row->wants_heading || row->heading_tolerance > 0 || !on->turns || on->count <= 2 - (row->tolerance > 0))
+        examine(row, on);
     if (!row->wants_heading || !on->turns) return;
     on->bound_heading = 1;
     for (int side = -1; side <= 1; side += 2) {
         on->target = row->heading + side * row->heading_tolerance;
-        if (on->count == 1 && row->tolerance > 0) {
+        if (on->count == 1) {
             double rate = row->rate[on->place[0]], angle = remainder(on->target, 2 * M_PI);
             double times[MOST] = {0}, time = angle / rate;
             times[on->place[0]] = time < 0 ? time + 2 * M_PI / fabs(rate) : time;
@@ -94,7 +96,7 @@ static int too_straight(const Row *row, unsigned mask)
     int here = 0, first = 1, doubled = 0, stretches = 0;
     for (int k = 0; k < row->trims; k++) {
         if (!((mask >> k) & 1)) continue;
-        if (fabs(row->rate[k]) > STRAIGHT) { here = 0; first = 0; continue; }
+        if (fabs(row->rate[k]) > row->straight) { here = 0; first = 0; continue; }
         here++;
         if (here > 2) return 1;
         if (!first) { stretches += here == 1; doubled += here == 2; }
@@ -121,10 +123,46 @@ static void exclude(const Row *row, unsigned useful, double distance, char *out)
     }
 }
 
+/* How slow a turn has to be to be taken as a straight line: it depends on how long it can be held. Returns the
+ * slowest rate there is. */
+static double set_straight(Row *row, double distance)
+{
+    double longest = row->best - row->fixed, shortest = longest, fastest = 0, slowest = INFINITY;
+    for (int k = 0; k < row->trims; k++) {
+        fastest = MAX(fastest, row->speed[k]);
+        if (row->rate[k] != 0) slowest = MIN(slowest, fabs(row->rate[k]));
+    }
+    if (row->best == INFINITY) { longest = LONG; shortest = distance / fastest; }
+    row->straight = ALL_BUT_STRAIGHT / MAX(longest, 1e-3);
+    row->hardly_bent = HARDLY_BENT / MAX(shortest, 1e-3);
+    return slowest;
+}
+
+/* Candidates of one set of times. Turns that hardly bend are taken as turns, then the slowest of them as a straight
+ * line, then the next slowest too: which of them bend enough for the way to show it is not known before. */
+static void both_ways(Row *row, Active *on, unsigned mask)
+{
+    both_headings(row, on);
+    if (!(on->slowest <= row->hardly_bent)) return;
+    double straight = row->straight;
+    for (;;) {
+        double next = INFINITY;
+        for (int i = 0; i < on->count; i++) {
+            double rate = fabs(row->rate[on->place[i]]);
+            if (rate > row->straight && rate <= row->hardly_bent) next = MIN(next, rate);
+        }
+        if (next == INFINITY) break;
+        row->straight = next;
+        choose(row, on, mask);
+        both_headings(row, on);
+    }
+    row->straight = straight;
+}
+
 /* The best times of a row, with at most so many that are not 0. */
 static void solve(Row *row, int most)
 {
-    double distance = to_cover(row);
+    double distance = to_cover(row), slowest = set_straight(row, distance), began = row->best;
     unsigned useful = 0;
     for (int k = 0; k < row->trims; k++)
         if (row->W[k] != 0 || row->rate[k] != 0) useful |= 1u << k;
@@ -146,6 +184,9 @@ static void solve(Row *row, int most)
                 if (row->fixed + least_time(row, &on, distance) >= row->best) continue;
                 if (row->best < INFINITY && out_of_reach(row, &on, row->best - row->fixed)) continue;
             }
-            both_headings(row, &on);
+            both_ways(row, &on, mask);
         }
+    /* Which turns hardly bend is known now. */
+    if (began == INFINITY && row->best < INFINITY && most >= row->trims && slowest <= row->hardly_bent)
+        solve(row, most);
 }

@@ -26,10 +26,18 @@
 #include <string.h>
 
 #define MOST 12           /* trims in a walk */
-#define STRAIGHT 1e-4     /* rad/s; slower turns are found as straight lines and corrected on the true curve */
+#define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */
+#define HARDLY_BENT 1e-5  /* rad in all; ... and those that turn less than this in both ways */
+#define LONG 1e4          /* s; as long as no plan is known that says how long a coast can be */
 #define INTERVALS 16      /* samples along a curve of candidates */
 #define SMALL 1e-9        /* s; shorter times are 0 */
-#define INSIDE 5e-10      /* m, rad; candidates aim that much and more inside what is allowed */
+#define FAR 1e5           /* m; on a longer way rounding is more than INSIDE */
+#define ROUNDING 1e-15    /* of the largest term of a sum */
+#define EXACT 1e-12       /* rad; rounding of a heading ... */
+#define BLUR 3e-8         /* rad; ... and near the end of its curve */
+#define MOST_HALVED 60    /* times that a piece of a curve is halved */
+#define INSIDE 5e-10      /* m; candidates aim that much and more inside what is allowed ... */
+#define HEADING_INSIDE 5e-13 /* rad; ... and that much: to a slow turn a radian is worth many seconds */
 
 typedef double complex cplx;
 
@@ -50,6 +58,7 @@ typedef struct {
     const double *bearing_D, *bearing_W, *size_D, *speed;  /* D and W, polar */
     double best;                 /* s; only faster ones are kept */
     cplx worth;                  /* s/m; near the multiplier of the best times */
+    double straight, hardly_bent; /* rad/s; slower turns are taken as straight lines, or in both ways */
     double times[MOST];
 } Row;
 
@@ -58,12 +67,15 @@ typedef struct {                 /* times that are taken to be not 0 */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */
+    double slowest;              /* rad/s; of those that turn at all */
     int slow;                    /* whether straight lines stand for slow turns */
+    int blurred;                 /* whether turns are so slow that rounding of a heading is much of their time */
 } Active;
 
 typedef struct {                 /* a stretch whose heading is free */
     cplx A, w;
-    double a, size, speed, limit, turned;
+    double a, size, speed, limit;
+    double above, K, aside;      /* stretches.c */
     double rate;                 /* of the turn that it begins with */
     int straight;                /* place in the walk of its straight coast; -1 without */
     int other;                   /* a second one; -1 without */
@@ -144,10 +156,15 @@ static int newton(const Row *row, const Active *on, double *times, cplx m)
         if (determined) { if (rows != n) return 0; size = n; }
         memset(M, 0, sizeof(double) * size * size);
         int first = determined ? 0 : n;
-        if (!determined && on->bound_heading && round == 0)
-            for (int j = 0; j < n; j++)
-                if (row->rate[on->place[j]] != 0)
-                    lambda = -(1 + dot(m, velocity[on->place[j]])) / row->rate[on->place[j]];
+        if (!determined && on->bound_heading && round == 0) {
+            double fastest = 0;
+            for (int j = 0; j < n; j++) {
+                double rate = row->rate[on->place[j]];
+                if (!(fabs(rate) > fastest)) continue;
+                fastest = fabs(rate);
+                lambda = -(1 + dot(m, velocity[on->place[j]])) / rate;
+            }
+        }
         for (int j = 0; !determined && j < n; j++) {
             int pj = on->place[j];
             b[j] = -(1 + dot(m, velocity[pj]) + lambda * row->rate[pj]);
@@ -216,7 +233,7 @@ static void keep(Row *row, double *times)
     cplx end = motion(row, times, 0, &turn);
     if (!(cabs(end - row->goal) <= MAX(row->tolerance + INSIDE, 2e-7))) return;
     if (row->wants_heading
-        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance + INSIDE, 2e-7)))
+        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance + HEADING_INSIDE, 2e-7)))
         return;
     row->best = cost;
     memcpy(row->times, times, sizeof(double) * row->trims);
@@ -224,29 +241,44 @@ static void keep(Row *row, double *times)
 
 static void propose(Row *row, const Active *on, const double *of_active, cplx m)
 {
-    double times[MOST] = {0}, cost = row->fixed;
+    double times[MOST] = {0}, cost = row->fixed, slack = MAX(1e-6, EXACT / on->slowest);
+    if (on->slow || on->blurred) slack = 1;
     for (int i = 0; i < on->count; i++) {
-        if (!(of_active[i] >= (on->slow ? -1.0 : -1e-6))) return;
+        if (!(of_active[i] >= -slack)) return;
         times[on->place[i]] = of_active[i];
         cost += of_active[i];
     }
-    if (!(cost < row->best + (on->slow ? 0.05 * cost : 1e-5))) return;
-    if (newton(row, on, times, m)) keep(row, times);
+    if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * slack))) return;
+    if (!newton(row, on, times, m)) return;
+    double way = 0, tolerance = row->tolerance;
+    for (int i = 0; i < on->count; i++) way += row->speed[on->place[i]] * times[on->place[i]];
+    if (way > FAR && tolerance > 0) {
+        /* The end is rounded in proportion to the way: so much further inside. */
+        row->tolerance = MAX(0.5 * tolerance, tolerance - EXACT / 100 * way);
+        newton(row, on, times, m);
+        row->tolerance = tolerance;
+    }
+    keep(row, times);
 }
 
 /* Times of the active turns from the headings after them; straight times are given. */
-static void from_headings(Row *row, const Active *on, const cplx *heading, double *straight, cplx m)
+static void times_of(const Row *row, const Active *on, const cplx *heading, const double *straight, double *times)
 {
-    double times[MOST];
     cplx before = 1;
     for (int i = 0, j = 0; i < on->count; i++) {
         double rate = row->rate[on->place[i]];
-        if (fabs(rate) <= STRAIGHT) { times[i] = straight[on->place[i]]; continue; }
+        if (fabs(rate) <= row->straight) { times[i] = straight[on->place[i]]; continue; }
         cplx after = heading[++j];
         double angle = carg(after * conj(before)), time = angle / rate;
-        if (time < 0) time += 2 * M_PI / fabs(rate);
+        if (time < 0 && fabs(angle) > (on->blurred ? BLUR : EXACT)) time += 2 * M_PI / fabs(rate);
         times[i] = time;
         before = after;
     }
+}
+
+static void from_headings(Row *row, const Active *on, const cplx *heading, const double *straight, cplx m)
+{
+    double times[MOST];
+    times_of(row, on, heading, straight, times);
     propose(row, on, times, m);
 }

@@ -1,9 +1,9 @@
 """Whether errors of their own never do worse than their bounds: `python -m benchmarks.free_errors 100 1`.
 
 So many missions, with that seed, of up to four trims over the three shipped libraries, planned for the worst
-case; every primitive and every scalar in turn has an error of its own. For each, 4,000 errors drawn at random,
-half of them corners, are compared with the bounds of the time and of the miss. Also printed: how far the bounds
-are above the worst that was found, and how long they take.
+case; every primitive and every scalar in turn has an error of its own. For each, 4,000 errors drawn at
+random, half of them corners, are compared with the bounds of the time and of the miss. Also printed: how far
+the bounds are above the worst that was found, and how long they take.
 """
 
 import sys
@@ -63,9 +63,7 @@ def main(missions: int, seed: int) -> int:
             began = process_time()
             found = trust(library, mission, plan.sequence, plan.coasting_times, gamma=gamma, each=each)
             count.seconds.append(process_time() - began)
-            note(
-                count, found, compared(library, mission, plan.sequence, plan.coasting_times, gamma, each, rng)
-            )
+            note(count, found, compared(library, mission, plan, each, rng))
     for each, count in counts.items():
         show(each, count)
     return sum(count.slower + count.further for count in counts.values())

@@ -21,6 +21,9 @@ from planner.free_errors.trust import Trust, trust
 from .answered import library_and_mission, refuse_others
 from .numbers import Count
 
+LOOSE = 1.02
+"""Above the slowest found by more than this share a bound could be closer."""
+
 TOO_HOPEFUL = 1
 
 RESOLUTION = 1e-6
@@ -56,7 +59,7 @@ def signs(
         library: name or path; by default the name that the plan gives.
         mission: name or path; by default the name that the plan gives.
         each: what errs on its own.
-        boxes: of errors, that the bound of the time may look at; where they do not suffice, there is none.
+        boxes: of errors, that the bound of the time may look at; more make it closer.
         json: print the figures as JSON.
     """
     plan = read_plan(file)
@@ -104,8 +107,11 @@ def _show(found: Trust) -> None:
         lost = _errors(found.names, worst.errors)
         console.print(f"no time is enough: with {lost} this sequence never arrives", soft_wrap=True)
     elif not isfinite(worst.bound):
-        words = f"not in {worst.boxes:,} boxes" if worst.boxes else "not for exact goals or wanted headings"
-        console.print(f"the time between corners is not bounded: {words}; slower errors may exist")
+        console.print(
+            f"{worst.boxes:,} boxes give no bound of the time: slower errors may exist, --boxes looks at more"
+        )
+    elif worst.bound > worst.found * LOOSE:
+        console.print(f"{worst.boxes:,} boxes bring the bound of the time no closer; --boxes looks at more")
 
 
 def _errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:

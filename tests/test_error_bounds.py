@@ -110,7 +110,7 @@ def test_no_draw_misses_by_more_than_the_bound(each: Each) -> None:
         ("gtmax-1", 1.0, "primitive", 1000, 1.011),
         ("gtmax-2", 0.5, "primitive", 1000, 1.011),
         ("gtmax-2", 1.0, "primitive", 3000, 1.011),
-        ("gtmax-2", 1.0, "scalar", 300, 4.0),
+        ("gtmax-2", 1.0, "scalar", 2000, 6.0),
     ],
 )
 def test_no_draw_takes_longer_than_the_bound(

@@ -95,11 +95,13 @@ class Look:
         corner: errors in each box that seem slowest.
         blame: how far each variable bends the walk.
         rank: how near the attempt came that gave the blame.
+        dear: what a second counts for, beside a second that answering times may become shorter, in ranks.
     """
 
     boxes: Boxes
     cost: Float[np.ndarray, "n"]
     times: Float[np.ndarray, "n trims"]
+    dear: float
     bound: Float[np.ndarray, "n"] = field(init=False)
     corner: Float[np.ndarray, "n variables"] = field(init=False)
     blame: Float[np.ndarray, "n variables"] = field(init=False)
@@ -135,7 +137,7 @@ class Answers:
             boxes: of errors.
             enough: seconds below which no closer bound is looked for.
         """
-        look = self._begun(boxes)
+        look = self._begun(boxes, dear=10.0)
         if np.isfinite(look.cost).all():
             self._attempts(look, np.arange(len(look.cost)), look.times, enough, longer=SPREADS)
             self._detours(look, DETOURS, enough, longer=SPREADS[:1])
@@ -144,15 +146,15 @@ class Answers:
 
     def coarse(self, boxes: Boxes, enough: float) -> Look:
         """Returns bounds for boxes by the shortest detours that give any; arguments as in `close`."""
-        look = self._begun(boxes)
+        look = self._begun(boxes, dear=0.0)
         if np.isfinite(look.cost).all():
             for seconds in ESCAPES:
                 self._detours(look, (seconds,), max(enough, FOREVER), longer=SPREADS)
             self._blame(look)
         return look
 
-    def _begun(self, boxes: Boxes) -> Look:
-        return Look(boxes, *best_of_each(self._path.table(boxes.middle), self._mission))
+    def _begun(self, boxes: Boxes, *, dear: float) -> Look:
+        return Look(boxes, *best_of_each(self._path.table(boxes.middle), self._mission), dear)
 
     def _blame(self, look: Look) -> None:
         """Says where to cut boxes that no attempt has looked at: where the end moves most."""
@@ -248,9 +250,9 @@ class Answers:
             shortest = np.minimum(shortest, time.low)
         holds = closed.holds & self._faces(closed)
         bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
-        # Of attempts that fail, those tell most whose times are short by least, then those that cost least.
+        # Of attempts that fail, those tell most whose times are short by least.
         held = times[:, way.answering].min(axis=1) if way.answering else np.zeros(len(row))
-        fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + times.sum(axis=1) - 0.1 * held)
+        fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + look.dear * times.sum(axis=1) - held)
         rank = np.where(np.isfinite(bound), bound, fails)
         variables = look.boxes.middle.shape[1]
         # Rows may come more than once: the best comes last.

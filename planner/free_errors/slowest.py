@@ -20,8 +20,9 @@ from .path import ErrorPath
 
 MOST_TIME_BOXES = 4000
 
-FIRST, LAST = 0.6, 0.9
-"""Shares of the boxes allowed after which any bound is looked for where there is none, then a closer one."""
+QUICK, COARSE, LAST = 0.1, 0.2, 0.9
+"""Shares of the boxes allowed: after the first the second is spent on any bound, where there is none yet;
+after the last what is left, on boxes that still have none."""
 
 BATCH = 128
 """Boxes that are looked at together."""
@@ -45,9 +46,15 @@ def worst_time_bound(
         NoKernelError: there is no C compiler.
     """
     answers = Answers(path, mission)
-    search = _Search(answers, Boxes.whole(len(path.names)), known, gap)
-    search.branch(answers.close, int(FIRST * most))
-    search.branch(answers.coarse, int(LAST * most), above=FOREVER)
+    whole = Boxes.whole(len(path.names))
+    search = _Search(answers, whole, known, gap)
+    search.branch(answers.close, int(QUICK * most))
+    if search.bounded.bound == inf:
+        coarse = _Search(answers, whole, search.bounded, gap)
+        coarse.branch(answers.coarse, int(COARSE * most), above=FOREVER)
+        search.learn(coarse.bounded)
+    search.branch(answers.close, int(LAST * most))
+    search.branch(answers.coarse, most, above=FOREVER)
     search.branch(answers.close, most)
     return search.bounded
 
@@ -84,6 +91,12 @@ class _Search:
             self._look(look_at, max(self._enough, above))
             if self._known.found == inf:
                 break
+
+    def learn(self, bounded: Bounded) -> None:
+        """Takes over what another search over all errors has found."""
+        self._known = replace(bounded, boxes=0) if bounded.found > self._known.found else self._known
+        self._open = replace(self._open, bound=np.minimum(self._open.bound, bounded.bound))
+        self._looked += bounded.boxes
 
     @property
     def _enough(self) -> float:

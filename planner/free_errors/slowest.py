@@ -20,7 +20,7 @@ from .path import ErrorPath
 
 MOST_TIME_BOXES = 4000
 
-QUICK, COARSE, LAST = 0.1, 0.2, 0.9
+QUICK, COARSE, LAST = 0.1, 0.3, 0.9
 """Shares of the boxes allowed: after the first the second is spent on any bound, where there is none yet;
 after the last what is left, on boxes that still have none."""
 
@@ -51,7 +51,7 @@ def worst_time_bound(
     search.branch(answers.close, int(QUICK * most))
     if search.bounded.bound == inf:
         coarse = _Search(answers, whole, search.bounded, gap)
-        coarse.branch(answers.coarse, int(COARSE * most), above=FOREVER)
+        coarse.branch(answers.coarse, int(COARSE * most))
         search.learn(coarse.bounded)
     search.branch(answers.close, int(LAST * most))
     search.branch(answers.coarse, most, above=FOREVER)

@@ -2,17 +2,19 @@
 
 A level is bearable at a price alpha where at it, and at every smaller one, the best worst-case time is at
 most alpha times the nominal optimum. That time is looked at on a grid of levels, and bisected where it first
-exceeds the limit: what happens between two levels of the grid that are both within it, is not seen.
+exceeds the limit; what happens between levels is then proved (`bearable.py`), up to where the limit is met.
 """
 
 from dataclasses import dataclass, replace
 from math import inf
+from time import perf_counter
 
 from flight.errors import FlightError
 from flight.library import Library
 from flight.mission import Mission
 from flight.plan import Plan
 
+from .bearable import bearable_to
 from .kinematics import NegativeDurationError
 from .nominal import Nominal
 from .worst_case import WorstCase
@@ -20,7 +22,10 @@ from .worst_case import WorstCase
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
 
-ON_A_GRID = f"not proved that every smaller gamma keeps to alpha: levels {1 / STEPS:g} apart were tried"
+ON_A_GRID = f"at other levels, {1 / STEPS:g} apart, it was tried"
+
+ALL_BUT = 1e-3
+"""Levels below the largest in which a proof may leave off: there the time is all but the limit."""
 
 GAMMA_RESOLUTION = 1e-6
 """How closely the largest bearable level is found; the plan is the one just below it."""
@@ -96,6 +101,7 @@ class PriceOfRobustness:
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
+        began = perf_counter()
         best = Nominal(self._library).plan(mission)
         if not best.found:
             return replace(best, policy="price-of-robustness", alpha=self._alpha)
@@ -115,19 +121,33 @@ class PriceOfRobustness:
                 high = middle
             else:
                 low, best = middle, plan
+        proved = bearable_to(self._library, mission, limit=limit, gamma=low)
         return replace(
             best,
             status="feasible",
-            reason=ON_A_GRID if low > 0 else TO_THE_RESOLUTION,
+            reason=_reason(low, proved),
             lower_bound=None,
             policy="price-of-robustness",
             gamma=low,
             alpha=self._alpha,
+            solve_time=perf_counter() - began,
         )
 
     def _within(self, gamma: float, limit: float, mission: Mission) -> Plan | None:
         plan = _worst_case(self._library, gamma, mission)
         return plan if plan is not None and plan.cost <= limit else None
+
+
+def _reason(gamma: float, proved: float) -> str:
+    """Returns what is known of the levels below."""
+    if gamma == 0:
+        return TO_THE_RESOLUTION
+    if proved >= gamma:
+        return "every smaller gamma keeps to alpha, provably"
+    if proved > 0:
+        nearly = "; above it the time is all but alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
+        return f"every gamma up to {proved:.6g} keeps to alpha, provably{nearly}"
+    return f"not proved that every smaller gamma keeps to alpha: {ON_A_GRID}"
 
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:

@@ -10,11 +10,13 @@ import missions
 from flight.mission import read_mission
 from flight.plan import plan_text, read_plan
 from maneuver.app import run
+from planner.bearable import bearable_to
 from planner.check import problems
+from planner.kernel.build import kernel
 from planner.nominal import Nominal
 from planner.price_of_robustness import AlphaError, PriceOfRobustness, prices
 from planner.worst_case import WorstCase
-from tools.thesis_libraries import thesis_kinematic
+from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 LIBRARY = thesis_kinematic()
 MISSION = read_mission(missions.FOLDER / "kinematic-1.toml")
@@ -74,3 +76,29 @@ def test_the_verb_prints_the_curve_and_draws_it(tmp_path: Path, capsys: pytest.C
     points = json.loads(capsys.readouterr().out)["points"]
     assert points[0]["alpha"] == 1.0
     assert picture.read_bytes().startswith(b"\x89PNG")
+
+
+@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+@pytest.mark.parametrize("name", ["gtmax-1", "gtmax-2", "kinematic-1", "kinematic-2"])
+def test_every_level_below_the_one_bought_is_proved_to_keep_to_the_price(name: str) -> None:
+    library = thesis_gtmax() if name.startswith("gtmax") else LIBRARY
+    mission = read_mission(missions.FOLDER / f"{name}.toml")
+    plan = PriceOfRobustness(library, 1.1).plan(mission)
+    assert "provably" in plan.reason
+    limit = 1.1 * Nominal(library).plan(mission).cost
+    proved = bearable_to(library, mission, limit=limit + 1e-9, gamma=plan.gamma)
+    assert plan.gamma - 1e-3 <= proved <= plan.gamma
+    levels = [proved * part / 50 for part in range(51)]
+    assert max(WorstCase(library, level).plan(mission).cost for level in levels) <= limit + 1e-6
+
+
+@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
+def test_no_level_is_proved_beyond_the_first_that_is_too_slow(share: float) -> None:
+    mission = read_mission(missions.FOLDER / "gtmax-1.toml")
+    slow, fast = (WorstCase(thesis_gtmax(), level).plan(mission).cost for level in (0.6, 0.0))
+    limit = fast + share * (slow - fast)
+    proved = bearable_to(thesis_gtmax(), mission, limit=limit, gamma=0.6)
+    assert 0 < proved < 0.6
+    assert WorstCase(thesis_gtmax(), proved).plan(mission).cost <= limit + 1e-9
+    assert WorstCase(thesis_gtmax(), proved + 1e-3).plan(mission).cost > limit

@@ -41,6 +41,22 @@ class ErrorPath:
     turn: tuple[Float[np.ndarray, "steps"], Float[np.ndarray, "steps variables"]]
     fixed: tuple[float, Float[np.ndarray, "variables"]]
 
+    def together(self) -> "ErrorPath":
+        """Returns the walk with one variable for all errors, as gamma is."""
+
+        def sum_(change: np.ndarray) -> np.ndarray:
+            return np.asarray(change.sum(axis=-1, keepdims=True))
+
+        return ErrorPath(
+            self.walk,
+            ("gamma",),
+            (self.velocity[0], sum_(self.velocity[1])),
+            (self.rate[0], sum_(self.rate[1])),
+            (self.displacement[0], sum_(self.displacement[1])),
+            (self.turn[0], sum_(self.turn[1])),
+            (self.fixed[0], sum_(self.fixed[1])),
+        )
+
     def turns(self, place: int) -> bool:
         """Returns whether a trim is a turn, with a centre, whatever its errors."""
         return bool(np.abs(self.rate[0][place]) > 2 * np.abs(self.rate[1][place]).sum())

@@ -29,7 +29,8 @@ INSIDE = 1e-9
 """Metres: how far inside a tolerance the kernel aims; twice what it forgives."""
 
 HEADING_INSIDE = 1e-12
-"""Radians, likewise: at slow yaw rates each is worth many seconds."""
+"""Radians, likewise. A heading to be met exactly is met to within what counts as equal: over long ways each
+millionth of a radian is worth milliseconds."""
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
@@ -176,9 +177,9 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     return _Task(
         goal.real,
         goal.imag,
-        _aimed(mission.tolerance, INSIDE),
+        _aimed(mission.tolerance),
         (mission.goal_heading or 0.0) - start.heading,
-        _aimed(mission.heading_tolerance, HEADING_INSIDE),
+        max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
         seconds,
         int(wants_heading(mission)),
         levels,
@@ -187,6 +188,6 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     )
 
 
-def _aimed(tolerance: float, inside: float) -> float:
+def _aimed(tolerance: float) -> float:
     """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
-    return max(tolerance - inside, 0.0) if tolerance > EQUALITY else 0.0
+    return tolerance - INSIDE if tolerance > EQUALITY else 0.0

@@ -12,6 +12,7 @@ from flight.mission import Mission, read_mission
 from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from planner.arrival import goal_seen
+from planner.free_errors.answers import Answers, Boxes
 from planner.free_errors.bounded import Bounded
 from planner.free_errors.corners import furthest_corner
 from planner.free_errors.enclosure import enclose
@@ -161,3 +162,33 @@ def test_single_gamma_corners_and_bound_are_in_order() -> None:
         assert found.furthest_single.value <= found.furthest.value + 1e-9
         assert found.furthest.value <= found.furthest_bound.bound
         assert found.all_tried == (each == "primitive")
+
+
+@needs_kernel
+@pytest.mark.parametrize(("name", "gamma"), [("gtmax-1", 0.5), ("gtmax-2", 1.0)])
+def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamma: float) -> None:
+    rng = np.random.default_rng(12)
+    library, mission = thesis_gtmax(), read_mission(missions.FOLDER / f"{name}.toml")
+    path = error_path(library, WorstCase(library, gamma).plan(mission).sequence, gamma, "scalar")
+    answers, count = Answers(path, mission), len(path.names)
+    width = rng.uniform(0.05, 0.6, (60, 1)) * rng.uniform(0, 1, (60, count))
+    middle = (1 - width) * rng.choice([-1.0, 1.0], (60, count))
+    boxes = Boxes(middle, width, np.full(60, inf))
+    for look in (answers.close(boxes, 0.0), answers.coarse(boxes, 0.0)):
+        assert np.isfinite(look.bound).sum() > 20
+        for box in np.flatnonzero(np.isfinite(look.bound)).tolist():
+            drawn = rng.uniform(-1, 1, (200, count))
+            drawn[::2] = np.sign(drawn[::2])
+            costs = answers.costs(middle[box] + drawn * width[box])
+            assert costs.max() <= look.bound[box] + 1e-6
+
+
+@needs_kernel
+def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
+    """With a wide gap nothing is halved: the bound is that of the first box, not what was found in it."""
+    library, mission = thesis_gtmax(), read_mission(missions.FOLDER / "gtmax-1.toml")
+    plan = WorstCase(library, 0.3).plan(mission)
+    path = error_path(library, plan.sequence, 0.3, "primitive")
+    bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), gap=0.5)
+    assert bound.boxes == 1
+    assert bound.bound > 1.001 * bound.found

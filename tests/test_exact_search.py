@@ -12,9 +12,11 @@ import libraries
 from benchmarks.planning_missions import synthetic_library
 from flight.library import Library
 from flight.library_file import read_library
+from flight.maneuver import Maneuver, ManeuverError
 from flight.mission import Mission
 from flight.plan import Plan
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
+from flight.trim import Trim
 from planner.answer import Answer
 from planner.arrival import reaches
 from planner.branch_and_bound import RESOLUTION, proved_best
@@ -226,3 +228,17 @@ def test_a_wider_tolerance_never_costs_time_however_small_both_are(seed: int) ->
         ]
         for narrow, wide in pairwise(costs):
             assert wide <= narrow + 1e-6, mission
+
+
+@pytest.mark.parametrize("aside", [0.0, 1e-9, -1e-8, 1e-7, 1e-6])
+def test_a_turn_that_ends_along_the_straight_before_it_is_found(aside: float) -> None:
+    """Both coasts push the end the same way, so Newton's equations are singular there."""
+    still = Twist(0.0, 0.0, 0.0)
+    trims = (Trim(1, "ahead", Twist(10.0, 0.0, 0.0), still), Trim(2, "turn", Twist(10.0, 0.0, 0.005), still))
+    step = Maneuver(1, 1, 2, 2.0, SE2(15.0, 1.0, -0.02), ManeuverError(0.0, 0.0, 0.0, 0.0))
+    library = Library("along", "", "", trims, (step,))
+    end = motion(library, (1, 2), 0.0).end(SE2.identity(), (5.0, 4.0))
+    mission = Mission("along", SE2.identity(), 1, (end.x, end.y + aside), tolerance=0.01, max_trims=2)
+    plan = Nominal(library).plan(mission)
+    assert plan.status == "optimal"
+    assert plan.cost <= 11.0

@@ -23,6 +23,7 @@ from planner.free_errors.trust import trust
 from planner.kernel.build import kernel
 from planner.kernel.exact import least_costs_of_each
 from planner.worst_case import WorstCase
+from tests.test_closing import wandering
 from tools.thesis_libraries import thesis_gtmax, thesis_kinematic
 
 needs_kernel = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
@@ -192,3 +193,24 @@ def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
     bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), gap=0.5)
     assert bound.boxes == 1
     assert bound.bound > 1.001 * bound.found
+
+
+@needs_kernel
+def test_times_that_errors_make_negative_prove_nothing() -> None:
+    """Short coasts that answer errors would soon have to be undone; then the walk has to go another way."""
+    rng, never = np.random.default_rng(3), 0
+    for _ in range(120):
+        turns = str(rng.choice(["ts", "st", "sts", "tst"]))
+        path = error_path(wandering(rng, turns), tuple(range(1, len(turns) + 1)), 1.0, "scalar")
+        count = len(path.names)
+        width = rng.uniform(0.05, 0.4) * rng.uniform(0, 1, (1, count))
+        middle = (1 - width) * rng.uniform(-1, 1, (1, count))
+        goal = complex(path.at(middle).end(rng.uniform(0, 1, (1, len(turns))))[0])
+        mission = Mission("near", SE2.identity(), 1, (goal.real, goal.imag), tolerance=0.0)
+        answers = Answers(path, mission)
+        bound = answers.close(Boxes(middle, width, np.full(1, inf)), 0.0).bound[0]
+        drawn = rng.uniform(-1, 1, (300, count))
+        drawn[::2] = np.sign(drawn[::2])
+        assert answers.costs(middle + drawn * width).max() <= bound + 1e-6
+        never += int(bound == inf)
+    assert never < 120

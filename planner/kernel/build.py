@@ -8,7 +8,6 @@ from flight.machine_code import IEEE_FLAGS, NoMachineCodeError, shared_library
 
 SOURCES = (
     "times.c",
-    "proposals.c",
     "stretches.c",
     "roots.c",
     "curves.c",

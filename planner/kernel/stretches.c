@@ -8,7 +8,7 @@
  *
  * A stretch without a straight coast adds |a| E along alpha, one with a straight coast a E - K / E.
  */
-#include "proposals.c"
+#include "times.c"
 
 typedef struct {
     Row *row;

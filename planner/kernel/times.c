@@ -219,3 +219,69 @@ static int newton(const Row *row, const Active *on, double *times, cplx m)
     }
     return 1;
 }
+
+/* Keeps times that reach the goal faster than the best so far. */
+static void keep(Row *row, double *times)
+{
+    double cost = row->fixed, turn;
+    for (int k = 0; k < row->trims; k++) {
+        if (!(times[k] >= -SMALL)) return;
+        if (times[k] < 0) times[k] = 0;
+        cost += times[k];
+    }
+    if (!(cost < row->best)) return;
+    cplx end = motion(row, times, 0, &turn);
+    if (!(cabs(end - row->goal) <= MAX(row->tolerance + INSIDE, 2e-7))) return;
+    if (row->wants_heading
+        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance + HEADING_INSIDE, 2e-7)))
+        return;
+    row->best = cost;
+    memcpy(row->times, times, sizeof(double) * row->trims);
+}
+
+static void propose(Row *row, const Active *on, const double *of_active, cplx m)
+{
+    double times[MOST] = {0}, cost = row->fixed, slack = MAX(1e-6, EXACT / on->slowest);
+    if (on->slow || on->blurred) slack = 1;
+    for (int i = 0; i < on->count; i++) {
+        if (!(of_active[i] >= -slack)) return;
+        times[on->place[i]] = of_active[i];
+        cost += of_active[i];
+    }
+    if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * slack))) return;
+    double guess[MOST];
+    memcpy(guess, times, sizeof(guess));
+    /* Where two times move the end alike, or at the edge of reach, the equations are singular; the guess may do. */
+    if (!newton(row, on, times, m)) { keep(row, guess); return; }
+    double way = 0, tolerance = row->tolerance;
+    for (int i = 0; i < on->count; i++) way += row->speed[on->place[i]] * times[on->place[i]];
+    if (way > FAR && tolerance > 0) {
+        /* The end is rounded in proportion to the way: so much further inside. */
+        row->tolerance = MAX(0.5 * tolerance, tolerance - EXACT / 100 * way);
+        newton(row, on, times, m);
+        row->tolerance = tolerance;
+    }
+    keep(row, times);
+}
+
+/* Times of the active turns from the headings after them; straight times are given. */
+static void times_of(const Row *row, const Active *on, const cplx *heading, const double *straight, double *times)
+{
+    cplx before = 1;
+    for (int i = 0, j = 0; i < on->count; i++) {
+        double rate = row->rate[on->place[i]];
+        if (fabs(rate) <= row->straight) { times[i] = straight[on->place[i]]; continue; }
+        cplx after = heading[++j];
+        double angle = carg(after * conj(before)), time = angle / rate;
+        if (time < 0 && fabs(angle) > (on->blurred ? BLUR : EXACT)) time += 2 * M_PI / fabs(rate);
+        times[i] = time;
+        before = after;
+    }
+}
+
+static void from_headings(Row *row, const Active *on, const cplx *heading, const double *straight, cplx m)
+{
+    double times[MOST];
+    times_of(row, on, heading, straight, times);
+    propose(row, on, times, m);
+}

@@ -12,14 +12,18 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from flight.errors import FlightError
+from flight.errors import BadFileError, FlightError
 from flight.plan import read_plan
+from planner.check import problems
 from planner.free_errors.path import Each
 from planner.free_errors.slowest import MOST_TIME_BOXES
 from planner.free_errors.trust import Trust, trust
 
 from .answered import library_and_mission, refuse_others
 from .numbers import Count
+
+WHOLE = 1.0
+"""Gamma of plans that have none."""
 
 LOOSE = 1.02
 """Above the slowest found by more than this share a bound could be closer."""
@@ -45,8 +49,8 @@ def signs(
     Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
     their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
     and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
-    misses those of the plan's. The exit code is 1 where a corner is slower than every single gamma: the
-    plan's cost is too hopeful.
+    misses those of the plan's. A plan without a gamma is looked at to gamma 1. The exit code is 1 where a
+    corner is slower than every single gamma: the plan's cost is too hopeful.
 
     For example:
 
@@ -67,18 +71,23 @@ def signs(
         raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
     primitives, task = library_and_mission(file, plan, library=library, mission=mission)
     refuse_others(file, plan, primitives, task)
+    for problem in problems(plan, primitives, task):
+        raise BadFileError(file, f"the plan does not keep its word: {problem}")
+    gamma = plan.gamma or WHOLE
     found = trust(
         primitives,
         task,
         plan.sequence,
         plan.coasting_times,
-        gamma=plan.gamma or 1.0,
+        gamma=gamma,
         each=each,
         most_boxes=boxes,
     )
     if json:
-        sys.stdout.write(json_module.dumps(_plain(asdict(found)), indent=2) + "\n")
+        figures = {"gamma": gamma, **asdict(found)}
+        sys.stdout.write(json_module.dumps(_plain(figures), indent=2) + "\n")
     else:
+        print(f"{plan.mission} on {plan.library}: every {each} errs on its own, to gamma {gamma:g}")
         _show(found)
     return TOO_HOPEFUL if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
 
@@ -110,8 +119,8 @@ def _show(found: Trust) -> None:
         console.print(
             f"{worst.boxes:,} boxes give no bound of the time: slower errors may exist, --boxes looks at more"
         )
-    elif worst.bound > worst.found * LOOSE:
-        console.print(f"{worst.boxes:,} boxes bring the bound of the time no closer; --boxes looks at more")
+    elif worst.bound > worst.found * LOOSE + RESOLUTION:
+        console.print(f"the bound of the time is that of {worst.boxes:,} boxes; --boxes looks at more")
 
 
 def _errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:

@@ -123,6 +123,10 @@ def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) ->
 def _said(plan: Plan) -> list[str]:
     """Returns where the levels that a plan says it is for are not those that it shows."""
     found = _price(plan)
+    if plan.policy == "nominal" and plan.gamma != 0:
+        found.append(f"gamma: nominal plans are for 0, got {plan.gamma}")
+    if plan.policy != "committed" and plan.miss is not None:
+        found.append(f"miss: {plan.policy} plans state none, got {plan.miss}")
     if not 0 <= plan.gamma <= 1:
         found.append(f"gamma: expected between 0 and 1, got {plan.gamma}")
     levels = _levels(plan)
@@ -144,6 +148,8 @@ def _price(plan: Plan) -> list[str]:
         return [] if plan.alpha is None else [f"alpha: {plan.policy} plans have none, got {plan.alpha}"]
     if plan.alpha is None or plan.alpha < 1:
         return [f"alpha: expected at least 1 of a price-of-robustness plan, got {plan.alpha}"]
+    if plan.status == "optimal":
+        return ["status: price-of-robustness plans are feasible, got optimal"]
     nominal = [scenario.cost for scenario in plan.scenarios if scenario.gamma == 0]
     if nominal and plan.cost > plan.alpha * nominal[0] + OPTIMALITY:
         paid = plan.cost / nominal[0] if nominal[0] > 0 else inf

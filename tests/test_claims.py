@@ -240,3 +240,20 @@ def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
 ) -> None:
     code, told, _ = check(tmp_path, capsys, json.loads(promised(max_trims)))
     assert (code, told["problems"]) == (0, [])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"miss": 0.1}, "miss: "), ({"policy": "nominal"}, "gamma: nominal plans are for 0")],
+)
+def test_a_plan_says_nothing_that_its_policy_does_not_say(change: dict[str, Any], said: str) -> None:
+    mission = find_mission("gtmax-2")
+    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    assert any(one.startswith(said) for one in problems(replace(plan, **change), thesis_gtmax(), mission))
+
+
+def test_a_price_is_never_called_optimal() -> None:
+    mission = find_mission("gtmax-2")
+    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    relabelled = replace(plan, policy="price-of-robustness", alpha=1.5)
+    assert any(one.startswith("status: ") for one in problems(relabelled, thesis_gtmax(), mission))

@@ -1,6 +1,7 @@
 """Every primitive with a sign of its own: appendix B of the thesis, where a single gamma is too hopeful."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -14,7 +15,8 @@ from flight.se2 import SE2, Twist
 from flight.trim import Trim
 from maneuver.app import run
 from maneuver.thesis_examples import TABLE_33, simple_example
-from planner.free_errors.trust import TooManyScenariosError, all_signs
+from planner.free_errors.path import Each
+from planner.free_errors.trust import TooManyScenariosError, all_signs, trust
 from planner.kernel.build import kernel
 from planner.nominal import Nominal
 from planner.worst_case import WorstCase
@@ -104,3 +106,32 @@ def test_errors_that_no_coasting_time_answers_are_named(
     assert "no arrival" in shown
     assert "with trim 1 - this sequence never arrives" in shown
     assert "no bound" not in shown
+
+
+@pytest.mark.parametrize("each", ["primitive", "scalar"])
+def test_who_is_at_the_goal_needs_no_time_whatever_the_errors(each: Each) -> None:
+    mission = Mission("here", SE2.identity(), 2, (0.0, 0.0), tolerance=0.0, max_trims=1)
+    found = trust(thesis_gtmax(), mission, (2,), (0.0,), gamma=1.0, each=each)
+    assert found.slowest_bound.bound == pytest.approx(0.0, abs=1e-6)
+
+
+def test_what_is_found_in_the_box_is_no_less_than_its_worst_corner() -> None:
+    mission = read_mission(missions.FOLDER / "gtmax-2.toml")
+    plan = WorstCase(thesis_gtmax(), 0.8).plan(mission)
+    for each in ("primitive", "scalar"):
+        found = trust(
+            thesis_gtmax(), mission, plan.sequence, plan.coasting_times, gamma=0.8, each=each, most_boxes=10
+        )
+        assert found.furthest.value <= found.furthest_bound.found <= found.furthest_bound.bound
+        assert found.slowest.value <= found.slowest_bound.found <= found.slowest_bound.bound
+
+
+def test_a_plan_that_does_not_keep_its_word_is_not_trusted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mission = read_mission(missions.FOLDER / "gtmax-2.toml")
+    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    path = tmp_path / "plan.json"
+    path.write_text(plan_text(replace(plan, gamma=0.25)))
+    assert run(["plan", "signs", str(path)]) == 2
+    assert "does not keep its word: scenarios" in capsys.readouterr().err

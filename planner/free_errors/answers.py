@@ -210,7 +210,9 @@ class Answers:
                     break
                 least = np.zeros((int(short.sum()), base.shape[1]))
                 for place in way.answering:
-                    least[:, place] = np.minimum(share * closed.times[place].reach[short], ESCAPES[-1])
+                    with np.errstate(all="ignore"):
+                        reach = closed.times[place].reach
+                    least[:, place] = np.minimum(share * reach[short], ESCAPES[-1])
                 cost, base = self._held(look, trying[short], least)
                 trying, base = trying[short][np.isfinite(cost)], base[np.isfinite(cost)]
 
@@ -232,7 +234,7 @@ class Answers:
             look.boxes.width[row],
             times,
             goal=goal,
-            tolerance=self._mission.tolerance,
+            tolerance=max(self._mission.tolerance, EQUALITY_TOLERANCE),
             way=way,
         )
 
@@ -246,10 +248,12 @@ class Answers:
     ) -> Bool[np.ndarray, "m"]:
         """Keeps what is better; returns where only the sign of a time is amiss."""
         shortest = np.full(len(row), inf)
-        for time in closed.times.values():
-            shortest = np.minimum(shortest, time.low)
-        holds = closed.holds & self._faces(closed)
-        bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
+        # Numbers without bounds, where nothing holds, may overflow.
+        with np.errstate(all="ignore"):
+            for time in closed.times.values():
+                shortest = np.minimum(shortest, time.low)
+            holds = closed.holds & self._faces(closed)
+            bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
         # Of attempts that fail, those tell most whose times are short by least.
         held = times[:, way.answering].min(axis=1) if way.answering else np.zeros(len(row))
         fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + look.dear * times.sum(axis=1) - held)

@@ -65,8 +65,9 @@ def ways(path: ErrorPath, *, heading: bool, tolerance: float) -> tuple[Way, ...]
     straights = [place for place in trims if place not in turns]
     found = [Way(turn, (other,)) for turn in turns for other in trims if other != turn]
     found += [Way(None, pair) for pair in combinations(straights, 2)]
+    found.append(Way(None, ()))
     if tolerance > 0:
-        found += [Way(None, (place,)) for place in trims] + [Way(None, ())]
+        found += [Way(None, (place,)) for place in trims]
     cut = [Way(way.turn, way.others, turn) for way in found for turn in turns if turn not in way.answering]
     return tuple(found + (cut if heading else []))
 

@@ -7,7 +7,7 @@ they are no bound on what lies between, which comes from an enclosure of the who
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 from math import inf
 
@@ -192,6 +192,9 @@ def trust(
     slowest, furthest = search(seconds, corners), search(metres, corners)
     known = Bounded(slowest.value, slowest.errors, inf, 0)
     arrives = slowest.value < inf
+    miss = worst_miss_bound(path, mission, coasting_times)
+    if furthest.value > miss.found:
+        miss = replace(miss, found=furthest.value, errors=furthest.errors)
     return Trust(
         names=path.names,
         scenarios=3**count,
@@ -201,7 +204,7 @@ def trust(
         slowest=slowest,
         furthest=furthest,
         slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if arrives else known,
-        furthest_bound=worst_miss_bound(path, mission, coasting_times),
+        furthest_bound=miss,
     )
 
 

@@ -81,7 +81,12 @@ def broken_promise(
         promises: that stand beside the library.
     """
     said = plan.time_promise
-    if said is None or not promises:
+    if said is None:
+        return ()
+    if (said.policy, said.gamma) != (plan.policy, plan.gamma):
+        got = f"{said.policy} plans at gamma {said.gamma:g}"
+        return (f"time_promise: is of {got}, this is a {plan.policy} plan at gamma {plan.gamma:g}",)
+    if not promises:
         return ()
     if replace(said, time=None) != _promise_of(plan, mission, library, promises):
         return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)

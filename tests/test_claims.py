@@ -10,11 +10,11 @@ from typing import Any
 import pytest
 
 from flight.mission import Mission
-from flight.plan import Plan, plan_text
+from flight.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
 from maneuver.app import run
 from maneuver.files import find_library, find_mission
-from maneuver.promised import promised_times, with_promise
+from maneuver.promised import broken_promise, promised_times, with_promise
 from planner.certified import certified
 from planner.check import problems
 from planner.claims import claims
@@ -127,7 +127,7 @@ FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
     ),
     "another policy's": (
         lambda plan: plan["time_promise"].update(policy="worst-case", gamma=1.0),
-        "time_promise: nothing like it",
+        "time_promise: is of worst-case plans at gamma 1",
     ),
     "not verified": (lambda plan: plan.update(verified=False), "verified: expected True"),
     "no tail": (lambda plan: plan.pop("tail"), "tail: missing"),
@@ -257,3 +257,12 @@ def test_a_price_is_never_called_optimal() -> None:
     plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
     relabelled = replace(plan, policy="price-of-robustness", alpha=1.5)
     assert any(one.startswith("status: ") for one in problems(relabelled, thesis_gtmax(), mission))
+
+
+def test_a_promise_of_other_plans_is_found_out_where_none_stands_beside_the_library(tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text(promised())
+    plan, library = read_plan(tmp_path / "plan.json"), thesis_gtmax()
+    other = replace(plan, policy="worst-case", gamma=0.5)
+    (problem,) = broken_promise(other, find_mission("gtmax-2"), library, ())
+    assert problem.startswith("time_promise: is of nominal plans at gamma 0")
+    assert broken_promise(plan, find_mission("gtmax-2"), library, ()) == ()

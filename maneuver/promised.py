@@ -83,17 +83,9 @@ def broken_promise(
     said = plan.time_promise
     if said is None:
         return ()
-    if (said.policy, said.gamma) != (plan.policy, plan.gamma):
-        got = f"{said.policy} plans at gamma {said.gamma:g}"
-        return (f"time_promise: is of {got}, this is a {plan.policy} plan at gamma {plan.gamma:g}",)
-    if not promises:
-        return ()
-    if replace(said, time=None) != _promise_of(plan, mission, library, promises):
-        return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)
-    if said.time is None:
-        return ("time_promise.time: is missing",)
-    if plan.policy not in CERTIFIABLE:
-        return ()
+    wrong = _misfit(plan, said, mission, library, promises)
+    if wrong or not promises or said.time is None or plan.policy not in CERTIFIABLE:
+        return wrong
     level = plan.gamma if plan.policy == "worst-case" else None
     planner = (
         Nominal(library, deadline=PATIENCE) if level is None else WorstCase(library, level, deadline=PATIENCE)
@@ -105,6 +97,18 @@ def broken_promise(
     return (
         f"time_promise.time: the loop foretells at least {least:.3f} s so stretched, got {said.time:.3f} s",
     )
+
+
+def _misfit(
+    plan: Plan, said: TimePromise, mission: Mission, library: Library, promises: tuple[TimePromise, ...]
+) -> tuple[str, ...]:
+    """Returns whether a promise is of other plans, or none that stands beside the library."""
+    if (said.policy, said.gamma) != (plan.policy, plan.gamma):
+        got = f"{said.policy} plans at gamma {said.gamma:g}"
+        return (f"time_promise: is of {got}, this is a {plan.policy} plan at gamma {plan.gamma:g}",)
+    if promises and replace(said, time=None) != _promise_of(plan, mission, library, promises):
+        return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)
+    return ("time_promise.time: is missing",) if promises and said.time is None else ()
 
 
 def _promise_of(

@@ -18,6 +18,9 @@ from .ring import ErrorBoxes, Ring, backward, parts_of, turns_of, without
 CLOSE = 1e-4
 """Seconds by which the middle of a box may differ from the times it was asked for."""
 
+UNBOUNDED = 1e9
+"""Blame, where a number has no bound."""
+
 
 @dataclass(frozen=True, slots=True)
 class Way:
@@ -118,7 +121,7 @@ def close(
         blame = np.zeros(errors.shape)
         for number, scale in found.bears:
             blame += np.abs(number.slope[:, : errors.shape[1]]) / np.abs(scale)[:, None]
-    return Closed(holds, found.times, seconds, heading_end, np.nan_to_num(blame))
+    return Closed(holds, found.times, seconds, heading_end, np.nan_to_num(blame, posinf=UNBOUNDED))
 
 
 def _solved(boxes: ErrorBoxes, ring: Ring, way: Way, tolerance: float) -> Legs:

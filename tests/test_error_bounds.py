@@ -214,13 +214,3 @@ def test_times_that_errors_make_negative_prove_nothing() -> None:
         assert answers.costs(middle + drawn * width).max() <= bound + 1e-6
         never += int(bound == inf)
     assert never < 120
-
-
-@needs_kernel
-def test_boxes_in_which_nothing_holds_overflow_nothing() -> None:
-    """Warnings are errors here: numbers without bounds are looked at, but not added up."""
-    mission = replace(read_mission(missions.FOLDER / "gtmax-1.toml"), tolerance=0.0)
-    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
-    path = error_path(thesis_gtmax(), plan.sequence, 0.5, "scalar")
-    bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), most=600)
-    assert bound.bound >= bound.found

@@ -26,7 +26,7 @@ from jaxtyping import Complex, Float, Int
 from flight.mission import Mission
 from flight.se2 import rotate
 
-from .arrival import EQUALITY_TOLERANCE, wants_heading
+from .arrival import EQUALITY_TOLERANCE, goal_seen, wants_heading
 from .kinematics import Motion
 
 ROUNDING = 1e-12
@@ -82,7 +82,6 @@ class Problems:
             centre = np.where(rate != 0, velocity / (1j * rate), 0)
             longest = np.where(rate != 0, 2 * np.pi / np.abs(rate), np.where(velocity != 0, np.inf, 0.0))
         start = mission.start
-        goal = rotate(mission.goal[0] - start.x, mission.goal[1] - start.y, -start.heading)
         wanted = mission.goal_heading if wants_heading(mission) else None
         return cls(
             rate.real,
@@ -92,7 +91,7 @@ class Problems:
             longest,
             np.array([motion.fixed_time for motion in motions]),
             np.array([row[3] for row in rows]),
-            complex(*goal),
+            goal_seen(mission),
             max(mission.tolerance, EQUALITY_TOLERANCE),
             None if wanted is None else wanted - start.heading,
             max(mission.heading_tolerance, EQUALITY_TOLERANCE),

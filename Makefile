@@ -3,7 +3,7 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := benchmarks campaigns faults flight identification libraries maneuver missions models planner review sequences sim tests tools
+SOURCES := benchmarks experiments flight flightlog identification libraries maneuver models planner review runtime scenarios sim tests tools
 
 # One BLAS thread: the thread count changes the last bits of results.
 export OPENBLAS_NUM_THREADS := 1

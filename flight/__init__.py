@@ -1,1 +1,1 @@
-"""The words that every stage shares; imports nothing of ours, no simulator and no solver."""
+"""Vocabulary of the project: units, planar motion, and the automaton, mission and plan."""

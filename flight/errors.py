@@ -63,7 +63,8 @@ class FlightLostError(FlightError):
     """A simulated flight diverged or met the ground.
 
     Attributes:
-        track: true motion of the primitive in which it did, up to there, as in `flight.vehicle.Leg`; None
+        track: true motion of the primitive in which it did, up to there, as in
+        `flight.automaton.vehicle.Leg`; None
             where nobody kept it.
     """
 

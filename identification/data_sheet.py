@@ -2,11 +2,11 @@
 
 from collections.abc import Iterable, Sequence
 
-from flight.library import Library
-from flight.maneuver import Maneuver
-from flight.maneuver_end import Band
-from flight.statistics import Interpolated, Statistics
-from flight.trim import Trim
+from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver
+from flight.automaton.maneuver_end import Band
+from flight.automaton.statistics import Interpolated, Statistics
+from flight.automaton.trim import Trim
 
 
 def data_sheet(library: Library) -> str:
@@ -93,7 +93,7 @@ _CLAIM = (
     "less. A `discarded` sample is one that the bounds do not hold. A flight in which a maneuver did not "
     "settle, or that was lost, lies outside its bounds: it is counted and listed, and the claim accounts for "
     "it. Durations and displacements end where the true motion has settled; in flight the same rule is "
-    "applied to the estimate. Errors are signed by the convention of `flight/sign_convention.py`."
+    "applied to the estimate. Errors are signed by the convention of `flight/automaton/sign_convention.py`."
 )
 
 

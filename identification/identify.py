@@ -4,20 +4,15 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any, Literal
 
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_text
+from flight.automaton.maneuver import Maneuver
+from flight.automaton.trim import Trim
 from flight.errors import FlightError
-from flight.library import Library
-from flight.library_file import library_text
-from flight.maneuver import Maneuver
-from flight.trim import Trim
-
-from .coast_errors import averaged_hull, duration_bins, instantaneous_hull
-from .deviations import DurationBin, identified_maneuver, identified_trim
-from .flight_evidence import FlightEvidence as FlightEvidence
-from .flight_evidence import StateJudged as StateJudged
-from .flight_evidence import evidence as evidence
-from .flight_evidence import motion_judged as motion_judged
-from .samples import NeverFlownError as NeverFlownError
-from .samples import maneuver_samples, trim_samples
+from identification.segmentation.flight_evidence import FlightEvidence
+from identification.statistics.coast_errors import averaged_hull, duration_bins, instantaneous_hull
+from identification.statistics.deviations import DurationBin, identified_maneuver, identified_trim
+from identification.statistics.samples import maneuver_samples, trim_samples
 
 TrimErrors = Literal["instantaneous", "averaged"]
 

@@ -3,9 +3,9 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from flight.library import Library
-from flight.maneuver import Maneuver
-from flight.trim import Trim
+from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver
+from flight.automaton.trim import Trim
 
 # What differs by less than this is the same step, in m/s and rad/s.
 SAME = 1e-3

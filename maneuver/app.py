@@ -11,7 +11,7 @@ from cyclopts import App, CycloptsError
 from rich.console import Console
 
 from flight.errors import FlightError
-from flight.version import VERSION
+from runtime.version import VERSION
 
 WHOLE = "files that are there are whole"
 RESUME = f"{WHOLE}, and the same command goes on from there"
@@ -36,7 +36,7 @@ VERBS = {
         "Maneuvers found in the motion alone, beside the commanded ones.",
     ),
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
-    "plan": ("maneuver.plan:app", "A mission in, a plan out; `plan check` checks one."),
+    "plan": ("maneuver.plan.plan:app", "A mission in, a plan out; `plan check` checks one."),
     "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
     "faults": ("maneuver.faults:faults", "Flies faults in closed loop: safe, lost and said so, or wrong."),
     "import": ("maneuver.import_log:import_log", "A log of PX4 in, a flight log out."),
@@ -45,7 +45,7 @@ VERBS = {
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
     "replay": ("maneuver.replay:replay", "Logged flights flown again from their logs, compared to the byte."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
-    "library": ("maneuver.library:app", "Shows, checks, tests, compares, grows and makes libraries."),
+    "library": ("maneuver.library.show:app", "Shows, checks, tests, compares, grows and makes libraries."),
 }
 
 

@@ -11,26 +11,27 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from flight.library import Library
-from flight.log_file import read_log
-from flight.mission import Mission
-from flight.plan import Plan
+from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
+from experiments.campaign.evidence import gather_evidence
+from experiments.mission.fly import fly_mission, mission_seed, planner_of
+from experiments.mission.policies import COMPARED
+from experiments.mission.result import MissionResult
+from experiments.mission.task import MissionTask
+from flight.automaton.library import Library
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan
+from flightlog.file.reader import read_log
 from identification.data_sheet import worth
 from identification.identify import identify
-from review.demo_picture import PlanFlown, demo_picture
-from review.library_picture import library_picture
-from review.pictures import publish_picture, write_pictures
-
-from .campaign_flights import CampaignOrder, fly_whole_campaign
-from .evidence import gather_evidence
-from .files import find_campaign, find_mission, refuse_folder
-from .identify import publish_library
-from .means import Means
-from .mission_flights import MissionResult, MissionTask, fly_mission, mission_seed, planner_of
-from .numbers import Count, Seed
-from .policies import COMPARED
-from .progress import shown
-from .workers import default_workers, worker_pool
+from maneuver.library.publish import publish_library
+from maneuver.options.numbers import Count, Seed
+from review.pictures.demo_picture import PlanFlown, demo_picture
+from review.pictures.flight_picture import publish_picture, write_pictures
+from review.pictures.library_picture import library_picture
+from runtime.atomic_write import refuse_folder
+from runtime.executor import Means, default_workers, worker_pool
+from runtime.progress import shown
+from scenarios.find import find_campaign, find_mission
 
 CAMPAIGN = "gtmax"
 MISSION = "gtmax-2"

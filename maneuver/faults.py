@@ -9,22 +9,23 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from flight.fault import Fault
-from flight.fault_matrix import FaultCase, FaultMatrix
-from flight.library import Library
-from flight.log_file import publish_bytes
-from flight.mission import Mission
-from planner.receding_horizon import Settings
-from sim.specification import Departure
-
-from .fault_card import FaultCard, Outcomes, fault_csv, fault_markdown, outcomes, together
-from .files import find_fault_matrix, find_library
-from .flight_store import fly_all
-from .means import HERE, MeansAsked, lend_means
-from .mission_flights import MissionResult, MissionTask, mission_seed
-from .numbers import Count, Seed
-from .policies import FlownPolicy
-from .random_missions import random_missions
+from experiments.faults.fault_matrix import FaultCase, FaultMatrix, find_fault_matrix
+from experiments.faults.report import FaultCard, Outcomes, fault_csv, fault_markdown, outcomes, together
+from experiments.mission.fly import mission_seed
+from experiments.mission.policies import FlownPolicy
+from experiments.mission.random_missions import random_missions
+from experiments.mission.result import MissionResult
+from experiments.mission.result_store import fly_all
+from experiments.mission.task import MissionTask
+from flight.automaton.library import Library
+from flight.mission.fault import Fault
+from flight.mission.mission import Mission
+from maneuver.options.executor import HERE, MeansAsked, lend_means
+from maneuver.options.numbers import Count, Seed
+from planner.closed_loop.settings import Settings
+from runtime.atomic_write import publish_bytes
+from scenarios.find import find_library
+from sim.loop.specification import Departure
 
 NOT_KEPT = 1
 

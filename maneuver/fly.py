@@ -9,34 +9,37 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
+from experiments.mission.fly import fly_mission
+from experiments.mission.policies import FlownPolicy
+from experiments.mission.result import walk_flown
+from experiments.mission.task import MissionTask
 from flight.errors import FlightError
-from flight.fault import parse_fault
-from flight.log_file import publish_log, read_log
-from flight.wind_change import parse_wind_change
-from planner.latency import Latency
-from planner.receding_horizon import Settings
-from sim.campaign import fly_specification
-from sim.specification import Departure, specify_sequence
-
-from .domain import warn_of_flight, warn_of_walk, warn_of_walks
-from .files import (
+from flight.mission.fault import parse_fault
+from flight.mission.wind_change import parse_wind_change
+from flightlog.file.reader import read_log
+from flightlog.file.writer import publish_log
+from maneuver.options.domain_warnings import warn_of_flight, warn_of_walk, warn_of_walks
+from maneuver.options.executor import HERE, MeansAsked
+from maneuver.options.films import make_film, refuse_film
+from maneuver.options.folder_status import show_status
+from maneuver.options.latencies import latency_of
+from maneuver.options.numbers import Count, Seed
+from planner.closed_loop.latency import Latency
+from planner.closed_loop.settings import Settings
+from runtime.atomic_write import refuse_files
+from runtime.job_store import survey
+from scenarios.find import (
     find_library,
     find_mission,
     find_sequence,
     library_path,
     mission_path,
-    refuse_files,
     sequence_path,
 )
-from .films import make_film, refuse_film
+from sim.campaign_flight import fly_specification
+from sim.loop.specification import Departure, specify_sequence
+
 from .fly_campaign import fly_a_campaign, order_campaign
-from .folder_status import show_status
-from .keeping import survey
-from .latencies import latency_of
-from .means import HERE, MeansAsked
-from .mission_flights import MissionTask, fly_mission, walk_flown
-from .numbers import Count, Seed
-from .policies import FlownPolicy
 
 LOST = 1
 

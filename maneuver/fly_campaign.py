@@ -2,12 +2,11 @@
 
 from pathlib import Path
 
-from sim.specification import Departure
-
-from .campaign_flights import CampaignOrder, fly_whole_campaign
-from .campaign_size import campaign_size
-from .files import find_campaign
-from .means import MeansOptions, lend_means
+from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
+from experiments.campaign.size import campaign_size
+from maneuver.options.executor import MeansOptions, lend_means
+from scenarios.find import find_campaign
+from sim.loop.specification import Departure
 
 LOST = 1
 

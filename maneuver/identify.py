@@ -1,28 +1,24 @@
 """`maneuver identify`: logs in, library out."""
 
 import sys
-from collections.abc import Iterable
 from math import inf
 from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
+from experiments.campaign.claims_report import CLAIMS_LESS, split_by_kind, weaker_claims
+from experiments.campaign.evidence import gather_evidence, gather_motion_evidence, has_commands, log_paths
+from flight.automaton.library_file import library_text
 from flight.errors import FlightError
-from flight.library import Library
-from flight.library_file import library_hash, library_text
-from flight.publishing import file_target, publish_again, remove_partials
-from flight.words import counted
-from identification.data_sheet import data_sheet
-from identification.identify import StateJudged, TrimErrors
+from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
-from identification.steady_levels import Resolution
-
-from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
-from .evidence import gather_evidence, gather_motion_evidence, has_commands
-from .files import find_library, refuse_files
-from .numbers import Count
-from .workers import default_workers, worker_pool
+from identification.segmentation.flight_evidence import StateJudged
+from identification.segmentation.trim_discovery import Resolution
+from maneuver.library.publish import publish_library, refuse_library, report
+from maneuver.options.numbers import Count
+from runtime.executor import default_workers, worker_pool
+from scenarios.find import find_library
 
 
 def identify(
@@ -114,61 +110,6 @@ def identify(
     for line in weak:
         print(line, file=sys.stderr)
     return CLAIMS_LESS if weak else 0
-
-
-def refuse_library(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
-    """Refuses, before any work is done, a library that could not be written with its data sheet.
-
-    Raises:
-        FlightError: as `refuse_files`.
-    """
-    # A path without a name has no sheet beside it either.
-    file_target(path, force=force)
-    refuse_files(path, path.with_suffix(".md"), force=force, inputs=inputs)
-
-
-def publish_library(library: Library, path: Path, *, force: bool) -> None:
-    """Writes a library and its data sheet, each whole or not at all."""
-    sheet = path.with_suffix(".md")
-    for target, text in ((path, library_text(library)), (sheet, data_sheet(library))):
-        remove_partials(target.parent, of=target.name)
-        publish_again(text.encode(), target, force=force)
-
-
-def report(library: Library, path: Path) -> str:
-    """Returns what is said of a library that was just made."""
-    statistics = [trim.statistics for trim in library.trims]
-    statistics += [maneuver.statistics for maneuver in library.maneuvers]
-    known = [entry for entry in statistics if entry is not None]
-    samples = sorted({entry.samples for entry in known})
-    least, most = samples[0], samples[-1]
-    flights = counted(least, "flight") if least == most else f"{least}-{most} flights"
-    return (
-        f"{counted(len(library.trims), 'trim')}, {counted(len(library.maneuvers), 'maneuver')}, "
-        f"{flights} each, {counted(sum(entry.timeouts for entry in known), 'time-out')}\n"
-        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
-        f"primitive at once, with {known[0].confidence:.0%} confidence\n"
-        f"library    {path}\n"
-        f"data sheet {path.with_suffix('.md')}\n"
-        f"sha256     {library_hash(library)}\n"
-    )
-
-
-def log_paths(logs: list[Path]) -> list[Path]:
-    """Returns the logs named, and those in the folders named.
-
-    Raises:
-        FlightError: there are none.
-    """
-    paths = []
-    for path in logs:
-        found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
-        if not found:
-            raise FlightError(f"{path}: expected a folder of *.mcap logs, got none")
-        paths.extend(found)
-    if not paths:
-        raise FlightError("expected flight logs or folders of them, got none")
-    return paths
 
 
 def _resolution(numbers: tuple[float, float, float]) -> Resolution:

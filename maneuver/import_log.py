@@ -10,24 +10,16 @@ import numpy as np
 from cyclopts import Parameter
 
 from flight.errors import FlightError
-from flight.foreign_csv import TimeUnit, read_foreign_csv
-from flight.foreign_mcap import Stated, VelocityAxes, read_foreign_mcap
-from flight.frames import Axes, BodyAxes, WorldAxes
-from flight.log import (
-    ESTIMATE,
-    FAULT,
-    FAULT_EFFECT,
-    IMPORT_ATTACHMENT,
-    MOTION,
-    TOPICS,
-    TRUTH,
-    FlightLog,
-)
-from flight.log_file import publish_log
-from flight.measured_motion import disagreement
-from flight.px4_log import read_px4_log
-
-from .files import refuse_files
+from flightlog.attachment_names import IMPORT_ATTACHMENT
+from flightlog.channels import ESTIMATE, FAULT, FAULT_EFFECT, MOTION, TOPICS, TRUTH
+from flightlog.file.writer import publish_log
+from flightlog.imports.axes import Axes, BodyAxes, WorldAxes
+from flightlog.imports.csv_log import TimeUnit, read_foreign_csv
+from flightlog.imports.mcap_log import Stated, VelocityAxes, read_foreign_mcap
+from flightlog.imports.measured_motion import disagreement
+from flightlog.imports.px4_log import read_px4_log
+from flightlog.log import FlightLog
+from runtime.atomic_write import refuse_files
 
 WITH_LOSS = 3
 # Positions and velocities that belong together differ by less, as a share of the speed and in m/s.

@@ -6,10 +6,10 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from flight.errors import BadFileError, FlightError
-from flight.log_file import LARGEST_LOG, MAGIC, publish_bytes
-from flight.log_recovery import Salvage, holds, recovered_bytes, salvage
-
-from .files import refuse_files
+from flightlog.file.reader import MAGIC
+from flightlog.file.recovery import Salvage, holds, recovered_bytes, salvage
+from flightlog.file.writer import LARGEST_LOG
+from runtime.atomic_write import publish_bytes, refuse_files
 
 NOTHING_TO_SAVE = 1
 WITH_LOSS = 3

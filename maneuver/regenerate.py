@@ -8,25 +8,25 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from flight.library import Library
-from flight.library_file import library_text
-from flight.words import counted
-from identification.identify import StateJudged, TrimErrors
+from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
+from experiments.campaign.claims_report import CLAIMS_LESS, split_by_kind, weaker_claims
+from experiments.campaign.cleanup import finish_removal, made_before, remove_flights
+from experiments.campaign.evidence import gather_evidence
+from experiments.campaign.forecast import forecast
+from experiments.campaign.size import campaign_size
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_text
+from flight.plural import counted
+from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
-
-from .campaign_flights import CampaignOrder, fly_whole_campaign
-from .campaign_forecast import forecast
-from .campaign_size import campaign_size
-from .claims import CLAIMS_LESS, split_by_kind, weaker_claims
-from .evidence import gather_evidence
-from .files import find_campaign
-from .folder_status import show_status
-from .identify import publish_library, refuse_library, report
-from .keeping import survey
-from .means import HERE, MeansAsked, lend_means
-from .numbers import Count, Seed
-from .regenerated import finish_removal, made_before, remove_flights
-from .workers import default_workers, worker_pool
+from identification.segmentation.flight_evidence import StateJudged
+from maneuver.library.publish import publish_library, refuse_library, report
+from maneuver.options.executor import HERE, MeansAsked, lend_means
+from maneuver.options.folder_status import show_status
+from maneuver.options.numbers import Count, Seed
+from runtime.executor import default_workers, worker_pool
+from runtime.job_store import survey
+from scenarios.find import find_campaign
 
 
 def regenerate(

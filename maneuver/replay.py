@@ -7,16 +7,16 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from flight.code_version import code_version
+from experiments.campaign.evidence import log_paths
+from experiments.mission.repeat import fly_again
 from flight.errors import FlightError
-from flight.log import FlightLog
-from flight.log_difference import bytes_that_differ, differences
-from flight.log_file import log_bytes, publish_bytes, read_log
-
-from .files import refuse_files
-from .identify import log_paths
-from .progress import shown
-from .repeated_flight import fly_again
+from flightlog.file.reader import read_log
+from flightlog.file.writer import log_bytes
+from flightlog.log import FlightLog
+from flightlog.log_diff import bytes_that_differ, differences
+from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.code_version import code_version
+from runtime.progress import shown
 
 DIFFERENT = 1
 # Differences that are printed of one flight.

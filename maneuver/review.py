@@ -10,23 +10,23 @@ from cyclopts import Parameter
 from cyclopts.types import NonNegativeInt
 from rich.console import Console
 
+from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.library import Library
-from flight.log_file import publish_bytes, read_log
-from review.bounds import judged_by
-from review.campaign import FlightRow, outliers_first, row_of
-from review.campaign_page import campaign_page
-from review.control_limits import control_limits
-from review.page import Reviewed, review_page
-from review.pictures import picture_paths, write_pictures
-from review.summary import summarise
-
-from .files import find_library, refuse_files
-from .films import FILM_ENDING, STILL_ENDING, make_film, make_still
-from .numbers import Count
-from .progress import shown
-from .review_report import campaign_report, report, side_by_side, summary_content
-from .workers import default_workers, worker_pool
+from flightlog.file.reader import read_log
+from maneuver.options.films import FILM_ENDING, STILL_ENDING, make_film, make_still
+from maneuver.options.numbers import Count
+from maneuver.report.review import campaign_report, report, side_by_side, summary_content
+from review.page.campaign_page import campaign_page
+from review.page.campaign_rows import FlightRow, outliers_first, row_of
+from review.page.page import Reviewed, review_page
+from review.pictures.flight_picture import picture_paths, write_pictures
+from review.summary.bound_check import judged_by
+from review.summary.control_limits import control_limits
+from review.summary.summary import summarise
+from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.executor import default_workers, worker_pool
+from runtime.progress import shown
+from scenarios.find import find_library
 
 MOST_COMPARED = 4
 FAILED = 1

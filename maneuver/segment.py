@@ -11,15 +11,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from experiments.campaign.evidence import log_paths
 from flight.errors import FlightError
-from flight.log_file import read_log
-from flight.words import counted
-from identification.motion_model import sampled_motion
-from identification.motion_walk import walks_of
-from identification.segmentation import commanded_walk, cut
-from identification.segmentation_score import TOLERANCE, EdgeScore, boundaries, scores
-
-from .identify import log_paths
+from flight.plural import counted
+from flightlog.file.reader import read_log
+from identification.segmentation.motion_model import sampled_motion
+from identification.segmentation.motion_walk import walks_of
+from identification.segmentation.segmentation import commanded_walk, cut
+from identification.segmentation.segmentation_score import TOLERANCE, EdgeScore, boundaries, scores
 
 MISSED = 1
 LEAST_FOUND, MOST_SPURIOUS = 0.98, 0.02

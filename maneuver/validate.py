@@ -8,37 +8,35 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 from cyclopts.types import NonNegativeFloat, PositiveFloat
 
+from experiments.mission.blame import Blame, blame
+from experiments.mission.policies import COMPARED, FlownPolicy
+from experiments.mission.random_missions import random_missions
+from experiments.mission.result import MissionResult, walk_flown
+from experiments.mission.result_store import FLIGHTS, fly_all, keep_all
+from experiments.mission.time_bound import promised_times
+from experiments.thesis.flown_tables import compare_loops, loops_csv, loops_markdown, pattern
+from experiments.validation.grid import Grid
+from experiments.validation.pictures import write_validation_pictures
+from experiments.validation.scorecard import Cell, scorecard, totals
+from experiments.validation.scorecard_files import Scorecard, comma_separated, json_text, markdown
+from experiments.validation.time_bound_trial import promises, time_promises
+from experiments.validation.tube_trial import tube_cards
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
-from flight.library import Library
-from flight.library_file import library_hash
-from flight.log_file import publish_bytes
-from flight.mission import Mission
-from flight.publishing import remove_partials
-from flight.time_promise import times_text
-from planner.receding_horizon import Settings
-
-from .blame import Blame, blame
-from .domain import warn_of_flight, warn_of_walks
-from .files import find_library, find_mission, library_path, refuse_files, refuse_folder
-from .flight_store import FLIGHTS, fly_all, keep_all
-from .flown_tables import compare_loops, loops_csv, loops_markdown, pattern
-from .folder_status import show_status
-from .keeping import survey
-from .latencies import latency_of
-from .means import HERE, MeansAsked, lend_means
-from .mission_flights import MissionResult, walk_flown
-from .numbers import Count, Seed
-from .policies import COMPARED, FlownPolicy
-from .promise_card import promises, time_promises
-from .promised import promised_times
-from .random_missions import random_missions
-from .scorecard import Cell, scorecard, totals
-from .scorecard_console import show
-from .scorecard_files import Scorecard, comma_separated, json_text, markdown
-from .tube_card import tube_cards
-from .validation_grid import Grid
-from .validation_pictures import write_validation_pictures
-from .workers import default_workers, worker_pool
+from flight.mission.mission import Mission
+from flight.plan.time_bound import times_text
+from maneuver.options.domain_warnings import warn_of_flight, warn_of_walks
+from maneuver.options.executor import HERE, MeansAsked, lend_means
+from maneuver.options.folder_status import show_status
+from maneuver.options.latencies import latency_of
+from maneuver.options.numbers import Count, Seed
+from maneuver.report.scorecard import show
+from planner.closed_loop.settings import Settings
+from runtime.atomic_write import publish_bytes, refuse_files, refuse_folder, remove_partials
+from runtime.executor import default_workers, worker_pool
+from runtime.job_store import survey
+from scenarios.find import find_library, find_mission, library_path
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")

@@ -14,15 +14,14 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
+from experiments.campaign.campaign import campaign_library, specify_campaign
+from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.library import Library
-from flight.words import counted
-from sim.figure import Figure
-from sim.specification import FlightSpecification
-
-from .campaign_flights import campaign_library, specify_campaign
-from .files import find_campaign, find_library
-from .workers import default_workers, worker_pool
+from flight.plural import counted
+from runtime.executor import default_workers, worker_pool
+from scenarios.find import find_campaign, find_library
+from sim.checks.check import Figure
+from sim.loop.specification import FlightSpecification
 
 CHECK_FAILED = 1
 TOPICS = (
@@ -71,8 +70,8 @@ def verify(
 
 
 def _draw(path: Path) -> None:
-    from review.spectrum_picture import draw_spectra
-    from sim.wind_check import spectra
+    from review.pictures.spectrum_picture import draw_spectra
+    from sim.checks.wind_check import spectra
 
     frequency, found = spectra()
     draw_spectra(frequency, found, path)
@@ -80,17 +79,13 @@ def _draw(path: Path) -> None:
 
 def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     """Yields every figure of the topics; of all where none is named."""
-    from sim.controller_check import (
-        check_adaptation,
-        check_delay,
-        check_margins,
-    )
-    from sim.limits_check import check_limits
-    from sim.numerics_check import check_numerics
-    from sim.parameters import read_parameters
-    from sim.response_check import check_response, check_table_10
-    from sim.vehicle_check import check_vehicle
-    from sim.wind_check import check_wind
+    from sim.checks.controller_check import check_adaptation, check_delay, check_margins
+    from sim.checks.limits_check import check_limits
+    from sim.checks.numerics_check import check_numerics
+    from sim.checks.response_check import check_response, check_table_10
+    from sim.checks.vehicle_check import check_vehicle
+    from sim.checks.wind_check import check_wind
+    from sim.vehicle.parameters import read_parameters
 
     vehicle = read_parameters()
     checks: tuple[tuple[set[str], Callable[[], Iterable[Figure]]], ...] = (
@@ -126,7 +121,7 @@ def _campaign_flights() -> tuple[FlightSpecification, ...]:
 
 
 def _check_navigation() -> Iterable[Figure]:
-    from sim.navigation_check import check_navigation
+    from sim.checks.navigation_check import check_navigation
 
     with worker_pool(default_workers()) as executor:
         yield from check_navigation(_library("gtmax"), executor=executor)

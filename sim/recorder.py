@@ -6,26 +6,16 @@ from math import hypot
 import numpy as np
 from jaxtyping import Float
 
-from flight.log import (
-    COMMAND,
-    CONTROLS,
-    ESTIMATE,
-    NAVIGATION,
-    PRIMITIVE,
-    TRUTH,
-    WIND,
-    FlightHeader,
-    FlightLog,
-    PrimitiveKind,
-    Series,
-    Topic,
-)
-from flight.trim import Trim
-
-from .bound_function import Array, view
-from .motion import Controls, Motion
-from .signals import Signals
-from .specification import CONTROL_RATE
+from flight.automaton.trim import Trim
+from flightlog.channels import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, PRIMITIVE, TRUTH, WIND
+from flightlog.header import FlightHeader
+from flightlog.log import FlightLog
+from flightlog.primitives import PrimitiveKind
+from flightlog.topic import Series, Topic
+from sim.loop.bound_function import Array, view
+from sim.loop.motion import Controls, Motion
+from sim.loop.signals import Signals
+from sim.loop.specification import CONTROL_RATE
 
 # Motion is logged at every second control period, what the vehicle believes of its errors at every tenth.
 PERIODS_A_SAMPLE, PERIODS_A_SPREAD = 2, 10

@@ -6,14 +6,15 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
-from flight.log import CONTROLS, INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT, WIND, FlightLog
-
-from .backend import Backend, best_backend, name_backend
-from .helicopter import Helicopter, HelicopterState
-from .motion import Controls, Wind
-from .parameters import model_hash, read_parameters
-from .specification import CONTROL_PERIOD, parse_specification
-from .vehicle_faults import vehicle_schedule
+from flightlog.attachment_names import INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT
+from flightlog.channels import CONTROLS, WIND
+from flightlog.log import FlightLog
+from sim.faults.vehicle_faults import vehicle_schedule
+from sim.loop.backend import Backend, best_backend, name_backend
+from sim.loop.motion import Controls, Wind
+from sim.loop.specification import CONTROL_PERIOD, parse_specification
+from sim.vehicle.helicopter import Helicopter, HelicopterState
+from sim.vehicle.parameters import model_hash, read_parameters
 
 
 class AnotherVehicleError(FlightError):

@@ -10,16 +10,15 @@ from dataclasses import replace
 from math import exp, hypot, inf, isfinite, isnan, sqrt
 from types import MappingProxyType
 
-from flight.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarm_series
-from flight.library import Library
-from flight.log import FlightLog
-
-from .filter_equations import GATE
-from .navigation import Navigation, Navigator
-from .signals import Signals
-from .specification import CONTROL_PERIOD
-from .turbulence import TurbulenceMeter
-from .wind import WIND_CLASSES
+from flight.automaton.library import Library
+from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarm_series
+from flightlog.log import FlightLog
+from sim.loop.signals import Signals
+from sim.loop.specification import CONTROL_PERIOD
+from sim.navigation.filter import GATE
+from sim.navigation.navigation import Navigation, Navigator
+from sim.wind.turbulence_meter import TurbulenceMeter
+from sim.wind.wind import WIND_CLASSES
 
 PERIODS_A_LOOK = 10
 """Control periods between two looks; as many as between two fixes."""
@@ -52,7 +51,8 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
     }
 )
 """What is allowed: above all that sound flights came to in the wind of `gtmax` and `moderate`, as
-`benchmarks.alarm_limits` prints them. Silence and stuck readings are chosen: the filter does without for as
+`benchmarks.flight.alarm_limits` prints them. Silence and stuck readings are chosen: the filter does without
+for as
 long. How hard it may blow is the library's to say."""
 
 BEYOND = 2.5

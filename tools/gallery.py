@@ -13,7 +13,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from maneuver.app import run
-from tests.browser import CHROMIUM, Tab, browser
+from tests.support.browser import CHROMIUM, Tab, browser
 
 DOCS = Path(__file__).parent.parent / "docs"
 

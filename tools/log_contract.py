@@ -4,11 +4,14 @@ from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
 
-from flight import log, z_up
-from flight.alarm import ALARM
-from flight.decision import DECISION
-from flight.log import CONVENTIONS, TOPICS, FlightHeader, Topic
-from flight.viewer_channels import VIEWER_TOPICS, ViewerTopic
+from flightlog import attachment_names
+from flightlog.alarm import ALARM
+from flightlog.channels import CONVENTIONS, TOPICS
+from flightlog.decision import DECISION
+from flightlog.header import FlightHeader
+from flightlog.topic import Topic
+from flightlog.viewers import z_up_frames as z_up
+from flightlog.viewers.channels import VIEWER_TOPICS, ViewerTopic
 
 PAGE = Path(__file__).parent.parent / "docs" / "flight-log.md"
 
@@ -20,11 +23,13 @@ verifies them all. Equal flights give equal bytes. A topic that is absent is abs
 another vehicle a field may be absent too: its schema lacks it, and the other fields keep their numbers.
 
 There are two kinds of channels. The first are for programs: every field is a double, numbered in the order
-below, in SI units, north-east-down; `flight.log_file.read_log` reads them into arrays. The second are for
+below, in SI units, north-east-down; `flightlog.file.reader.read_log` reads them into arrays. The second are
+for
 viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never read
 back. [review.md](review.md) says how to open a log in the viewers.
 
-This page is made from `flight/log.py` and `flight/viewer_channels.py` by `python -m tools.log_contract`.
+This page is made from `flightlog/log.py` and `flightlog/viewers/channels.py` by `python -m
+tools.log_contract`.
 
 ## Example
 
@@ -46,16 +51,25 @@ Any other reader of MCAP and protobuf gives the same numbers: schemas are in the
 """
 
 ATTACHMENTS = (
-    (log.LIBRARY_ATTACHMENT, "the library flown with; carries the maneuver-end rule"),
-    (log.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
-    (log.VEHICLE_ATTACHMENT, "every number of the vehicle that flew"),
-    (log.IMPORT_ATTACHMENT, "where a log that another program wrote came from"),
-    (log.MODEL_ATTACHMENT, "its shape, as MuJoCo's MJCF: x forward, y left, z up"),
-    (log.INITIAL_STATE_ATTACHMENT, "the true state at time 0; with controls and wind it gives the motion"),
-    (log.FAULTS_ATTACHMENT, "what goes wrong: where, what, start and duration in s, sizes; absent in most"),
-    (log.MISSION_ATTACHMENT, "the mission of a flight in receding horizon, its planner and settings"),
+    (attachment_names.LIBRARY_ATTACHMENT, "the library flown with; carries the maneuver-end rule"),
+    (attachment_names.SPECIFICATION_ATTACHMENT, "all that the simulator needs to repeat the flight"),
+    (attachment_names.VEHICLE_ATTACHMENT, "every number of the vehicle that flew"),
+    (attachment_names.IMPORT_ATTACHMENT, "where a log that another program wrote came from"),
+    (attachment_names.MODEL_ATTACHMENT, "its shape, as MuJoCo's MJCF: x forward, y left, z up"),
     (
-        log.PLANS_ATTACHMENT,
+        attachment_names.INITIAL_STATE_ATTACHMENT,
+        "the true state at time 0; with controls and wind it gives the motion",
+    ),
+    (
+        attachment_names.FAULTS_ATTACHMENT,
+        "what goes wrong: where, what, start and duration in s, sizes; absent in most",
+    ),
+    (
+        attachment_names.MISSION_ATTACHMENT,
+        "the mission of a flight in receding horizon, its planner and settings",
+    ),
+    (
+        attachment_names.PLANS_ATTACHMENT,
         "its plans, in order, each `maneuver-plan/1` with when it was asked for and how long that took",
     ),
 )

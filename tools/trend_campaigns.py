@@ -2,12 +2,12 @@
 
 from collections.abc import Callable
 
-import campaigns
 import libraries
-from flight.library import Library
-from flight.library_file import library_text
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_text
 from identification.data_sheet import data_sheet
-from identification.trend_automaton import straight_automaton, turns_automaton
+from identification.design.trend_automaton import straight_automaton, turns_automaton
+from scenarios.find import CAMPAIGNS
 
 WIND, ALTITUDE = "gtmax", 30.0
 
@@ -60,7 +60,7 @@ def _write(
         f"    {{ trim = {trim}, forward = {one.forward}, side = {one.side}, yaw_rate = {one.yaw_rate} }},\n"
         for trim, one in rule.bands.items()
     )
-    (campaigns.FOLDER / f"{library.name}.toml").write_text(f"{head}{bands}]\n", encoding="utf-8")
+    (CAMPAIGNS / f"{library.name}.toml").write_text(f"{head}{bands}]\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

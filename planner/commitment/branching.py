@@ -8,8 +8,8 @@ from time import perf_counter
 import numpy as np
 from jaxtyping import Float, Int
 
-from flight.library import Library
-from planner.sequences import Walk
+from flight.automaton.library import Library
+from planner.walks.walk import Walk
 
 from .boxes import SLACK, Boxes, Known, examine, joined
 from .descent import Descended, Descent

@@ -10,9 +10,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import nnls
 
-from flight.library import Library
-from planner.coasting import HEADING_MARGIN
-from planner.sequences import Walk
+from flight.automaton.library import Library
+from planner.fallback.coasting import HEADING_MARGIN
+from planner.walks.walk import Walk
 
 from .exchange import Finite
 from .fan import fan

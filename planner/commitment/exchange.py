@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from planner.coasting import HEADING_MARGIN
+from planner.fallback.coasting import HEADING_MARGIN
 
 from .fan import Fan
 from .task import Task

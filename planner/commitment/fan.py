@@ -14,8 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flight.library import Library
-from planner.sequences import Walk
+from flight.automaton.library import Library
+from planner.walks.walk import Walk
 
 from .whole_interval import Lines
 

@@ -2,8 +2,8 @@
 
 from dataclasses import dataclass
 
-from flight.mission import Mission
-from planner.arrival import EQUALITY_TOLERANCE, goal_seen, wants_heading
+from flight.mission.mission import Mission
+from planner.walks.goal import EQUALITY_TOLERANCE, goal_seen, wants_heading
 
 
 @dataclass(frozen=True, slots=True)

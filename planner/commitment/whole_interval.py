@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from flight.library import Library
-from planner.sequences import Walk
+from flight.automaton.library import Library
+from planner.walks.walk import Walk
 
 FIRST_PIECES = 8
 

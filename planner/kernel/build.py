@@ -4,7 +4,7 @@ import ctypes
 from functools import cache
 from pathlib import Path
 
-from flight.machine_code import IEEE_FLAGS, NoMachineCodeError, shared_library
+from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
 
 SOURCES = (
     "times.c",

@@ -8,11 +8,11 @@ from time import perf_counter
 import numpy as np
 from jaxtyping import Float
 
+from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.library import Library
-from flight.mission import Mission
-from planner.answer import Answer
-from planner.arrival import goal_seen, wants_heading
+from flight.mission.mission import Mission
+from planner.walks.answer import Answer
+from planner.walks.goal import goal_seen, wants_heading
 
 from .build import kernel
 from .tables import CTable, Table, tables

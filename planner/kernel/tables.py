@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from flight.library import Library
+from flight.automaton.library import Library
 
 
 class CTable(ctypes.Structure):

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flight.viewer_channels import PATH
-from flight.z_up import WORLD
+from flightlog.viewers.channels import PATH
+from flightlog.viewers.z_up_frames import WORLD
 
 APPLICATION = "maneuver"
 """Application id that a converted log must have."""

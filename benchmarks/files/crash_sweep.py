@@ -1,0 +1,234 @@
+"""Campaigns that are stopped at every step: nothing may be lost, doubled or seen in part.
+
+A campaign is flown and identified with every step of every file noted. Then, for each step, the files are
+laid out as a disk may hold them after a crash there, and the same command goes on. Wrong is: a file that is
+visible and not whole; a flight that was reported and is gone; in the end, a file more, a file less, or
+another byte than in the undisturbed run. A writer that opens files in their place and never syncs shows that
+the harness sees such things. Flights are flown once and remembered, because it is the writing that is tested;
+`benchmarks.files.crash_kills` flies them.
+
+For example:
+
+    python -m benchmarks.files.crash_sweep --flights 4
+"""
+
+import argparse
+import shutil
+import tempfile
+from collections import Counter
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+from typing import Any
+
+from benchmarks.upper_limit import upper_limit
+from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
+from experiments.campaign.evidence import gather_evidence
+from flight.automaton.library_file import library_text
+from flight.errors import CannotWriteError
+from identification.data_sheet import data_sheet
+from identification.identify import identify
+from runtime.atomic_write import Disk, publish_bytes, remove_partials
+from runtime.executor import Means
+from scenarios.find import find_campaign
+from tests.support.crash_disk import Loss, NotingDisk, Step, after_crash
+from tests.support.small_campaign import write_small_campaign
+
+Writer = Callable[[bytes, Path, Disk], None]
+Files = dict[str, bytes]
+
+
+def whole_writer(content: bytes, path: Path, disk: Disk) -> None:
+    """Writes as the program does."""
+    publish_bytes(content, path, force=True, disk=disk)
+
+
+def naive_writer(content: bytes, path: Path, disk: Disk) -> None:
+    """Writes a file in its place, and hopes."""
+    descriptor = disk.open(path)
+    while content:
+        content = content[disk.write(descriptor, content) :]
+    disk.close(descriptor)
+
+
+class Remembering(Executor):
+    """Runs work at once, in this process, and each flight only once."""
+
+    def __init__(self) -> None:
+        self._known: dict[str, Any] = {}
+
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        """Runs the function, or answers as it did before for work of the same name."""
+        future: Future[Any] = Future()
+        key = f"{fn.__name__} {args[0].path.name}"
+        if key not in self._known:
+            self._known[key] = fn(*args, **kwargs)
+        future.set_result(self._known[key])
+        return future
+
+
+@dataclass(slots=True)
+class Sweep:
+    """A campaign and what it should come to.
+
+    Attributes:
+        order: what is flown.
+        place: where it is flown; emptied before every trial.
+        executor: that flies.
+        expected: every file of the undisturbed run, by its name below the place.
+    """
+
+    order: CampaignOrder
+    place: Path
+    executor: Remembering
+    expected: Files
+
+    @classmethod
+    def of(cls, folder: Path, *, flights: int) -> "Sweep":
+        """Flies the campaign once, undisturbed."""
+        campaign = find_campaign(str(write_small_campaign(folder, flights=flights)))
+        order = CampaignOrder(campaign, seed=1, flights=flights, wind=campaign.wind)
+        sweep = cls(order, folder / "place", Remembering(), {})
+        sweep.lay_out({})
+        sweep.run(whole_writer, Disk())
+        sweep.expected = sweep.files()
+        return sweep
+
+    def run(self, writer: Writer, disk: Disk, *, reported: list[tuple[int, str]] | None = None) -> None:
+        """Flies what is missing, and identifies the library.
+
+        Args:
+            writer: of the files.
+            disk: that they are written to.
+            reported: takes the number of steps after which each file was said to be there.
+        """
+
+        def publish(content: bytes, path: Path) -> None:
+            writer(content, path, disk)
+            if reported is not None and isinstance(disk, NotingDisk):
+                reported.append((len(disk.steps), self._name(path)))
+
+        means = Means(self.executor, by_value=True, publish=publish)
+        flown = fly_whole_campaign(self.order, self.place / "flights", means=means)
+        logs = [flight.path for flight in flown.flights]
+        # What `regenerate` does before it writes a library.
+        remove_partials(self.place, of="small*")
+        library = identify(gather_evidence(logs, executor=_Inline()), name="small")
+        for ending, text in ((".json", library_text(library)), (".md", data_sheet(library))):
+            publish(text.encode(), self.place / f"small{ending}")
+
+    def files(self) -> Files:
+        """Returns every file that there is, by its name below the place."""
+        return {self._name(path): path.read_bytes() for path in self.place.rglob("*") if path.is_file()}
+
+    def lay_out(self, files: Files) -> None:
+        """Makes the place as if these files were all that there is."""
+        shutil.rmtree(self.place, ignore_errors=True)
+        (self.place / "flights").mkdir(parents=True)
+        for name, content in files.items():
+            (self.place / name).write_bytes(content)
+
+    def faults(self, found: Files, reported: set[str]) -> set[str]:
+        """Lays files out, goes on from there, and returns what is wrong; whole runs are expected after."""
+        visible = {name: content for name, content in found.items() if not Path(name).name.startswith(".")}
+        wrong = set()
+        if any(content != self.expected.get(name) for name, content in visible.items()):
+            wrong.add("partial file visible")
+        if any(visible.get(name) != self.expected[name] for name in reported):
+            wrong.add("reported file lost")
+        self.lay_out(found)
+        self.run(whole_writer, Disk())
+        after = self.files()
+        if after.keys() - self.expected.keys():
+            wrong.add("file too many")
+        if self.expected.keys() - after.keys():
+            wrong.add("file missing")
+        if any(after[name] != content for name, content in self.expected.items() if name in after):
+            wrong.add("other bytes")
+        return wrong
+
+    def relative(self, found: dict[Path, bytes]) -> Files:
+        """Returns files by their names below the place."""
+        return {self._name(path): content for path, content in found.items()}
+
+    def _name(self, path: Path) -> str:
+        return str(path.relative_to(self.place))
+
+
+class _Inline(Executor):
+    def submit(self, fn: Callable[..., Any], /, *args: Any, **kwargs: Any) -> Future[Any]:
+        future: Future[Any] = Future()
+        future.set_result(fn(*args, **kwargs))
+        return future
+
+
+def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[Step], list[tuple[int, str]]]:
+    """Returns every step of an undisturbed run, and after how many each file was said to be there."""
+    disk, reported = NotingDisk(piece), list[tuple[int, str]]()
+    sweep.lay_out({})
+    sweep.run(writer, disk, reported=reported)
+    return disk.steps, reported
+
+
+def crash_everywhere(sweep: Sweep, writer: Writer, *, piece: int, seed: int) -> dict[Loss, Counter[str]]:
+    """Stops after every step, with every loss, and counts what is wrong after each; `points` counts all."""
+    steps, reported = note(sweep, writer, piece=piece)
+    counts = {loss: Counter[str]() for loss in Loss}
+    for number in range(len(steps) + 1):
+        for loss in Loss:
+            found = sweep.relative(after_crash(steps[:number], loss, Random(f"{seed} {number} {loss}")))
+            said = {name for step, name in reported if step <= number}
+            wrong = sweep.faults(found, said)
+            counts[loss].update(["points", *wrong, *(["caught"] if wrong else [])])
+    return counts
+
+
+def fill_everywhere(sweep: Sweep, *, piece: int) -> Counter[str]:
+    """Lets the disk be full from every step on; the campaign must say so, and go on later."""
+    steps, _ = note(sweep, whole_writer, piece=piece)
+    counts = Counter[str]()
+    for number in range(len(steps)):
+        sweep.lay_out({})
+        with suppress(CannotWriteError):
+            sweep.run(whole_writer, NotingDisk(piece, full_after=number))
+        found = sweep.files()
+        hidden = {"half-written file left"} if any("/." in name for name in found) else set()
+        wrong = hidden | sweep.faults(found, set())
+        counts.update(["points", *wrong, *(["caught"] if wrong else [])])
+    return counts
+
+
+def main() -> None:
+    """Prints what was found after every kind of crash, for the program's writer and for the naive one."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--flights", type=int, default=4)
+    parser.add_argument("--piece", type=int, default=128 * 1024, help="bytes that one step writes")
+    parser.add_argument("--seed", type=int, default=1)
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        sweep = Sweep.of(Path(name), flights=arguments.flights)
+        for what, writer in (("the program's writer", whole_writer), ("a naive writer", naive_writer)):
+            counts = crash_everywhere(sweep, writer, piece=arguments.piece, seed=arguments.seed)
+            for loss, found in counts.items():
+                _say(f"{what}, {loss}", found)
+            _say(f"{what}, all", sum(counts.values(), Counter[str]()))
+        _say("the program's writer, disk full", fill_everywhere(sweep, piece=arguments.piece))
+
+
+def _say(what: str, found: Counter[str]) -> None:
+    caught, points = found["caught"], found["points"]
+    details = ", ".join(
+        f"{words} {count}" for words, count in found.items() if words not in {"points", "caught"}
+    )
+    limit = f"95 % upper limit {100 * upper_limit(caught, points):.2f} %"
+    words = f" ({details})" if details else ""
+    print(f"{what}: {caught} of {points} points wrong, {limit}{words}", flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,1 @@
+"""Closed loops and campaigns: flown, judged and compared. The stages meet here."""

@@ -1,0 +1,1 @@
+"""Identification campaigns: flown, evidence gathered, coverage claims forecast and tested."""

@@ -1,0 +1,150 @@
+"""Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
+
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import repeat
+from pathlib import Path
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.automaton.library import Library
+from flight.errors import FlightError
+from flightlog.attachment_names import LIBRARY_ATTACHMENT
+from flightlog.channels import PRIMITIVE
+from flightlog.file.reader import read_log
+from flightlog.fingerprint import fingerprint
+from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, evidence, motion_judged
+from identification.segmentation.motion_model import sampled_motion
+from identification.segmentation.motion_walk import walks_of
+from identification.segmentation.segmentation import Walk, cut
+from identification.segmentation.trim_discovery import Resolution, discovered_automaton
+from runtime.progress import shown
+
+
+def gather_evidence(
+    paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
+) -> list[FlightEvidence]:
+    """Reads logs and cuts them into primitives.
+
+    Raises:
+        FlightError: a log is broken or lacks something.
+    """
+    cut = executor.map(partial(evidence_of, of=of), paths)
+    return list(shown(cut, total=len(paths), what="identifying"))
+
+
+def gather_motion_evidence(
+    paths: Sequence[Path],
+    *,
+    executor: Executor,
+    trims: Library | None = None,
+    resolution: Resolution | None = None,
+) -> list[FlightEvidence]:
+    """Reads logs and cuts them into primitives by their motion alone.
+
+    Args:
+        paths: of the logs.
+        executor: that reads them.
+        trims: the automaton and its maneuver-end rule; where None, what the logs carry, and where they carry
+            none, what their motion shows.
+        resolution: the least difference between two trims that the motion is to show.
+
+    Raises:
+        FlightError: a log is broken or lacks something.
+    """
+    seen = list(shown(executor.map(_motion_of, paths), total=len(paths), what="reading"))
+    motions = [one.motion for one in seen]
+    library = trims or seen[0].library
+    found = library is None
+    if library is None:
+        library = discovered_automaton(motions, vehicle=seen[0].vehicle, resolution=resolution)
+    walks = walks_of(motions, library)
+    cutting = executor.map(_motion_evidence_of, paths, walks, repeat(library))
+    flights = list(shown(cutting, total=len(paths), what="identifying"))
+    return _without_the_unseen(flights, library) if found else flights
+
+
+def has_commands(path: Path) -> bool:
+    """Whether a log says when which primitive was commanded."""
+    return PRIMITIVE.name in read_log(path).series
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MotionSeen:
+    """What the walk is found from, and what names it."""
+
+    vehicle: str
+    library: Library | None
+    motion: Float[np.ndarray, "n 3"]
+
+
+def _motion_of(path: Path) -> MotionSeen:
+    log = read_log(path)
+    library = log.library() if LIBRARY_ATTACHMENT in log.attachments else None
+    try:
+        return MotionSeen(log.header.vehicle, library, sampled_motion(log))
+    except FlightError as error:
+        raise FlightError(f"{path}: {error}") from None
+
+
+def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvidence:
+    log = read_log(path)
+    return FlightEvidence(
+        str(path),
+        fingerprint(log),
+        log.header,
+        library,
+        cut(log, walk, library),
+        log.duration,
+        found_by="motion",
+        judged=motion_judged(log),
+    )
+
+
+def _without_the_unseen(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
+    """Leaves out discovered trims that no coast shows: passing through a velocity is not holding it."""
+    held = {coast.trim for flight in flights for coast in flight.segments.coasts}
+    rule = library.conditions.maneuver_end
+    if not held or rule is None:
+        raise FlightError("no trim is held long enough to count as reached; see --resolution and --trims")
+    performed = {segment.id for flight in flights for segment in flight.segments.maneuvers}
+    bands = {trim: band for trim, band in rule.bands.items() if trim in held}
+    kept = replace(
+        library,
+        trims=tuple(trim for trim in library.trims if trim.id in held),
+        maneuvers=tuple(
+            row for row in library.maneuvers if {row.from_trim, row.to_trim} <= held and row.id in performed
+        ),
+        conditions=replace(library.conditions, maneuver_end=replace(rule, bands=bands)),
+    )
+    return [replace(flight, library=kept, trims_commanded=False) for flight in flights]
+
+
+def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
+    """Reads one log and cuts it into primitives.
+
+    Raises:
+        FlightError: the log is broken or lacks something.
+    """
+    log = read_log(path)
+    return evidence(log, name=str(path), sha256=fingerprint(log), of=of)
+
+
+def log_paths(logs: list[Path]) -> list[Path]:
+    """Returns the logs named, and those in the folders named.
+
+    Raises:
+        FlightError: there are none.
+    """
+    paths = []
+    for path in logs:
+        found = sorted(path.glob("*.mcap")) if path.is_dir() else [path]
+        if not found:
+            raise FlightError(f"{path}: expected a folder of *.mcap logs, got none")
+        paths.extend(found)
+    if not paths:
+        raise FlightError("expected flight logs or folders of them, got none")
+    return paths

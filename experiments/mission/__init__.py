@@ -1,0 +1,1 @@
+"""Missions flown in closed loop: policies by name, flights, results and their store."""

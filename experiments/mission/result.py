@@ -1,0 +1,103 @@
+"""What a closed-loop flight came to, as it is kept and counted."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from flight.automaton.vehicle import Leg
+from flightlog.alarm import ADVICE, Alarm
+from planner.closed_loop.remaining_plan import Step
+
+from .blame import Performance
+from .policies import FlownPolicy
+from .safe_envelope import Exit
+
+TRACK_STEP = 0.2
+"""Seconds between the points of a track that is kept for pictures."""
+
+
+@dataclass(frozen=True, slots=True)
+class LegFlown:
+    """One primitive of a closed-loop flight, for pictures.
+
+    Attributes:
+        trim: id of the trim held at its begin.
+        to_trim: id of the trim that a maneuver leads to; None for a coast.
+        start: seconds since the flight's start.
+        duration: seconds.
+        track: north and east in metres, to the millimetre, along the true track.
+    """
+
+    trim: int
+    to_trim: int | None
+    start: float
+    duration: float
+    track: tuple[tuple[float, float], ...]
+
+
+@dataclass(frozen=True, slots=True)
+class MissionResult:
+    """What a closed-loop flight came to: `planner.closed_loop.flight_record.Flown` without plans.
+
+    Attributes:
+        planning_times: seconds of the processor that each planning took; they do not repeat.
+        performances: of the helicopter's primitives beside their errors.
+        legs: what was flown.
+        alarms: that the helicopter raised.
+        left: where it left its safe envelope; None where it did not.
+        effects: the largest of each of its faults, in the order asked for; 0 where one did not act.
+        left_tube: seconds since the start at which the helicopter left the tube of the library's errors, by
+            the share of them that the tube is made of; None where it did not.
+    """
+
+    mission: str
+    policy: FlownPolicy
+    gamma: float
+    plant: str
+    wind: str
+    seed: int
+    reached: bool
+    claimed: bool
+    flown_time: float
+    predicted_time: float | None
+    closest: float | None
+    activations: int
+    failures: int
+    fallbacks: int
+    reason: str
+    log: Path | None
+    planning_times: tuple[float, ...] = ()
+    performances: tuple[Performance, ...] = ()
+    legs: tuple[LegFlown, ...] = ()
+    alarms: tuple[Alarm, ...] = ()
+    left: Exit | None = None
+    effects: tuple[float, ...] = ()
+    left_tube: tuple[tuple[float, float | None], ...] = ()
+
+    @property
+    def serious_alarms(self) -> tuple[Alarm, ...]:
+        """Alarms that end a mission."""
+        return tuple(alarm for alarm in self.alarms if alarm.kind not in ADVICE)
+
+
+def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
+    """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
+    trims, held = [legs[0].trim], [0.0]
+    for leg in legs:
+        if leg.to_trim is None:
+            held[-1] += leg.duration
+        else:
+            trims.append(leg.to_trim)
+            held.append(0.0)
+    return trims, held
+
+
+def leg_flown(step: Step, leg: Leg) -> LegFlown:
+    """Keeps a point of the track now and then, and both ends."""
+    times = leg.track[:, 0]
+    wanted = np.arange(times[0], times[-1], TRACK_STEP)
+    rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
+    track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
+    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)

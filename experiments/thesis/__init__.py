@@ -1,0 +1,1 @@
+"""The thesis's printed tables beside the computed ones."""

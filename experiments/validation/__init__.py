@@ -1,0 +1,1 @@
+"""Many missions flown and compared with their plans: grid, scorecards, pictures, trials."""

@@ -1,0 +1,76 @@
+"""A closed-loop flight as pictures need it, and how each policy looks in all of them."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from matplotlib.axes import Axes
+
+from review.pictures import palette
+from review.pictures.stroke import Dashes, Stroke
+
+MANEUVERED: Dashes = (0.0, (2.5, 1.5))
+"""Maneuvers are dashed, trims solid (as in the thesis's figures)."""
+
+POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE, "committed": palette.GOAL}
+POLICY_MARKS = {"nominal": "s", "worst-case": "o", "committed": "^"}
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LegDrawn:
+    """One primitive flown.
+
+    Attributes:
+        trim: id of the trim held; of the trim left by a maneuver.
+        maneuver: id of the maneuver; None for a coast.
+        duration: seconds.
+        track: north and east in metres.
+    """
+
+    trim: int
+    maneuver: int | None
+    duration: float
+    track: Float[np.ndarray, "n 2"]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightDrawn:
+    """One closed-loop flight.
+
+    Attributes:
+        policy: which planner.
+        reached: whether it reached the goal.
+        flown_time: seconds to the goal, or of the whole flight.
+        predicted_time: seconds promised; None without a plan.
+        level: uncertainty level to draw it over; None where there is none.
+        legs: what was flown, in order.
+    """
+
+    policy: str
+    reached: bool
+    flown_time: float
+    predicted_time: float | None
+    level: float | None
+    legs: tuple[LegDrawn, ...]
+
+
+def draw_flight(axes: Axes, flight: FlightDrawn, *, width: float, opacity: float) -> None:
+    """Draws a flight's track in its policy's colour: trims solid, maneuvers dashed."""
+    color = policy_color(flight.policy)
+    for leg in flight.legs:
+        dashes: Dashes = "solid" if leg.maneuver is None else MANEUVERED
+        stroke = Stroke(color, width, dashes=dashes, opacity=opacity, layer=4.0)
+        stroke.draw(axes, leg.track[:, 1], leg.track[:, 0])
+
+
+def policy_color(policy: str) -> str:
+    """Returns the colour of a policy."""
+    return POLICY_COLORS.get(policy, palette.INK)
+
+
+def policies_of(flights: Iterable[FlightDrawn]) -> tuple[str, ...]:
+    """Returns the policies flown, each once, the shipped ones in their order."""
+    flown = {flight.policy for flight in flights}
+    order = [policy for policy in POLICY_COLORS if policy in flown]
+    return (*order, *sorted(flown - set(order)))

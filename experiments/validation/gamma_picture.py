@@ -1,0 +1,88 @@
+"""Success, promises kept and time against the uncertainty level."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from matplotlib.figure import Figure
+
+from review.pictures import palette
+
+from .flight_style import POLICY_MARKS, policy_color
+
+ASIDE = 0.012
+"""By how much one policy's marks stand beside the other's, so that both are seen."""
+
+
+@dataclass(frozen=True, slots=True)
+class LevelFlown:
+    """All flights of one policy at one level.
+
+    Attributes:
+        policy: which planner.
+        level: uncertainty level.
+        reached: share of flights that reached the goal, with the two ends of its interval.
+        inside: share that did so within the promised time, likewise.
+        flown_time: median seconds of those that reached it; None without one.
+        predicted_time: median seconds promised; None without a plan.
+    """
+
+    policy: str
+    level: float
+    reached: tuple[float, float, float]
+    inside: tuple[float, float, float]
+    flown_time: float | None
+    predicted_time: float | None
+
+
+def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figure:
+    """Returns three panels over the level: who reaches the goal, who as promised, and the time it takes.
+
+    Args:
+        rows: one for each policy and level.
+        title: what was flown.
+        axis: what the level is.
+    """
+    figure = palette.page(7.6, 8.2)
+    above, middle, below = figure.subplots(3, 1, sharex=True)
+    for axes in (above, middle, below):
+        palette.dress(axes)
+    for place, policy in enumerate(dict.fromkeys(row.policy for row in rows)):
+        own = sorted((row for row in rows if row.policy == policy), key=lambda row: row.level)
+        color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
+        for axes, name in ((above, "reached"), (middle, "inside")):
+            shares = [getattr(row, name) for row in own]
+            axes.errorbar(
+                [row.level + ASIDE * place for row in own],
+                [share for share, _, _ in shares],
+                [
+                    [max(share - low, 0.0) for share, low, _ in shares],
+                    [max(high - share, 0.0) for share, _, high in shares],
+                ],
+                color=color,
+                marker=mark,
+                capsize=3,
+                linewidth=1.4,
+                label=policy,
+            )
+        for name, dashes in (("flown_time", "solid"), ("predicted_time", (0, (4, 2)))):
+            known = [(row.level, getattr(row, name)) for row in own if getattr(row, name) is not None]
+            words = f"{policy}, {'flown' if name == 'flown_time' else 'promised'}"
+            below.plot(
+                *zip(*known, strict=True) if known else ([], []),
+                color=color,
+                linestyle=dashes,
+                marker=mark if name == "flown_time" else None,
+                linewidth=1.4,
+                label=words,
+            )
+    for axes in (above, middle):
+        axes.set_ylim(-0.04, 1.04)
+    below.set_ylim(bottom=0.0)
+    above.set_ylabel("share that reaches the goal", fontsize=palette.TEXT_SIZE)
+    middle.set_ylabel("share within the promised time", fontsize=palette.TEXT_SIZE)
+    below.set_ylabel("median time, s", fontsize=palette.TEXT_SIZE)
+    below.set_xlabel(axis, fontsize=palette.TEXT_SIZE)
+    palette.headline(above, title)
+    above.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left")
+    below.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left", ncols=2)
+    return figure

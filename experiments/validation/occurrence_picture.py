@@ -1,0 +1,67 @@
+"""How often each trim and each maneuver was flown, the policies side by side (thesis, figures 37 to 48)."""
+
+from collections import Counter
+from collections.abc import Callable, Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flight.automaton.library import Library
+from review.pictures import palette
+
+from .flight_style import FlightDrawn, LegDrawn, policies_of, policy_color
+
+
+def occurrence_picture(flights: Sequence[FlightDrawn], library: Library, *, title: str) -> Figure:
+    """Returns bars: the share of the time in each trim, and of all maneuvers that each one is.
+
+    Args:
+        flights: of one policy or more.
+        library: names trims and maneuvers.
+        title: what was flown.
+    """
+    figure = palette.page(9.6, 6.4)
+    above, below = figure.subplots(2, 1)
+    trims = [trim.id for trim in library.trims]
+    _bars(above, flights, trims, lambda leg: leg.trim if leg.maneuver is None else None, weigh=True)
+    above.set_xticks(range(len(trims)), [f"{trim.id}\n{trim.name}" for trim in library.trims])
+    above.set_ylabel("share of coasting time", fontsize=palette.TEXT_SIZE)
+    palette.headline(above, f"{title}: trims")
+    maneuvers = [maneuver.id for maneuver in library.maneuvers]
+    _bars(below, flights, maneuvers, lambda leg: leg.maneuver, weigh=False)
+    labels = [f"{one.id}\n{one.from_trim}\N{EN DASH}{one.to_trim}" for one in library.maneuvers]
+    below.set_xticks(range(len(maneuvers)), labels)
+    below.set_ylabel("share of maneuvers", fontsize=palette.TEXT_SIZE)
+    palette.headline(below, "Maneuvers, by number and by the trims that they join")
+    palette.legend_above(above, list(above.containers))
+    return figure
+
+
+def _bars(
+    axes: Axes,
+    flights: Sequence[FlightDrawn],
+    ids: Sequence[int],
+    which: Callable[[LegDrawn], int | None],
+    *,
+    weigh: bool,
+) -> None:
+    palette.dress(axes)
+    axes.grid(visible=False, axis="x")
+    policies = policies_of(flights)
+    width = 0.8 / max(len(policies), 1)
+    for place, policy in enumerate(policies):
+        counts: Counter[int] = Counter()
+        for leg in (leg for flight in flights if flight.policy == policy for leg in flight.legs):
+            number = which(leg)
+            if number is not None:
+                counts[number] += leg.duration if weigh else 1  # type: ignore[assignment]
+        total = sum(counts.values()) or 1.0
+        at = np.arange(len(ids)) + (place - (len(policies) - 1) / 2) * width
+        axes.bar(
+            at,
+            [counts[number] / total for number in ids],
+            0.92 * width,
+            color=policy_color(policy),
+            label=policy,
+        )

@@ -1,0 +1,65 @@
+"""Predicted beside flown: every flight a point."""
+
+from collections.abc import Mapping, Sequence
+
+from matplotlib.figure import Figure
+
+from review.pictures import palette
+
+from .flight_style import POLICY_MARKS, FlightDrawn, policies_of, policy_color
+
+
+def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, float], *, title: str) -> Figure:
+    """Returns flown over predicted time, the prediction kept below the diagonal.
+
+    Args:
+        flights: those without a plan are left out; those that did not reach the goal stand at the upper edge.
+        factors: by policy, the factor on the prediction that was calibrated.
+        title: what was flown.
+    """
+    figure = palette.page(7.2, 6.4)
+    axes = figure.add_subplot()
+    palette.dress(axes)
+    palette.headline(axes, title)
+    known = [flight for flight in flights if flight.predicted_time is not None]
+    predicted = _predicted(known)
+    flown = [flight.flown_time for flight in known if flight.reached]
+    right, top = 1.06 * max(predicted, default=1.0), 1.1 * max([*flown, *predicted], default=1.0)
+    for policy in policies_of(known):
+        own = [flight for flight in known if flight.policy == policy]
+        color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
+        kept = [flight for flight in own if flight.reached]
+        inside = sum(flight.flown_time <= time for flight, time in zip(kept, _predicted(kept), strict=True))
+        axes.plot(
+            _predicted(kept),
+            [flight.flown_time for flight in kept],
+            linestyle="none",
+            marker=mark,
+            color=color,
+            alpha=0.45,
+            markersize=4,
+            markeredgewidth=0,
+            label=f"{policy}: {inside} of {len(own)} within the prediction",
+        )
+        missed = _predicted([flight for flight in own if not flight.reached])
+        axes.plot(missed, [top] * len(missed), linestyle="none", marker="x", color=color, clip_on=False)
+        if policy in factors:
+            axes.plot(
+                [0, right],
+                [0, factors[policy] * right],
+                color=color,
+                linewidth=1.2,
+                linestyle=(0, (4, 2)),
+                label=f"{policy}: calibrated, {factors[policy]:.2f} times",
+            )
+    axes.plot([0, right], [0, right], color=palette.INK, linewidth=1.0, label="flown as predicted")
+    axes.set_xlim(0, right)
+    axes.set_ylim(0, top)
+    axes.set_xlabel("predicted, s", fontsize=palette.TEXT_SIZE)
+    axes.set_ylabel("flown, s", fontsize=palette.TEXT_SIZE)
+    axes.legend(framealpha=0.85, edgecolor="none", fontsize=palette.SMALL_TEXT + 0.5, loc="upper left")
+    return figure
+
+
+def _predicted(flights: Sequence[FlightDrawn]) -> list[float]:
+    return [flight.predicted_time for flight in flights if flight.predicted_time is not None]

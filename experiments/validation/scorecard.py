@@ -1,0 +1,154 @@
+"""The scorecard: what many closed-loop flights came to, beside what was promised."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from math import ceil, inf, isfinite, sqrt
+from statistics import NormalDist, median
+
+from scipy.stats import binomtest
+
+from experiments.mission.policies import FlownPolicy
+from experiments.mission.result import MissionResult
+
+CONFIDENCE = 0.95
+
+
+@dataclass(frozen=True, slots=True)
+class Share:
+    """So many of so many, with the 95 % Wilson interval of the share behind it."""
+
+    count: int
+    of: int
+    low: float
+    high: float
+
+    @classmethod
+    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Share":
+        """Returns the share of what holds, where only groups are independent of one another.
+
+        The interval is Wilson's for as many trials as there are groups: rather too wide than too narrow.
+        """
+        count, of, number = sum(map(sum, groups)), sum(map(len, groups)), len(groups)
+        z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2)
+        share = sum(sum(group) / len(group) for group in groups) / number
+        middle = (share + z**2 / (2 * number)) / (1 + z**2 / number)
+        half = z * sqrt(share * (1 - share) / number + (z / (2 * number)) ** 2) / (1 + z**2 / number)
+        return cls(count, of, max(middle - half, 0.0), min(middle + half, 1.0))
+
+    @classmethod
+    def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Share":
+        """Returns the share of flights for which something holds."""
+        count = sum(map(holds, rows))
+        interval = binomtest(count, len(rows)).proportion_ci(CONFIDENCE, method="wilson")
+        return cls(count, len(rows), float(interval.low), float(interval.high))
+
+
+@dataclass(frozen=True, slots=True)
+class Cell:
+    """All flights of one mission, or of all, under one policy, by one plant, in one wind.
+
+    Attributes:
+        mission: name; `all` for all missions together.
+        policy: which planner.
+        gamma: uncertainty level planned for; 0 for the nominal policy.
+        plant: what flew.
+        wind: wind class.
+        reached: flights that reached the goal, on a plan.
+        inside: flights that did so within the time predicted.
+        flown_time: median seconds of the flights that reached it; None without one.
+        flown_time_95: seconds that 95 % of all flights keep; None where more than 5 % did not reach the goal.
+        predicted_time: median of what the first plans promised; None without one.
+        miss: metres by which the worst flight that did not reach the goal missed it; None where all did.
+        activations: median number of plannings in a flight.
+        failures: plannings that gave nothing to fly, all flights together.
+        fallbacks: ways to rest begun, all flights together.
+        planning_time_99: processor's seconds that 99 % of all plannings kept; None without one.
+        reasons: why flights did not reach the goal, each once.
+    """
+
+    mission: str
+    policy: FlownPolicy
+    gamma: float
+    plant: str
+    wind: str
+    reached: Share
+    inside: Share
+    flown_time: float | None
+    flown_time_95: float | None
+    predicted_time: float | None
+    miss: float | None
+    activations: float
+    failures: int
+    fallbacks: int
+    planning_time_99: float | None
+    reasons: tuple[str, ...]
+
+    @property
+    def flights(self) -> int:
+        """How many were flown."""
+        return self.reached.of
+
+
+def scorecard(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
+    """Returns a cell for each mission, policy, level, plant and wind, in the order first flown."""
+    groups: dict[tuple[object, ...], list[MissionResult]] = {}
+    for row in results:
+        groups.setdefault((row.mission, *_condition(row)), []).append(row)
+    return tuple(_cell(rows[0].mission, rows) for rows in groups.values())
+
+
+def totals(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
+    """Returns a cell for each policy, level, plant and wind: all missions together."""
+    return tuple(_cell("all", rows) for rows in by_condition(results).values())
+
+
+def by_condition(results: Iterable[MissionResult]) -> dict[tuple[object, ...], list[MissionResult]]:
+    """Returns the flights by policy, level, plant and wind."""
+    groups: dict[tuple[object, ...], list[MissionResult]] = {}
+    for row in results:
+        groups.setdefault(_condition(row), []).append(row)
+    return groups
+
+
+def _condition(row: MissionResult) -> tuple[object, ...]:
+    return row.policy, row.gamma, row.plant, row.wind
+
+
+def _cell(mission: str, rows: Sequence[MissionResult]) -> Cell:
+    first = rows[0]
+    reached = [row for row in rows if row.reached]
+    predictions = [row.predicted_time for row in rows if row.predicted_time is not None]
+    times = [row.flown_time if row.reached else inf for row in rows]
+    plannings = [time for row in rows for time in row.planning_times]
+    return Cell(
+        mission=mission,
+        policy=first.policy,
+        gamma=first.gamma,
+        plant=first.plant,
+        wind=first.wind,
+        reached=Share.counted(rows, lambda row: row.reached),
+        inside=Share.counted(rows, lambda row: ratio(row) <= 1),
+        flown_time=median(row.flown_time for row in reached) if reached else None,
+        flown_time_95=_finite(quantile(times, 0.95)),
+        predicted_time=median(predictions) if predictions else None,
+        miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
+        activations=median(row.activations for row in rows),
+        failures=sum(row.failures for row in rows),
+        fallbacks=sum(row.fallbacks for row in rows),
+        planning_time_99=quantile(plannings, 0.99) if plannings else None,
+        reasons=tuple(dict.fromkeys(row.reason for row in rows if not row.reached)),
+    )
+
+
+def ratio(row: MissionResult) -> float:
+    """Returns the flown time in parts of the predicted one; infinite where the goal was not reached."""
+    return row.flown_time / row.predicted_time if row.reached and row.predicted_time else inf
+
+
+def quantile(values: Sequence[float], share: float) -> float:
+    """Returns the smallest value that a share of all values keeps."""
+    return sorted(values)[max(ceil(share * len(values)), 1) - 1]
+
+
+def _finite(value: float) -> float | None:
+    return value if isfinite(value) else None

@@ -1,0 +1,1 @@
+"""The maneuver automaton: trims, maneuvers, libraries, their statistics and file format."""

@@ -1,0 +1,77 @@
+"""A maneuver: a transition between two trims with a fixed duration, displacement and heading change."""
+
+from dataclasses import dataclass
+from math import isfinite
+
+from flight.se2 import SE2
+
+from .statistics import Interpolated, Statistics
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverError:
+    """Signed errors of a maneuver: seconds, metres forward and to the right at entry, radians."""
+
+    duration: float
+    forward: float
+    side: float
+    heading_change: float
+
+    def __post_init__(self) -> None:
+        """Refuses non-finite components."""
+        if not all(
+            isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)
+        ):
+            raise ValueError(f"maneuver errors are finite, got {self}")
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverOutcome:
+    """What a maneuver does at one uncertainty level: seconds, and displacement in the entry body frame."""
+
+    duration: float
+    displacement: SE2
+
+
+@dataclass(frozen=True, slots=True)
+class Maneuver:
+    """An edge of the maneuver automaton (thesis, 2.4.2).
+
+    Attributes:
+        id: its number in the library.
+        from_trim: id of the trim it leaves.
+        to_trim: id of the trim it leads to.
+        duration: seconds.
+        displacement: forward, to the right, heading change, in the body frame at entry, so that
+            `pose_exit = pose_entry @ displacement` (thesis, eq. 3b with the rotation it leaves out).
+        error: signed errors; gamma scales them.
+        statistics: how the errors were found, where they were measured.
+        notes: what a reader should know, such as a suspect row of a printed table.
+        interpolated: what is claimed of its errors, where they were interpolated between flown maneuvers.
+    """
+
+    id: int
+    from_trim: int
+    to_trim: int
+    duration: float
+    displacement: SE2
+    error: ManeuverError
+    statistics: Statistics | None = None
+    notes: str = ""
+    interpolated: Interpolated | None = None
+
+    def __post_init__(self) -> None:
+        """Refuses a duration that is not a time."""
+        if not (isfinite(self.duration) and self.duration >= 0):
+            raise ValueError(f"maneuver {self.id}: duration must be >= 0 s, got {self.duration} s")
+
+    def at(self, gamma: float) -> ManeuverOutcome:
+        """Returns duration and displacement at an uncertainty level gamma (thesis, eq. 8b)."""
+        return ManeuverOutcome(
+            self.duration + gamma * self.error.duration,
+            SE2(
+                self.displacement.x + gamma * self.error.forward,
+                self.displacement.y + gamma * self.error.side,
+                self.displacement.heading + gamma * self.error.heading_change,
+            ),
+        )

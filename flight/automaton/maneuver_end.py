@@ -1,0 +1,87 @@
+"""When a maneuver has ended: one rule for identification and for execution.
+
+The body velocity and yaw rate are inside the next trim's band, without leaving it, for a dwell time; the end
+is the end of the dwell. A maneuver that does not end before the time-out is counted as timed out.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import Enum
+from math import isfinite
+
+from flight.se2 import Twist
+
+
+@dataclass(frozen=True, slots=True)
+class Band:
+    """Half widths around a trim's velocity: metres per second, metres per second, radians per second."""
+
+    forward: float
+    side: float
+    yaw_rate: float
+
+    def __post_init__(self) -> None:
+        """Refuses a band that nothing can be inside of."""
+        if not all(isfinite(width) and width > 0 for width in (self.forward, self.side, self.yaw_rate)):
+            raise ValueError(f"a band has positive half widths, got {self}")
+
+    def holds(self, velocity: Twist, target: Twist) -> bool:
+        """Whether a velocity is inside the band around a target velocity."""
+        return (
+            abs(velocity.forward - target.forward) <= self.forward
+            and abs(velocity.side - target.side) <= self.side
+            and abs(velocity.yaw_rate - target.yaw_rate) <= self.yaw_rate
+        )
+
+
+@dataclass(frozen=True)
+class ManeuverEnd:
+    """The rule's numbers, fixed before a campaign: a band for each trim, dwell and time-out in seconds."""
+
+    bands: Mapping[int, Band]
+    dwell: float
+    timeout: float
+
+    def __post_init__(self) -> None:
+        """Refuses times that order wrongly."""
+        if not 0 <= self.dwell < self.timeout:
+            raise ValueError(
+                f"dwell and timeout must satisfy 0 <= dwell < timeout, got {self.dwell} s, {self.timeout} s"
+            )
+
+
+class Verdict(Enum):
+    """What the rule says after a sample."""
+
+    UNDER_WAY = "under way"
+    ENDED = "ended"
+    TIMED_OUT = "timed out"
+
+
+class ManeuverEndJudge:
+    """Applies the rule to one maneuver, sample by sample.
+
+    Args:
+        rule: dwell and time-out.
+        to_trim: id of the trim that the maneuver leads to; its band is used.
+        target: nominal velocity of that trim.
+        entry_time: time of the command change in seconds.
+    """
+
+    def __init__(self, rule: ManeuverEnd, *, to_trim: int, target: Twist, entry_time: float) -> None:
+        self._band = rule.bands[to_trim]
+        self._target = target
+        # Half a microsecond of slack: sample times are sums of steps, the dwell a decimal number.
+        self._dwell = rule.dwell - 5e-7
+        self._deadline = entry_time + rule.timeout - 5e-7
+        self._inside_since: float | None = None
+
+    def judge(self, time: float, velocity: Twist) -> Verdict:
+        """Takes the body velocity at a time (not decreasing) and says where the maneuver stands."""
+        if not self._band.holds(velocity, self._target):
+            self._inside_since = None
+        elif self._inside_since is None:
+            self._inside_since = time
+        if self._inside_since is not None and time - self._inside_since >= self._dwell:
+            return Verdict.ENDED
+        return Verdict.TIMED_OUT if time >= self._deadline else Verdict.UNDER_WAY

@@ -1,0 +1,100 @@
+"""How an error was found: what was observed, how often, and what may be claimed from it."""
+
+from dataclasses import dataclass
+from typing import Final, Literal
+
+from flight.se2 import Twist
+
+Centre = Literal["command", "nominal flights", "same flights"]
+"""Where the value that deviations are counted from comes from."""
+
+COMMAND: Final = "command"
+NOMINAL_FLIGHTS: Final = "nominal flights"
+SAME_FLIGHTS: Final = "same flights"
+
+
+@dataclass(frozen=True, slots=True)
+class ScalarStatistics:
+    """One number of a primitive over all its samples, in the number's own unit.
+
+    Attributes:
+        name: the number's name in the library, such as `forward` or `duration`.
+        mean: of a maneuver's performances; of a trim's averages over a flight.
+        standard_deviation: of the same (n - 1 in the denominator; 0 for one).
+        largest_deviation: largest absolute deviation from the value in the library, over performances; for a
+            trim over every instant, or every average, of its coasts.
+    """
+
+    name: str
+    mean: float
+    standard_deviation: float
+    largest_deviation: float
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics:
+    """The evidence behind the errors of one primitive.
+
+    Attributes:
+        samples: independent samples (one a flight), the discarded ones included.
+        timeouts: performances that ended by time-out.
+        coverage: share of future samples inside all of the primitive's bounds at once.
+        confidence: confidence of that share.
+        scalars: one entry per number.
+        discarded: samples that the bounds do not hold, because the flight was lost or a maneuver did not
+            settle; the claim accounts for them.
+        support: how many numbers were fitted to the samples; None where it is not told.
+        centre: where the values come from; None where it is not told.
+    """
+
+    samples: int
+    timeouts: int
+    coverage: float
+    confidence: float
+    scalars: tuple[ScalarStatistics, ...]
+    discarded: int = 0
+    support: int | None = None
+    centre: Centre | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Interpolated:
+    """What may be claimed of a primitive whose errors were interpolated between flown ones.
+
+    It is claimed of the kind as a whole: of the trims, or of the maneuvers, that were interpolated, a share
+    of at least `coverage` holds `flights` flights with all numbers inside the bounds at once.
+
+    Attributes:
+        left_out: flown primitives of the kind, each of which was left out in turn.
+        exceeding: how many of them the bounds that the others gave did not hold.
+        flights: that each of them was flown in.
+        factor: by which interpolated deviations were inflated, so that no more exceed.
+        coverage: share of the interpolated primitives that hold so many flights.
+        confidence: confidence of that share.
+    """
+
+    left_out: int
+    exceeding: int
+    flights: int
+    factor: float
+    coverage: float
+    confidence: float
+
+
+@dataclass(frozen=True, slots=True)
+class AveragedError:
+    """The error of a trim's velocity averaged over a coast of some duration.
+
+    Attributes:
+        shortest: shortest duration that it holds for, seconds; never below the shortest coast flown.
+        longest: longest duration.
+        error: signed as the trim's error.
+        samples: flights with a coast that long, the discarded ones included.
+        coverage: share of future flights inside all three bounds at once, at the trim's confidence.
+    """
+
+    shortest: float
+    longest: float
+    error: Twist
+    samples: int
+    coverage: float

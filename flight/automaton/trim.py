@@ -1,0 +1,34 @@
+"""A trim: a body velocity that the vehicle holds for as long as it likes."""
+
+from dataclasses import dataclass
+
+from flight.se2 import Twist
+
+from .statistics import AveragedError, Interpolated, Statistics
+
+
+@dataclass(frozen=True, slots=True)
+class Trim:
+    """A vertex of the maneuver automaton (thesis, 2.4.1).
+
+    Attributes:
+        id: the number by which maneuvers, missions and plans name it.
+        name: a few words for people.
+        velocity: the nominal body velocity.
+        error: the signed error of the velocity; gamma scales it.
+        statistics: how the error was found, where it was measured.
+        averaged: errors averaged over a coast, by its duration, where they were measured.
+        interpolated: what is claimed of its error, where that was interpolated between flown trims.
+    """
+
+    id: int
+    name: str
+    velocity: Twist
+    error: Twist
+    statistics: Statistics | None = None
+    averaged: tuple[AveragedError, ...] = ()
+    interpolated: Interpolated | None = None
+
+    def at(self, gamma: float) -> Twist:
+        """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""
+        return self.velocity.scaled_error(self.error, gamma)

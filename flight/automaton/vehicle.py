@@ -1,0 +1,67 @@
+"""What the receding horizon needs of something that flies primitives: a model, a simulator, an autopilot."""
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.se2 import SE2
+
+from .maneuver import Maneuver
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leg:
+    """A stretch of flight, as it truly happened.
+
+    Attributes:
+        duration: seconds.
+        settled: whether the primitive ended by its rule (a coast always does), not by time-out.
+        track: true motion including both ends: time since the start in seconds, north and east in metres,
+            heading in radians (not wrapped).
+        believed: the same as the vehicle believes it; None where that is the truth.
+        spread: standard deviation of the believed position in metres, the largest on the way, as the vehicle
+            claims it.
+        turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
+            None where it does not know.
+        alarm: what the vehicle found wrong with itself, and broke the leg off for; empty where nothing.
+    """
+
+    duration: float
+    settled: bool
+    track: Float[np.ndarray, "n 4"]
+    believed: Float[np.ndarray, "n 4"] | None = None
+    spread: float = 0.0
+    turbulence: float | None = None
+    alarm: str = ""
+
+
+class Vehicle(Protocol):
+    """Something that holds trims and performs maneuvers, and believes to be somewhere."""
+
+    @property
+    def time(self) -> float:
+        """Seconds since the start."""
+
+    @property
+    def trim(self) -> int:
+        """Id of the trim held now."""
+
+    @property
+    def pose(self) -> SE2:
+        """Believed pose in the world."""
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim for a time in seconds.
+
+        Raises:
+            FlightLostError: the flight ended in the ground or diverged.
+        """
+
+    def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs a maneuver that leaves the trim held now, to its end or its time-out.
+
+        Raises:
+            FlightLostError: the flight ended in the ground or diverged.
+        """

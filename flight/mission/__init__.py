@@ -1,0 +1,1 @@
+"""Inputs of a flight: mission and goal, sequence, campaign, wind change, fault."""

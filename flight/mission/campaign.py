@@ -1,0 +1,101 @@
+"""An identification campaign: which automaton is flown, how often, in which wind, ended by which rule."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+from pydantic import Field, FiniteFloat, PositiveInt
+
+from flight.automaton.library_schema import ManeuverEndPart
+from flight.automaton.maneuver_end import ManeuverEnd
+from flight.errors import FlightError
+from flight.schema import FileModel, read_toml, schema_named
+
+SCHEMA = "maneuver-campaign/1"
+"""What a file may name itself; one that does not is of this version."""
+
+
+class NoRuleForWindError(FlightError):
+    """A campaign fixes no maneuver-end rule for a wind class."""
+
+    def __init__(self, campaign: str, wind: str, known: Mapping[str, object]) -> None:
+        super().__init__(f"campaign {campaign} has no maneuver_end for wind {wind!r}; it has {sorted(known)}")
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """What is fixed before the first flight.
+
+    Attributes:
+        name: short name.
+        library: name or path of the library that names the trims and the maneuvers.
+        wind: wind class.
+        altitude: metres above ground.
+        flights: how many give the bounds.
+        nominal_flights: how many others give the values of maneuvers; 0 lets the same flights give both.
+        coasting_range: shortest and longest coasting time, seconds.
+        maneuver_end: the rule, by wind class.
+    """
+
+    name: str
+    library: str
+    wind: str
+    altitude: float
+    flights: int
+    coasting_range: tuple[float, float]
+    maneuver_end: Mapping[str, ManeuverEnd]
+    nominal_flights: int = 0
+
+    def __post_init__(self) -> None:
+        """Refuses coasting times in the wrong order."""
+        shortest, longest = self.coasting_range
+        if not 0 <= shortest <= longest:
+            raise ValueError(
+                f"coasting_range: expected 0 <= shortest <= longest, got {self.coasting_range} s"
+            )
+
+    def rule(self, wind: str) -> ManeuverEnd:
+        """Returns the maneuver-end rule for a wind class.
+
+        Raises:
+            NoRuleForWindError: the campaign fixes none.
+        """
+        try:
+            return self.maneuver_end[wind]
+        except KeyError:
+            raise NoRuleForWindError(self.name, wind, self.maneuver_end) from None
+
+
+class _CampaignFile(FileModel):
+    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(default=SCHEMA, alias="schema")
+    name: str
+    library: str
+    wind: str
+    altitude: FiniteFloat = Field(gt=0)
+    flights: PositiveInt
+    nominal_flights: int = Field(default=0, ge=0)
+    coasting_range: tuple[FiniteFloat, FiniteFloat]
+    maneuver_end: dict[str, ManeuverEndPart]
+
+
+def read_campaign(path: Path) -> Campaign:
+    """Reads `campaigns/NAME.toml`.
+
+    Raises:
+        BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
+    """
+    return read_toml(path, _CampaignFile, _to_campaign)
+
+
+def _to_campaign(content: _CampaignFile) -> Campaign:
+    return Campaign(
+        name=content.name,
+        library=content.library,
+        wind=content.wind,
+        altitude=content.altitude,
+        flights=content.flights,
+        coasting_range=content.coasting_range,
+        maneuver_end={wind: part.rule() for wind, part in content.maneuver_end.items()},
+        nominal_flights=content.nominal_flights,
+    )

@@ -1,0 +1,1 @@
+"""A plan, its file format and its certificate."""

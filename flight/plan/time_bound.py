@@ -1,0 +1,133 @@
+"""A time that most flights keep: a factor on what the loop foretells, found by flying other missions.
+
+It is no part of a library, whose numbers are of primitives, but stands beside it: `NAME.times.toml` beside
+`NAME.json`, with the library's hash.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field, FiniteFloat, PositiveInt
+
+from flight.schema import FileModel, read_toml
+
+SUFFIX = ".times.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class TimePromise:
+    """What share of flights is at the goal within what multiple of the time that the loop foretells.
+
+    Attributes:
+        policy: of the plans.
+        gamma: uncertainty level of the plans.
+        wind: class in which the helicopter flew.
+        share: of flights, or more, with 95 % confidence.
+        factor: on the seconds of a plan to the part of the tolerance that the loop aims at, and its latency.
+        missions: that it was found on.
+        flights: likewise, all missions together.
+        seed: that they were drawn with.
+        time: seconds that this is for one plan; None where it is said of none.
+    """
+
+    policy: str
+    gamma: float
+    wind: str
+    share: float
+    factor: float
+    missions: int
+    flights: int
+    seed: int
+    time: float | None = None
+
+    @property
+    def source(self) -> str:
+        """From what it was found, for people."""
+        return f"{self.missions} missions, {self.flights} flights in wind {self.wind}, seed {self.seed}"
+
+    @property
+    def sentence(self) -> str:
+        """What is promised, for people."""
+        multiple = f"{self.factor:.2f} times what the loop foretells"
+        when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
+        return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
+
+
+class TimePromisePart(FileModel):
+    """A promise as it stands in files."""
+
+    policy: str
+    gamma: FiniteFloat
+    wind: str
+    share: FiniteFloat = Field(gt=0, lt=1)
+    factor: FiniteFloat = Field(gt=0)
+    missions: PositiveInt
+    flights: PositiveInt
+    seed: int = Field(ge=0)
+    time: FiniteFloat | None = Field(default=None, gt=0)
+
+    def promise(self) -> TimePromise:
+        """Returns it as a value."""
+        return TimePromise(**self.model_dump())
+
+
+class _TimesFile(FileModel):
+    schema_name: Literal["maneuver-times/1"] = Field(alias="schema")
+    library_hash: str
+    promise: tuple[TimePromisePart, ...]
+
+
+def times_path(library: Path) -> Path:
+    """Returns where the promises of a library stand."""
+    return library.with_name(library.stem + SUFFIX)
+
+
+def times_text(promises: Sequence[TimePromise], *, library_hash: str, command: str) -> str:
+    """Returns promises as their file's text.
+
+    Args:
+        promises: found with one library.
+        library_hash: of that.
+        command: that found them.
+    """
+    lines = [f"# {command}", 'schema = "maneuver-times/1"', f'library_hash = "{library_hash}"']
+    for one in promises:
+        lines += [
+            "",
+            "[[promise]]",
+            f'policy = "{one.policy}"',
+            f"gamma = {float(one.gamma)!r}",
+            f'wind = "{one.wind}"',
+            f"share = {float(one.share)!r}",
+            f"factor = {float(one.factor)!r}",
+            f"missions = {one.missions}",
+            f"flights = {one.flights}",
+            f"seed = {one.seed}",
+        ]
+    return "\n".join(lines) + "\n"
+
+
+def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] | None:
+    """Returns what is promised of plans with a library; nothing where no file stands beside it.
+
+    Args:
+        library: its path.
+        library_hash: of it.
+
+    Returns:
+        None where the file was found with another library: that promises nothing of this one.
+
+    Raises:
+        BadFileError: the file is broken.
+    """
+    path = times_path(library)
+    if not path.exists():
+        return ()
+
+    def build(content: _TimesFile) -> tuple[TimePromise, ...] | None:
+        same = content.library_hash == library_hash
+        return tuple(part.promise() for part in content.promise) if same else None
+
+    return read_toml(path, _TimesFile, build)

@@ -1,0 +1,1 @@
+"""The flight log: topics, attachments, decisions, events, and their files."""

@@ -1,0 +1,131 @@
+"""What happened in a flight, in the order it happened: primitives, plannings, the goal, the end."""
+
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+
+from flight.errors import FlightError
+from flight.mission.goal import first_arrival
+
+from .alarm import ADVICE, ALARM, alarms_of
+from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
+from .autopilot_messages import messages_told
+from .channels import PRIMITIVE, TRUTH
+from .fault_record import faults_flown
+from .log import FlightLog
+from .primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from .trim_labels import trim_label, trim_names
+
+
+class Level(IntEnum):
+    """How serious an event is; names and values are those of `foxglove.Log`."""
+
+    INFO = 2
+    WARNING = 3
+    ERROR = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Event:
+    """One thing that happened.
+
+    Attributes:
+        time: seconds since the flight's start.
+        level: how serious it is.
+        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight`, `autopilot` of another kind.
+        text: one sentence.
+    """
+
+    time: float
+    level: Level
+    source: str
+    text: str
+
+
+def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
+    """Returns the events of a flight, by time; an attachment that is broken is an event too."""
+    events: list[Event] = []
+    for part in (_primitives, _plannings, _faults, _alarms, _told, _arrival):
+        try:
+            events += part(log)
+        except FlightError as error:
+            events.append(Event(0.0, Level.ERROR, "log", str(error)))
+    if log.header.outcome != "completed":
+        events.append(Event(log.duration, Level.ERROR, "flight", log.header.outcome))
+    return tuple(sorted(events, key=lambda event: event.time))
+
+
+def _primitives(log: FlightLog) -> list[Event]:
+    if PRIMITIVE.name not in log.series:
+        return []
+    names, events = trim_names(log), []
+    for part in stretches_flown(log):
+        events.append(Event(part.start, Level.INFO, "primitive", _sentence(part, names)))
+        if part.timed_out:
+            text = f"maneuver {part.id} ended by time-out after {part.end - part.start:.2f} s"
+            events.append(Event(part.end, Level.WARNING, "primitive", text))
+    return events
+
+
+def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
+    if part.kind is PrimitiveKind.COAST:
+        return f"hold {trim_label(part.id, names)}"
+    return f"maneuver {part.id}: {trim_label(part.from_trim, names)} to {trim_label(part.to_trim, names)}"
+
+
+def _plannings(log: FlightLog) -> list[Event]:
+    events = []
+    for number, plan in enumerate(plannings_of_flight(log), start=1):
+        if isinstance(plan, PlanOfFlight):
+            how = ", ".join(word for word in (plan.policy, plan.status) if word)
+            walk = " ".join(map(str, plan.sequence))
+            text = f"plan {number}: {plan.cost:.2f} s through trims {walk}{f' ({how})' if how else ''}"
+            events.append(Event(plan.time, Level.INFO, "plan", text))
+        else:
+            events.append(Event(plan.time, Level.WARNING, "plan", f"plan {number}: none; {plan.reason}"))
+    return events
+
+
+def _faults(log: FlightLog) -> list[Event]:
+    return [
+        Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
+        for number, flown in faults_flown(log).items()
+    ]
+
+
+def _told(log: FlightLog) -> list[Event]:
+    events = []
+    for one in messages_told(log):
+        level = Level[one.level] if one.level in Level.__members__ else Level.INFO
+        earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
+        events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
+    return events
+
+
+def _alarms(log: FlightLog) -> list[Event]:
+    if ALARM.name not in log.series:
+        return []
+    found = alarms_of(log[ALARM])
+    return [
+        Event(
+            alarm.time,
+            Level.WARNING if alarm.kind in ADVICE else Level.ERROR,
+            "alarm",
+            alarm.sentence,
+        )
+        for alarm in found
+    ]
+
+
+def _arrival(log: FlightLog) -> list[Event]:
+    goal = goal_of_flight(log)
+    if goal is None or TRUTH.name not in log.series:
+        return []
+    truth = log[TRUTH]
+    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
+    met = first_arrival([track], goal)
+    if met.time is None:
+        text = f"goal not reached; {met.closest:.2f} m from it at the closest"
+        return [Event(log.duration, Level.WARNING, "goal", text)]
+    return [Event(met.time, Level.INFO, "goal", f"goal reached, within {goal.tolerance:.3g} m")]

@@ -1,0 +1,108 @@
+"""What a flight log tells of faults: which were asked for, which began, how far they went."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from pydantic import TypeAdapter, ValidationError
+
+from flight.errors import BadFileError
+from flight.mission.fault import Fault
+from flight.schema import first_problem
+
+from .attachment_names import FAULTS_ATTACHMENT
+from .channels import FAULT, FAULT_EFFECT
+from .log import FlightLog
+
+_FAULTS = TypeAdapter(tuple[Fault, ...])
+
+
+def faults_text(faults: Sequence[Fault]) -> bytes:
+    """Returns the faults of a flight as its log carries them."""
+    return _FAULTS.dump_json(tuple(faults), indent=1)
+
+
+def faults_of(log: FlightLog) -> tuple[Fault, ...]:
+    """Returns the faults of a logged flight; none where the log says nothing of them.
+
+    Raises:
+        BadFileError: the log says something else of them.
+    """
+    text = log.attachments.get(FAULTS_ATTACHMENT)
+    if text is None:
+        return ()
+    try:
+        return _FAULTS.validate_json(text)
+    except ValidationError as error:
+        raise BadFileError(FAULTS_ATTACHMENT, first_problem(error)) from None
+
+
+@dataclass(frozen=True, slots=True)
+class FaultFlown:
+    """What became of a fault: when it acted, in seconds, and how far it went.
+
+    Attributes:
+        fault: as asked for.
+        start: of what the log holds of it.
+        end: likewise; the log's end where it lasted.
+        effect: the largest, in the unit of its kind.
+    """
+
+    fault: Fault
+    start: float
+    end: float
+    effect: float
+
+    @property
+    def sentence(self) -> str:
+        """What happened, for people."""
+        kind = self.fault.kind
+        sizes = " ".join(
+            f"{value:g} {size.unit}".removesuffix(" -")
+            for value, size in zip(self.fault.size, kind.sizes, strict=True)
+        )
+        by = f" ({sizes})" if sizes else ""
+        unit = f" {kind.unit}".removesuffix(" -")
+        return f"{kind.where} {kind.what}{by} until {self.end:.2f} s; {kind.effect}: {self.effect:.3g}{unit}"
+
+
+def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
+    """Returns the faults that began in a flight, by their numbers.
+
+    Raises:
+        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+    """
+    if FAULT.name not in log.series:
+        return {}
+    faults, rows, found = faults_of(log), log[FAULT], {}
+    numbers, active = rows["number"], rows["active"] > 0.0
+    for start, number in zip(rows.time[active].tolist(), numbers[active].astype(int).tolist(), strict=True):
+        if not 1 <= number <= len(faults):
+            raise BadFileError(FAULTS_ATTACHMENT, f"expected fault {number}, got {len(faults)} faults")
+        ends = rows.time[~active & (numbers == number)].tolist()
+        found[number] = FaultFlown(
+            fault=faults[number - 1],
+            start=start,
+            end=ends[0] if ends else log.duration,
+            effect=_largest_effect(log, number),
+        )
+    return found
+
+
+def fault_effects(log: FlightLog) -> tuple[float, ...]:
+    """Returns the largest effect of each fault asked for; 0 where one did not begin.
+
+    Raises:
+        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+    """
+    flown = faults_flown(log)
+    return tuple(
+        flown[number].effect if number in flown else 0.0 for number, _ in enumerate(faults_of(log), start=1)
+    )
+
+
+def _largest_effect(log: FlightLog, number: int) -> float:
+    if FAULT_EFFECT.name not in log.series:
+        return 0.0
+    rows = log[FAULT_EFFECT]
+    return float(np.abs(rows["effect"][rows["number"] == number]).max(initial=0.0))

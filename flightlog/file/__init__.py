@@ -1,0 +1,1 @@
+"""MCAP files of flight logs: writing, reading, recovery."""

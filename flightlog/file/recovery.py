@@ -1,0 +1,273 @@
+"""What is whole in a damaged MCAP file, of whatever writer, copied into a file that opens.
+
+A record is taken only where it can be trusted: chunks and attachments by their checksums, the rest where it
+parses to its last byte. Where the chain of records breaks, the next whole chunk is looked for.
+"""
+
+import io
+import struct
+import zlib
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
+from mcap.opcode import Opcode
+from mcap.reader import SeekingReader
+from mcap.records import Attachment, Channel, Chunk, Header, Message, Metadata, Schema, Statistics
+from mcap.stream_reader import get_chunk_data_stream
+from mcap.writer import Writer
+
+from .reader import MAGIC
+from .writer import HEADER_METADATA, LARGEST_LOG
+
+RECOVERY_METADATA = "recovery"
+"""Name of the metadata that tells a recovered file from the one it was made of."""
+
+_HEAD = struct.Struct("<BQ")
+# Times, size, checksum, then the name of the compression with its length before it.
+_CHUNK_NAME = 9 + 8 + 8 + 8 + 4
+_LONGEST_NAME = 16
+_LAST_OPCODE = Opcode.DATA_END
+_UNREADABLE = (
+    McapError,
+    ValueError,
+    RuntimeError,
+    OverflowError,
+    EOFError,
+    struct.error,
+    zstandard.ZstdError,
+    MemoryError,
+)
+
+
+class _DamagedError(ValueError):
+    """A record is not what it says it is."""
+
+
+@dataclass(slots=True)
+class Salvage:
+    """Everything of a file that can be trusted, and what cannot.
+
+    Attributes:
+        header: profile and writer; None where lost.
+        schemas: by id.
+        channels: by id.
+        messages: in the order of the file.
+        attachments: in the order of the file.
+        metadata: in the order of the file.
+        announced: messages that the file says it holds; None where that was lost.
+        damaged_chunks: chunks whose checksum or content is wrong.
+        damaged_attachments: attachments whose checksum is wrong.
+        skipped_bytes: bytes that belong to no record that could be made out.
+        orphans: messages of channels that are described nowhere.
+        ended: whether the record was found that ends the data.
+        data_intact: whether all before that record matches its checksum; None where it has none.
+    """
+
+    header: Header | None = None
+    schemas: dict[int, Schema] = field(default_factory=dict)
+    channels: dict[int, Channel] = field(default_factory=dict)
+    messages: list[Message] = field(default_factory=list)
+    attachments: list[Attachment] = field(default_factory=list)
+    metadata: list[Metadata] = field(default_factory=list)
+    announced: int | None = None
+    damaged_chunks: int = 0
+    damaged_attachments: int = 0
+    skipped_bytes: int = 0
+    orphans: int = 0
+    ended: bool = False
+    data_intact: bool | None = None
+
+    @property
+    def lossless(self) -> bool:
+        """Whether every message and attachment of the damaged file is here, provably."""
+        if self.data_intact is not None:
+            return self.data_intact
+        damage = self.damaged_chunks or self.damaged_attachments or self.skipped_bytes or self.orphans
+        return self.ended and not damage and self.announced in {None, len(self.messages)}
+
+    @property
+    def last_time(self) -> float:
+        """Seconds of the last message, on the file's own clock."""
+        return max((message.log_time for message in self.messages), default=0) * 1e-9
+
+
+def salvage(content: bytes) -> Salvage:
+    """Returns what is whole in the bytes of an MCAP file, however they were damaged."""
+    found, unpacked = Salvage(), 0
+    for opcode, start, end in _records(content, found):
+        body = content[start:end]
+        try:
+            if opcode == Opcode.CHUNK:
+                unpacked += _take_chunk(body, found, limit=LARGEST_LOG - unpacked)
+            elif opcode == Opcode.DATA_END:
+                _end_data(content[: start - _HEAD.size], body, found)
+            else:
+                _take(opcode, body, found)
+        except _UNREADABLE:
+            if opcode == Opcode.CHUNK:
+                found.damaged_chunks += 1
+            elif opcode == Opcode.ATTACHMENT:
+                found.damaged_attachments += 1
+            else:
+                found.skipped_bytes += end - start
+    known = [message for message in found.messages if message.channel_id in found.channels]
+    found.orphans, found.messages = len(found.messages) - len(known), known
+    return found
+
+
+def recovered_bytes(found: Salvage) -> bytes:
+    """Returns a complete MCAP file, with every checksum, of what was salvaged.
+
+    A flight log that lost something says so in its outcome: it did not complete.
+    """
+    stream = io.BytesIO()
+    writer = Writer(stream, enable_data_crcs=True)
+    writer.start(
+        profile=found.header.profile if found.header else "",
+        library=found.header.library if found.header else "",
+    )
+    for metadata in found.metadata:
+        content = dict(metadata.metadata)
+        if metadata.name == HEADER_METADATA and not found.lossless:
+            content["outcome"] = f"recovered with loss: whole up to {found.last_time:.2f} s at most"
+        writer.add_metadata(metadata.name, content)
+    writer.add_metadata(RECOVERY_METADATA, {"lossless": str(found.lossless).lower()})
+    for part in found.attachments:
+        writer.add_attachment(part.create_time, part.log_time, part.name, part.media_type, part.data)
+    schemas = {
+        number: writer.register_schema(schema.name, schema.encoding, schema.data)
+        for number, schema in found.schemas.items()
+    }
+    channels = {
+        number: writer.register_channel(
+            channel.topic, channel.message_encoding, schemas.get(channel.schema_id, 0), channel.metadata
+        )
+        for number, channel in found.channels.items()
+    }
+    for message in found.messages:
+        writer.add_message(
+            channels[message.channel_id],
+            message.log_time,
+            message.data,
+            message.publish_time,
+            message.sequence,
+        )
+    writer.finish()  # type: ignore[no-untyped-call]
+    return stream.getvalue()
+
+
+def holds(content: bytes, found: Salvage) -> bool:
+    """Returns whether a file, read anew with every checksum, holds what was salvaged, message by message."""
+    reader = SeekingReader(io.BytesIO(content), validate_crcs=True, record_size_limit=LARGEST_LOG)
+    try:
+        read = reader.iter_messages(log_time_order=False)
+        same = all(
+            (channel.topic, message.log_time, message.data)
+            == (found.channels[kept.channel_id].topic, kept.log_time, kept.data)
+            for kept, (_, channel, message) in zip(found.messages, read, strict=True)
+        )
+        attachments = [part.data for part in reader.iter_attachments()]
+    except _UNREADABLE:
+        return False
+    return same and attachments == [part.data for part in found.attachments]
+
+
+def _records(content: bytes, found: Salvage) -> Iterator[tuple[int, int, int]]:
+    """Yields opcode, begin and end of each record; counts the bytes between those that can be made out."""
+    position = len(MAGIC) if content.startswith(MAGIC) else _next_chunk(content, 0)
+    found.skipped_bytes += 0 if content.startswith(MAGIC) else position
+    last = len(content) - len(MAGIC) if content.endswith(MAGIC) else len(content)
+    while position + _HEAD.size <= last:
+        opcode, length = _HEAD.unpack_from(content, position)
+        end = position + _HEAD.size + length
+        if not 0 < opcode <= _LAST_OPCODE or end > last or not _plausible(content, position):
+            resumed = _next_chunk(content, position + 1)
+            found.skipped_bytes += resumed - position
+            position = resumed
+            continue
+        yield opcode, position + _HEAD.size, end
+        position = end
+    found.skipped_bytes += max(last - position, 0)
+
+
+def _next_chunk(content: bytes, position: int) -> int:
+    """Returns where the next chunk that hangs together begins; the end of the content without one."""
+    code = bytes([Opcode.CHUNK])
+    while (position := content.find(code, position)) >= 0:
+        if _plausible(content, position):
+            return position
+        position += 1
+    return len(content)
+
+
+def _plausible(content: bytes, position: int) -> bool:
+    """Returns whether a record that says it is a chunk has the length that its parts add up to."""
+    opcode, length = content[position], 0
+    if opcode != Opcode.CHUNK:
+        return True
+    try:
+        _, length = _HEAD.unpack_from(content, position)
+        (name,) = struct.unpack_from("<I", content, position + _CHUNK_NAME)
+        if name > _LONGEST_NAME:
+            return False
+        (size,) = struct.unpack_from("<Q", content, position + _CHUNK_NAME + 4 + name)
+    except struct.error:
+        return False
+    return bool(length == _CHUNK_NAME - 9 + 4 + name + 8 + size and position + 9 + length <= len(content))
+
+
+def _take_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
+    """Takes the messages of a chunk whose checksum is right, and returns its size unpacked."""
+    chunk = Chunk.read(ReadDataStream(io.BytesIO(body)))
+    if chunk.uncompressed_size > limit:
+        raise _DamagedError(f"expected at most {limit} bytes, got {chunk.uncompressed_size}")
+    stream, size = get_chunk_data_stream(chunk, validate_crc=True)
+    if size != chunk.uncompressed_size:
+        raise _DamagedError(f"expected {chunk.uncompressed_size} bytes, got {size}")
+    part = Salvage()
+    while stream.count < size:
+        opcode, length = stream.read1(), stream.read8()
+        _take(opcode, stream.read(length), part)
+    found.schemas.update(part.schemas)
+    found.channels.update(part.channels)
+    found.messages.extend(part.messages)
+    return size
+
+
+def _end_data(before: bytes, body: bytes, found: Salvage) -> None:
+    """Notes that the data end here, and whether they are what they were."""
+    found.ended = True
+    checksum = int.from_bytes(body, "little")
+    found.data_intact = zlib.crc32(before) == checksum if checksum else None
+
+
+def _take(opcode: int, body: bytes, found: Salvage) -> None:
+    """Takes a record that is no chunk."""
+    stream = ReadDataStream(io.BytesIO(body))
+    match opcode:
+        case Opcode.HEADER:
+            found.header = Header.read(stream)
+        case Opcode.SCHEMA:
+            schema = Schema.read(stream)
+            found.schemas[schema.id] = schema
+        case Opcode.CHANNEL:
+            channel = Channel.read(stream)
+            found.channels[channel.id] = channel
+        case Opcode.MESSAGE:
+            found.messages.append(Message.read(stream, len(body)))
+        case Opcode.METADATA:
+            found.metadata.append(Metadata.read(stream))
+        case Opcode.STATISTICS:
+            found.announced = Statistics.read(stream).message_count
+        case Opcode.ATTACHMENT:
+            if zlib.crc32(body[:-4]) != int.from_bytes(body[-4:], "little"):
+                raise _DamagedError("an attachment does not match its checksum")
+            found.attachments.append(Attachment.read(stream))
+            return
+        case _:
+            return
+    if stream.count != len(body):
+        raise _DamagedError(f"expected a record of {stream.count} bytes, got {len(body)}")

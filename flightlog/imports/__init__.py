@@ -1,0 +1,1 @@
+"""Logs of other programs: PX4's ULog, MCAP, tables."""

@@ -1,0 +1,97 @@
+"""Flights that other programs logged, as logs of ours."""
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
+
+from flight.errors import BadFileError, FlightError
+from flightlog.attachment_names import IMPORT_ATTACHMENT
+from flightlog.autopilot_messages import Told
+from flightlog.consistency import LONGEST_NAME
+from flightlog.header import FlightHeader
+from flightlog.log import FlightLog
+from flightlog.topic import Series
+from runtime.version import VERSION
+
+NOT_KNOWN = "not known"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foreign:
+    """A file of another program: its path and its bytes."""
+
+    path: Path
+    content: bytes
+
+    @classmethod
+    def read(cls, path: Path) -> "Foreign":
+        """Reads a file.
+
+        Raises:
+            BadFileError: it cannot be read.
+        """
+        try:
+            return cls(path, path.read_bytes())
+        except OSError as error:
+            raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
+
+    def log(
+        self,
+        series: Iterable[Series],
+        *,
+        vehicle: str = NOT_KNOWN,
+        outcome: str = "completed",
+        said: Mapping[str, object],
+        told: Sequence[Told] = (),
+    ) -> FlightLog:
+        """Returns the flight log, its times from the first state on.
+
+        Args:
+            series: on one clock; what was before the first state or after the last is left out.
+            vehicle: what flew.
+            outcome: of the flight, or of reading it.
+            said: what is known of where the numbers come from, for the attachment.
+            told: the autopilot's messages, on the clock of the series.
+
+        Raises:
+            BadFileError: there is no motion in it.
+        """
+        try:
+            cut, start = _from_the_first_state({part.topic.name: part for part in series})
+        except FlightError as error:
+            raise BadFileError(self.path, str(error)) from None
+        messages = [asdict(replace(one, time=round(one.time - start, 6))) for one in told]
+        source = {"file": self.path.name, "sha256": hashlib.sha256(self.content).hexdigest(), **said}
+        if messages:
+            source["messages"] = messages
+        unknown = {"model_hash": NOT_KNOWN, "wind": NOT_KNOWN, "backend": NOT_KNOWN}
+        header = FlightHeader(
+            **{
+                "kind": "import",
+                "name": _printable(self.path.stem),
+                "vehicle": _printable(vehicle),
+                **unknown,
+            },
+            seed=0,
+            code_version=VERSION,
+            outcome=outcome,
+        )
+        return FlightLog(header, cut, {IMPORT_ATTACHMENT: json.dumps(source, indent=1).encode()})
+
+
+def _printable(text: str) -> str:
+    return "".join(letter for letter in text if letter.isprintable())[:LONGEST_NAME]
+
+
+def _from_the_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float]:
+    """Returns the series on a clock that begins with the first state, and when that was."""
+    whole = FlightLog(FlightHeader("import", "", "", "", 0, "", "", ""), series, {})
+    start, end = float(whole.motion.time[0]), whole.duration
+    cut = {}
+    for name, part in series.items():
+        inside = (part.time >= start) & (part.time <= end)
+        if inside.any():
+            cut[name] = Series(part.topic, part.time[inside] - start, part.values[inside])
+    return cut, start

@@ -1,0 +1,227 @@
+"""MCAP files of other programs as flight logs of ours: the topics named, in the axes stated."""
+
+import io
+import struct
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+import zstandard
+from google.protobuf.message import DecodeError
+from jaxtyping import Float, Int
+from mcap.exceptions import McapError
+from mcap.reader import McapReader, make_reader
+
+from flight.errors import BadFileError, FlightError
+from flightlog.file.writer import LARGEST_LOG
+from flightlog.log import FlightLog
+from flightlog.topic import Topic
+
+from .axes import Axes, BodyAxes, WorldAxes
+from .imported_log import Foreign
+from .mcap_messages import (
+    ANGULAR,
+    LINEAR,
+    POSITION,
+    Decoder,
+    Found,
+    decoder_of,
+    find_quaternion,
+    find_vector,
+    frame_of,
+    stamp_of,
+)
+from .measured_motion import BODY_RATES, WORLD_RATES, Source, attitude_source, measured_states, slope_source
+
+VelocityAxes = Literal["world", "body"]
+
+_MOST_LISTED = 12
+_UNREADABLE = (
+    *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
+    *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError),
+)
+# What ROS 2 topics of PX4 are described by; they keep PX4's axes.
+_PX4 = "px4_msgs/"
+_IN_BODY = ("Odometry",)
+
+
+@dataclass(frozen=True, slots=True)
+class Stated:
+    """What the user says of a file; None leaves it to what the messages say of themselves.
+
+    Attributes:
+        pose: topic of positions and attitudes.
+        velocity: topic of velocities; the pose's own, or the slope of the position where None.
+        world: axes of the world.
+        body: axes of the body.
+        velocity_in: whether velocities are along the world's axes or the body's.
+    """
+
+    pose: str
+    velocity: str | None = None
+    world: WorldAxes | None = None
+    body: BodyAxes | None = None
+    velocity_in: VelocityAxes | None = None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Table:
+    """A topic's messages: schema, frame of the first, log times and stamps in nanoseconds, the messages."""
+
+    schema: str
+    frame: str
+    logged: Int[np.ndarray, "n"]
+    stamped: Int[np.ndarray, "n"]
+    messages: Sequence[Any]
+
+    def vectors(self, found: Found) -> Float[np.ndarray, "n k"]:
+        return np.array([found.numbers(message) for message in self.messages])
+
+
+def read_foreign_mcap(path: Path, stated: Stated, *, topic: Topic) -> FlightLog:
+    """Reads pose and velocity topics of an MCAP file: ROS 2, protobuf or JSON.
+
+    Times are those that the messages carry, or those of logging where one topic's carry none. Without any
+    velocity the slope of the position stands for it. The attachment says what was taken for what.
+
+    Args:
+        path: of the file.
+        stated: topics and axes.
+        topic: what the motion is to be: the estimate, or the truth.
+
+    Raises:
+        BadFileError: the file is damaged, or has no such topics, or they say nothing of a motion.
+    """
+    file = Foreign.read(path)
+    if len(file.content) > LARGEST_LOG:
+        raise BadFileError(path, f"expected at most {LARGEST_LOG} bytes, got {len(file.content)}")
+    names = [stated.pose, *([stated.velocity] if stated.velocity else [])]
+    try:
+        tables = _tables(file.content, names)
+        sources, said = _sources(tables, stated)
+        states = measured_states(sources, topic)
+    except FlightError as error:
+        raise BadFileError(path, str(error)) from None
+    except _UNREADABLE as error:
+        text = " ".join(str(error).split()) or type(error).__name__
+        raise BadFileError(path, f"cannot be read: {text}; `maneuver recover` saves what is whole") from None
+    if states is None:
+        raise BadFileError(path, f"expected a motion in {names}, got fewer than two usable messages")
+    return file.log([states], said=said)
+
+
+def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
+    reader = make_reader(io.BytesIO(content), validate_crcs=True)
+    _refuse_absent(reader, names)
+    schemas: dict[str, str] = {}
+    decoders: dict[int, Decoder] = {}
+    rows: dict[str, list[tuple[int, Any]]] = {name: [] for name in names}
+    for schema, channel, message in reader.iter_messages(topics=list(names)):
+        if channel.id not in decoders:
+            decoders[channel.id] = decoder_of(channel, schema)
+            schemas[channel.topic] = schema.name if schema is not None else ""
+        rows[channel.topic].append((message.log_time, decoders[channel.id](message.data)))
+    empty = [name for name, part in rows.items() if not part]
+    if empty:
+        raise FlightError(f"{empty} hold no message")
+    return {
+        name: _Table(
+            schema=schemas[name],
+            frame=frame_of(part[0][1]),
+            logged=np.array([time for time, _ in part], np.int64),
+            stamped=np.array([stamp_of(message) for _, message in part], np.int64),
+            messages=[message for _, message in part],
+        )
+        for name, part in rows.items()
+    }
+
+
+def _refuse_absent(reader: McapReader, names: Sequence[str]) -> None:
+    """Refuses topics that the file does not have, and says which ones it has."""
+    summary = reader.get_summary()
+    if summary is None:
+        raise ValueError("it has no summary of its topics")
+    found = {
+        channel.topic: summary.schemas[channel.schema_id].name
+        if channel.schema_id in summary.schemas
+        else channel.message_encoding
+        for channel in summary.channels.values()
+    }
+    absent = [name for name in names if name not in found]
+    if absent:
+        listed = [f"{topic} ({schema})" for topic, schema in sorted(found.items())]
+        more = f" and {len(listed) - _MOST_LISTED} more" if len(listed) > _MOST_LISTED else ""
+        raise FlightError(f"no topic {absent[0]}; it has {', '.join(listed[:_MOST_LISTED]) or 'none'}{more}")
+
+
+def _sources(tables: Mapping[str, _Table], stated: Stated) -> tuple[list[Source], dict[str, object]]:
+    """Returns what the topics say, and in words what was taken for what."""
+    stamped = all((table.stamped > 0).all() for table in tables.values())
+    start = min((table.stamped if stamped else table.logged).min() for table in tables.values())
+    pose = tables[stated.pose]
+    moving = tables[stated.velocity] if stated.velocity else pose
+    px4 = pose.schema.startswith(_PX4)
+    axes = Axes(stated.world or ("ned" if px4 else "enu"), stated.body or ("frd" if px4 else "flu"))
+    velocity_in = stated.velocity_in or ("world" if px4 else _velocity_axes(pose, moving))
+
+    def clock(table: _Table) -> Float[np.ndarray, "n"]:
+        return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
+
+    sources = list(_pose_sources(pose, clock(pose), axes))
+    if not sources:
+        raise FlightError(f"{stated.pose} ({pose.schema}): expected a position or orientation, got none")
+    velocities = list(_velocity_sources(moving, clock(moving), axes, velocity_in))
+    taken = f"{stated.velocity or stated.pose}, along the axes of the {velocity_in}"
+    if not any({"velocity_north", "body_forward"} & set(part.columns) for part in velocities):
+        if stated.velocity:
+            raise FlightError(f"{stated.velocity} ({moving.schema}): expected a velocity, got none")
+        taken = "absent"
+        if "north" in sources[0].columns:
+            velocities.append(slope_source(sources[0]))
+            taken = "the slope of the position"
+    said: dict[str, object] = {
+        "pose": f"{stated.pose} ({pose.schema})",
+        "velocity": taken,
+        "world axes": axes.world,
+        "body axes": axes.body,
+        "times": "of the messages" if stamped else "of logging",
+    }
+    return [*sources, *velocities], said
+
+
+def _velocity_axes(pose: _Table, moving: _Table) -> VelocityAxes:
+    """Returns what a velocity's own words say: odometry is along the body, the pose's frame the world's."""
+    if moving.schema.endswith(_IN_BODY):
+        return "body"
+    return "world" if moving.frame == pose.frame else "body"
+
+
+def _pose_sources(table: _Table, time: Float[np.ndarray, "n"], axes: Axes) -> Iterator[Source]:
+    first = table.messages[0]
+    place, attitude = find_vector(first, POSITION), find_quaternion(first)
+    if place is not None:
+        north, east, down = axes.in_world(table.vectors(place)).T
+        yield Source(time, {"north": north, "east": east, "down": down})
+    if attitude is not None:
+        yield attitude_source(time, axes.turned(table.vectors(attitude)))
+
+
+def _velocity_sources(
+    table: _Table, time: Float[np.ndarray, "n"], axes: Axes, velocity_in: VelocityAxes
+) -> Iterator[Source]:
+    first = table.messages[0]
+    linear, angular = find_vector(first, LINEAR), find_vector(first, ANGULAR)
+    if linear is not None and velocity_in == "world":
+        north, east, down = axes.in_world(table.vectors(linear)).T
+        yield Source(time, {"velocity_north": north, "velocity_east": east, "velocity_down": down})
+    elif linear is not None:
+        forward, right, down = axes.in_body(table.vectors(linear)).T
+        yield Source(time, {"body_forward": forward, "body_right": right, "body_down": down})
+    if angular is not None:
+        # A twist's two parts share their axes; an angular velocity of that name is about the body's.
+        twist_in_world = angular.path[-1] == "angular" and velocity_in == "world"
+        turning = table.vectors(angular)
+        about = axes.in_world(turning) if twist_in_world else axes.in_body(turning)
+        yield Source(time, dict(zip(WORLD_RATES if twist_in_world else BODY_RATES, about.T, strict=True)))

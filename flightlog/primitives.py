@@ -1,0 +1,82 @@
+"""A flight as a reader sees it: a trim held through several plannings is held once."""
+
+from dataclasses import dataclass, replace
+from enum import IntEnum
+
+from flight.se2 import Twist
+
+from .channels import PRIMITIVE
+from .log import FlightLog
+
+
+class PrimitiveKind(IntEnum):
+    """Values of `/primitive` `kind`."""
+
+    COAST = 0
+    MANEUVER = 1
+
+
+@dataclass(frozen=True, slots=True)
+class PrimitiveFlown:
+    """One row of `/primitive` as a value.
+
+    Attributes:
+        kind: coast or maneuver.
+        id: id of the trim held, or of the maneuver.
+        from_trim: id of the trim left; of the trim held in a coast.
+        to_trim: id of the trim led to; of the trim held in a coast.
+        target: nominal velocity of that trim.
+        start: seconds.
+        end: seconds; the start of the next primitive, or the end of the log.
+        timed_out: whether the executor ended it by time-out.
+    """
+
+    kind: PrimitiveKind
+    id: int
+    from_trim: int
+    to_trim: int
+    target: Twist
+    start: float
+    end: float
+    timed_out: bool
+
+
+def primitives_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
+    """Returns the primitives of a log in the order flown."""
+    series = log[PRIMITIVE]
+    ends = [*series.time[1:].tolist(), log.duration]
+    timed_out = [*series["timed_out"][1:].tolist(), 0.0]
+    return tuple(
+        PrimitiveFlown(
+            kind=PrimitiveKind(int(row[0])),
+            id=int(row[1]),
+            from_trim=int(row[2]),
+            to_trim=int(row[3]),
+            target=Twist(row[4], row[5], row[6]),
+            start=start,
+            end=end,
+            timed_out=bool(late),
+        )
+        for row, start, end, late in zip(
+            series.values.tolist(), series.time.tolist(), ends, timed_out, strict=True
+        )
+    )
+
+
+def stretches_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
+    """Returns the primitives of a log; coasts in one trim that follow one another are one, empty ones none.
+
+    A log that another program wrote has none.
+    """
+    if PRIMITIVE.name not in log.series:
+        return ()
+    stretches: list[PrimitiveFlown] = []
+    for part in primitives_flown(log):
+        coast = part.kind is PrimitiveKind.COAST
+        if coast and part.end <= part.start:
+            continue
+        if coast and stretches and stretches[-1].kind is part.kind and stretches[-1].id == part.id:
+            stretches[-1] = replace(stretches[-1], end=part.end)
+        else:
+            stretches.append(part)
+    return tuple(stretches)

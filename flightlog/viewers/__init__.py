@@ -1,0 +1,1 @@
+"""Channels of a flight log that common viewers draw."""

@@ -1,0 +1,173 @@
+"""The scene that viewers draw: goal, track flown, track planned with its tube, all in `z_up.WORLD`."""
+
+from collections.abc import Iterable, Iterator
+from itertools import pairwise
+
+import numpy as np
+from foxglove_schemas_protobuf.Color_pb2 import Color
+from foxglove_schemas_protobuf.CylinderPrimitive_pb2 import CylinderPrimitive
+from foxglove_schemas_protobuf.LinePrimitive_pb2 import LinePrimitive
+from foxglove_schemas_protobuf.Point3_pb2 import Point3
+from foxglove_schemas_protobuf.Pose_pb2 import Pose
+from foxglove_schemas_protobuf.Quaternion_pb2 import Quaternion
+from foxglove_schemas_protobuf.SceneEntity_pb2 import SceneEntity
+from foxglove_schemas_protobuf.TriangleListPrimitive_pb2 import TriangleListPrimitive
+from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
+from jaxtyping import Float
+
+from flight.automaton.library import Library
+from flight.plan.planned_track import POINTS, planned_track, planned_tube
+from flight.se2 import SE2
+from flightlog.attachment_names import LIBRARY_ATTACHMENT
+from flightlog.attachments import PlanOfFlight, goal_of_flight, plans_of_flight
+from flightlog.channels import ESTIMATE, PRIMITIVE
+from flightlog.log import FlightLog
+from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.trim_labels import trim_palette
+
+from .z_up_frames import WORLD, positions
+
+Points = Float[np.ndarray, "n 3"]
+
+SCENE_RATE = 10.0
+"""Points a second of the track flown."""
+
+_GREEN, _GREY, _INK = "#009E73", "#8a8a8a", "#222222"
+_GOAL_POST = 0.1
+_NO_TURN = Pose(orientation=Quaternion(w=1.0))
+# A nominal plan is shown with what all of the library's errors would make of it.
+_TUBE_OF_NOMINAL = 1.0
+
+
+def scene(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
+    """Yields entities with the times from which they are drawn; one of the same id replaces the former.
+
+    Raises:
+        FlightError: an attachment is broken.
+    """
+    yield 0.0, _flown(log)
+    goal = goal_of_flight(log)
+    height = float(-log.motion["down"][0])
+    if goal is not None:
+        yield 0.0, _goal(goal.position, goal.tolerance, height)
+    if LIBRARY_ATTACHMENT in log.attachments and ESTIMATE.name in log.series:
+        library = log.library()
+        for plan in plans_of_flight(log):
+            yield plan.time, _plan(log, library, plan)
+
+
+def believed_pose(log: FlightLog, time: float) -> SE2:
+    """Returns where the vehicle believed to be, between samples by straight lines.
+
+    Raises:
+        MissingTopicError: the log has no estimate.
+    """
+    estimate = log[ESTIMATE]
+    x, y, heading = (
+        float(np.interp(time, estimate.time, estimate[name])) for name in ("north", "east", "heading")
+    )
+    return SE2(x, y, heading)
+
+
+def tube_level(plan: PlanOfFlight) -> float:
+    """Returns the uncertainty level up to which a plan's tube is drawn: its own, or 1 for a nominal plan."""
+    return plan.level or _TUBE_OF_NOMINAL
+
+
+def color(hexadecimal: str, opacity: float = 1.0) -> Color:
+    """Returns a colour given as #rrggbb."""
+    r, g, b = (int(hexadecimal[place : place + 2], 16) / 255.0 for place in (1, 3, 5))
+    return Color(r=r, g=g, b=b, a=opacity)
+
+
+def _flown(log: FlightLog) -> SceneEntity:
+    """Draws the track flown, a line for each primitive; a maneuver's in ink."""
+    entity = SceneEntity(frame_id=WORLD, id="flown")
+    motion = log.motion
+    places = positions(motion)
+    if PRIMITIVE.name not in log.series:
+        entity.lines.append(_line(_thinned(motion.time, places), color(_INK), 0.12))
+        return entity
+    flown = stretches_flown(log)
+    colors = trim_palette(log)
+    for part in flown:
+        inside = (motion.time >= part.start) & (motion.time <= part.end)
+        if inside.sum() < 2:
+            continue
+        shade = colors[part.id] if part.kind is PrimitiveKind.COAST else _INK
+        entity.lines.append(_line(_thinned(motion.time[inside], places[inside]), color(shade), 0.12))
+    return entity
+
+
+def _goal(position: tuple[float, float], tolerance: float, height: float) -> SceneEntity:
+    """Draws the disc that counts as there, at the height flown, and a post below it."""
+    north, east = position
+    entity = SceneEntity(frame_id=WORLD, id="goal")
+    for diameter, length, middle, opacity in (
+        (2.0 * tolerance, 0.02, height, 0.35),
+        (_GOAL_POST, height, 0.5 * height, 1.0),
+    ):
+        pose = Pose(position=Vector3(x=east, y=north, z=middle), orientation=Quaternion(w=1.0))
+        entity.cylinders.append(
+            CylinderPrimitive(
+                pose=pose,
+                size=Vector3(x=diameter, y=diameter, z=length),
+                bottom_scale=1.0,
+                top_scale=1.0,
+                color=color(_GREEN, opacity),
+            )
+        )
+    return entity
+
+
+def _plan(log: FlightLog, library: Library, plan: PlanOfFlight) -> SceneEntity:
+    """Draws a plan from where the vehicle believed to be when it was made, over its tube."""
+    entity = SceneEntity(frame_id=WORLD, id="plan")
+    start = believed_pose(log, plan.time)
+    height = float(-np.interp(plan.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))
+    walk = (library, plan.sequence, plan.coasting_times)
+    coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+    for line in (*coasts, *maneuvers):
+        entity.lines.append(_line(_raised(line, height), color(_GREY), 0.06))
+    tube = planned_tube(*walk, start=start, level=tube_level(plan))[:, :: POINTS // 10]
+    entity.triangles.append(
+        TriangleListPrimitive(
+            pose=_NO_TURN, points=_points(_raised(_swept(tube), height - 0.05)), color=color(_GREY, 0.18)
+        )
+    )
+    return entity
+
+
+def _swept(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, "m 2"]:
+    """Returns the corners of the triangles between neighbouring lines."""
+    triangles = []
+    for one, other in pairwise(tube):
+        a, b, c, d = one[:-1], one[1:], other[:-1], other[1:]
+        triangles.append(np.stack([a, b, c, b, d, c], axis=1).reshape(-1, 2))
+    return np.concatenate(triangles)
+
+
+def _raised(line: Float[np.ndarray, "n 2"], height: float) -> Points:
+    """Returns points of north and east as points of viewers at a height."""
+    return np.column_stack([line[:, 1], line[:, 0], np.full(len(line), height)])
+
+
+def _thinned(time: Float[np.ndarray, "n"], points: Points) -> Points:
+    """Keeps about `SCENE_RATE` points a second, and both ends."""
+    step = max(1, round((len(time) - 1) / max((time[-1] - time[0]) * SCENE_RATE, 1.0)))
+    kept = np.unique([*range(0, len(time), step), len(time) - 1])
+    return np.asarray(points[kept])
+
+
+def _line(points: Points, shade: Color, thickness: float) -> LinePrimitive:
+    return LinePrimitive(
+        type=LinePrimitive.LINE_STRIP,
+        pose=_NO_TURN,
+        thickness=thickness,
+        points=_points(points),
+        color=shade,
+    )
+
+
+def _points(points: Points) -> Iterable[Point3]:
+    return [Point3(x=x, y=y, z=z) for x, y, z in points.tolist()]

@@ -1,0 +1,35 @@
+"""The frames of viewers: world x east, y north, z up; vehicle x forward, y left, z up."""
+
+import numpy as np
+from jaxtyping import Float
+
+from flightlog.topic import Series
+
+WORLD = "world_east_north_up"
+VEHICLE = "vehicle_forward_left_up"
+BELIEVED_VEHICLE = "believed_vehicle_forward_left_up"
+
+POSE = ("north", "east", "down", "roll", "pitch", "heading")
+"""Fields of a state without which there is nothing to place."""
+
+
+def positions(states: Series) -> Float[np.ndarray, "n 3"]:
+    """Returns positions of states in the world of viewers, in metres."""
+    return np.column_stack([states["east"], states["north"], -states["down"]])
+
+
+def attitudes(states: Series) -> Float[np.ndarray, "n 4"]:
+    """Returns rotations from the vehicle of viewers to their world, as unit quaternions x, y, z, w.
+
+    Yaw about up is pi/2 - heading, pitch about left is -pitch, roll about forward is roll; intrinsic z, y, x.
+    """
+    yaw, pitch, roll = 0.5 * (np.pi / 2.0 - states["heading"]), -0.5 * states["pitch"], 0.5 * states["roll"]
+    cy, sy, cp, sp, cr, sr = (f(a) for a in (yaw, pitch, roll) for f in (np.cos, np.sin))
+    return np.column_stack(
+        [
+            cy * cp * sr - sy * sp * cr,
+            cy * sp * cr + sy * cp * sr,
+            sy * cp * cr - cy * sp * sr,
+            cy * cp * cr + sy * sp * sr,
+        ]
+    )

@@ -1,0 +1,1 @@
+"""Design of campaigns: schedules of flights, kinematic libraries, trend automata."""

@@ -1,0 +1,1 @@
+"""Primitives interpolated between flown ones, with their coverage claim."""

@@ -1,0 +1,74 @@
+"""Trims between flown ones: where they are, and when a maneuver to one has ended."""
+
+from collections.abc import Sequence
+from math import ceil
+
+import numpy as np
+from jaxtyping import Float
+from scipy.spatial import Delaunay
+
+from flight.automaton.maneuver_end import Band, ManeuverEnd
+from flight.automaton.trim import Trim
+from flight.se2 import Twist
+
+from .cross_validation import place
+from .spline import Spline
+
+# A grown trim is inside the flown ones' hull and no further than this from one, in the scales of `place`.
+FURTHEST = 0.75
+
+Table = Float[np.ndarray, "n k"]
+
+
+def grown_trims(
+    flown: Sequence[Trim], rule: ManeuverEnd, *, speed_step: float, yaw_rate_step: float
+) -> tuple[tuple[Trim, ...], dict[int, Band]]:
+    """Returns trims on a grid inside the flown ones' hull, where none was flown, without errors; their bands.
+
+    Args:
+        flown: trims.
+        rule: its bands, fixed before the flights, are continued to the grown trims.
+        speed_step: of the grid, m/s.
+        yaw_rate_step: of the grid, rad/s.
+    """
+    places = np.array([place(trim.velocity) for trim in flown])
+    grid = _grid(flown, places, speed_step, yaw_rate_step)
+    at = np.array([place(velocity) for velocity in grid]).reshape(-1, 2)
+    first = max(trim.id for trim in flown) + 1
+    trims = tuple(
+        Trim(number, f"grown: {_words(velocity)}", velocity, Twist(0.0, 0.0, 0.0))
+        for number, velocity in enumerate(grid, start=first)
+    )
+    return trims, _bands(flown, places, rule, at, first)
+
+
+def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, first: int) -> dict[int, Band]:
+    """Returns a smooth rule of bands through those that were fixed before the flights."""
+    known = [rule.bands[trim.id] for trim in flown]
+    columns = zip(*((one.forward, one.side, one.yaw_rate) for one in known), strict=True)
+    widths = np.column_stack([Spline.fit(places, np.array(column)).at(at) for column in columns])
+    return {
+        number: Band(*(round(max(one, 1e-3), 4) for one in width))
+        for number, width in enumerate(widths.tolist(), start=first)
+    }
+
+
+def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step: float) -> list[Twist]:
+    """Returns the grid's velocities that are inside the flown range, near a flown trim, and not flown."""
+    speeds = [trim.velocity.forward for trim in flown]
+    rates = [trim.velocity.yaw_rate for trim in flown]
+    hull = Delaunay(places)
+    found = []
+    for i in range(ceil(min(speeds) / speed_step - 1e-9), int(max(speeds) / speed_step + 1e-9) + 1):
+        for j in range(ceil(min(rates) / yaw_rate_step - 1e-9), int(max(rates) / yaw_rate_step + 1e-9) + 1):
+            velocity = Twist(round(i * speed_step, 6), 0.0, round(j * yaw_rate_step, 6))
+            here = np.array(place(velocity))
+            distance = np.linalg.norm(places - here, axis=1).min()
+            if 1e-6 < distance <= FURTHEST and hull.find_simplex(here, tol=1e-9) >= 0:
+                found.append(velocity)
+    return found
+
+
+def _words(velocity: Twist) -> str:
+    turn = f", {velocity.yaw_rate:+g} rad/s" if velocity.yaw_rate else ""
+    return f"{velocity.forward:.3g} m/s{turn}"

@@ -1,0 +1,96 @@
+"""What a vehicle with second-order responses does between two trims: what growth interpolates around.
+
+Forward velocity and yaw rate go to the next trim's values by second-order responses; the maneuver ends by the
+rule of `flight.automaton.maneuver_end`. Two responses fit all flown maneuvers at once.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from jaxtyping import Float
+from scipy.optimize import least_squares
+
+from flight.automaton.library import Library
+from flight.automaton.maneuver_end import Band
+from flight.se2 import Twist
+from identification.segmentation.step_response import StepResponse
+
+# Seconds between the instants at which the baseline is computed.
+_STEP = 0.02
+# What counts as an equally bad misfit: seconds, metres, metres, radians.
+_SCALES = np.array([0.2, 0.3, 0.3, 0.05])
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """A maneuver to be computed: velocities left and reached, the band around the latter."""
+
+    left: Twist
+    reached: Twist
+    band: Band
+
+
+@dataclass(frozen=True, slots=True)
+class Baseline:
+    """Second-order responses of forward velocity and of yaw rate, with the rule's dwell and time-out."""
+
+    forward: StepResponse
+    yaw_rate: StepResponse
+    dwell: float
+    timeout: float
+
+    def maneuver(self, step: Step) -> tuple[float, float, float, float]:
+        """Returns duration in s, displacement forward and to the right in m, heading change in rad."""
+        time = np.arange(0.0, self.timeout, _STEP)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(time)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(time)
+        outside = (np.abs(speed_off) > step.band.forward) | (np.abs(rate_off) > step.band.yaw_rate)
+        last = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
+        count = min(last + round(self.dwell / _STEP), len(time) - 1)
+        speed = step.reached.forward + 0.5 * (speed_off[1 : count + 1] + speed_off[:count])
+        rate = step.reached.yaw_rate + 0.5 * (rate_off[1 : count + 1] + rate_off[:count])
+        heading = np.concatenate([[0.0], np.cumsum(rate) * _STEP])
+        middle = 0.5 * (heading[1:] + heading[:-1])
+        forward, side = speed * np.cos(middle) * _STEP, speed * np.sin(middle) * _STEP
+        return count * _STEP, float(forward.sum()), float(side.sum()), float(heading[-1])
+
+    def tail(self, step: Step) -> tuple[float, float]:
+        """Returns the most that is left of a step after its end: forward speed, m/s, and yaw rate, rad/s."""
+        later = np.arange(self.maneuver(step)[0], self.timeout, _STEP)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(later)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(later)
+        return float(np.abs(speed_off).max(initial=0.0)), float(np.abs(rate_off).max(initial=0.0))
+
+    def maneuvers(self, steps: Sequence[Step]) -> Float[np.ndarray, "n 4"]:
+        """Returns a row for each step, as `maneuver` gives it."""
+        return np.array([self.maneuver(step) for step in steps])
+
+
+def fitted_baseline(library: Library, steps: Sequence[Step], flown: Float[np.ndarray, "n 4"]) -> Baseline:
+    """Returns the responses that come nearest to all flown maneuvers together.
+
+    Args:
+        library: for the rule.
+        steps: the maneuvers flown.
+        flown: what they did: duration, forward, side, heading change.
+    """
+    rule = library.conditions.maneuver_end
+    assert rule is not None
+
+    def baseline(numbers: Float[np.ndarray, "4"]) -> Baseline:
+        forward, damping, yaw_rate, yaw_damping = numbers.tolist()
+        responses = StepResponse(forward, damping), StepResponse(yaw_rate, yaw_damping)
+        return Baseline(*responses, dwell=rule.dwell, timeout=rule.timeout)
+
+    def misfit(numbers: Float[np.ndarray, "4"]) -> Float[np.ndarray, "m"]:
+        off = (baseline(numbers).maneuvers(steps) - flown) / _SCALES
+        return np.asarray(off.ravel())
+
+    bounds = ([0.2, 0.4, 0.2, 0.4], [8.0, 0.98, 8.0, 0.98])
+    # Durations come in steps, so slopes are taken over differences that a step does not hide.
+    found: Any = least_squares(
+        misfit, [0.9, 0.8, 1.1, 0.8], bounds=bounds, diff_step=[0.02] * 4, loss="soft_l1"
+    )
+    return baseline(found.x)

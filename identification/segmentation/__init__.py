@@ -1,0 +1,1 @@
+"""Segmentation of flights into primitives, by commands or by motion."""

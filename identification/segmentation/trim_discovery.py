@@ -1,0 +1,191 @@
+"""The trims of an unknown vehicle: velocities that it holds again and again, found in its motion alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.automaton.conditions import Conditions
+from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver, ManeuverError
+from flight.automaton.maneuver_end import Band, ManeuverEnd
+from flight.automaton.trim import Trim
+from flight.errors import FlightError
+from flight.se2 import SE2, Twist
+
+from .motion_matching import Levels
+from .motion_model import coarser, learnt_model, walk_of
+from .motion_walk import all_edges
+
+# Seconds that a velocity has to be held to count; means over a fifth of that are compared.
+HELD = 1.5
+PIECES = 5
+# Two trims differ by this share of a channel's range at least, and by the floors: m/s, m/s, rad/s.
+RESOLUTION, FLOORS = 0.06, (0.2, 0.2, 0.02)
+# A trim holds at least this share of the steady time; more steady windows than `MOST_WINDOWS` are thinned.
+LEAST_SHARE, MOST_WINDOWS = 0.01, 2000
+# The rule by which maneuvers end, where none is given: bands of so many robust standard deviations, never
+# below the floors' half; dwell and time-out in response times of the vehicle.
+BAND_IN_SCATTERS, DWELL, TIMEOUT = 4.0, 1.0, 15.0
+MAD = 0.6745
+
+Motion = Float[np.ndarray, "n 3"]
+
+
+class NoTrimsError(FlightError):
+    """No velocity is held for long enough, or only one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Resolution:
+    """The least difference between two trims: metres per second, metres per second, radians per second."""
+
+    forward: float
+    side: float
+    yaw_rate: float
+
+
+def default_resolution(motions: Sequence[Motion]) -> Resolution:
+    """Returns the least difference between two trims that is taken where none is given."""
+    low, high = np.percentile(np.concatenate(motions), [1, 99], axis=0)
+    return Resolution(*np.maximum(RESOLUTION * (high - low), FLOORS).tolist())
+
+
+def discovered_automaton(
+    motions: Sequence[Motion], *, vehicle: str, resolution: Resolution | None = None
+) -> Library:
+    """Returns the trims that the motions hold and the maneuvers that they show, with a rule for their ends.
+
+    The numbers of its maneuvers and its errors are empty: they are for `identify` to find.
+
+    Args:
+        motions: one for each flight, as `motion_model.sampled_motion` gives them.
+        vehicle: what flew.
+        resolution: the least difference between two trims.
+
+    Raises:
+        NoTrimsError: fewer than two velocities are held.
+    """
+    step = resolution or default_resolution(motions)
+    width = np.array([step.forward, step.side, step.yaw_rate])
+    velocity = _levels(motions, width)
+    guess = Levels(velocity, np.tile(0.5 * width, (len(velocity), 1)), all_edges(len(velocity)), HELD / 2)
+    model = learnt_model(motions, guess)
+    walks = [walk_of(motion, guess, model) for motion in motions]
+    off: list[list[Motion]] = [[] for _ in velocity]
+    edges: set[tuple[int, int]] = set()
+    for motion, walk in zip(motions, walks, strict=True):
+        sampled = coarser(motion, model.period)
+        edges |= {(one.left, one.reached) for one in walk.steps}
+        changes = [0, *(round(one.time / model.period) for one in walk.steps), len(sampled)]
+        trims = [walk.first, *(one.reached for one in walk.steps)]
+        for trim, (begin, end) in zip(trims, pairwise(changes), strict=True):
+            # The later half of what is between two steps: the maneuver is over, or the rule will say so.
+            off[trim].append(sampled[(begin + end) // 2 : end])
+    used = [place for place, pieces in enumerate(off) if pieces]
+    centres = {place: np.median(np.concatenate(off[place]), axis=0) for place in used}
+    time_scale = 1 / min(response.frequency for response in model.responses)
+    return _library(
+        vehicle,
+        {place: _tidy(centres[place], width) for place in used},
+        {place: _band(np.concatenate(off[place]), centres[place], width) for place in used},
+        sorted(edges),
+        time_scale,
+    )
+
+
+def _levels(motions: Sequence[Motion], width: Float[np.ndarray, "3"]) -> Motion:
+    """Returns where the steady windows are densest, each further from the others than the width."""
+    windows = np.concatenate([_steady(motion, width) for motion in motions])
+    if len(windows) < 2:
+        raise NoTrimsError(f"expected velocities held for {HELD:g} s, within {_words(width)}; got none")
+    thinned = windows[np.linspace(0, len(windows) - 1, min(len(windows), MOST_WINDOWS)).round().astype(int)]
+    scaled = thinned / width
+    near = (np.abs(scaled[:, None, :] - scaled) <= 0.5).all(axis=2)
+    left, centres = np.ones(len(thinned), bool), []
+    while left.any():
+        peak = np.flatnonzero(left)[np.argmax(near[left].sum(axis=1))]
+        members = near[peak] & left
+        if members.sum() < max(2, LEAST_SHARE * len(thinned)):
+            break
+        centre = np.median(thinned[members], axis=0)
+        centres.append(centre)
+        left &= (np.abs(scaled - centre / width) > 1.0).any(axis=1)
+    if len(centres) < 2:
+        raise NoTrimsError(f"expected two trims or more that differ by {_words(width)}, got {len(centres)}")
+    found = np.array(centres)
+    order = np.lexsort((found[:, 2], found[:, 1], found[:, 0]))
+    return found[order]
+
+
+def _steady(motion: Motion, width: Float[np.ndarray, "3"]) -> Motion:
+    """Returns the mean velocities of all windows in which the velocity hardly moves."""
+    piece = coarser(motion, HELD / PIECES)
+    if len(piece) < PIECES:
+        return np.empty((0, 3))
+    windows = np.lib.stride_tricks.sliding_window_view(piece, PIECES, axis=0)
+    mean = windows.mean(axis=2)
+    held = (np.abs(windows - mean[:, :, None]).max(axis=2) <= 0.35 * width).all(axis=1)
+    steady: Motion = mean[held]
+    return steady
+
+
+def _tidy(centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Twist:
+    """Returns a trim's velocity, rounded to what is known of it: zero is zero."""
+    forward, side, yaw_rate = (
+        round(float(value), 3) + 0.0 if abs(value) > 0.25 * step else 0.0
+        for value, step in zip(centre, width, strict=True)
+    )
+    return Twist(forward, side, yaw_rate)
+
+
+def _band(samples: Motion, centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Band:
+    scatter = np.median(np.abs(samples - centre), axis=0) / MAD
+    return Band(*np.round(np.clip(BAND_IN_SCATTERS * scatter, 0.4 * width, 1.5 * width), 4).tolist())
+
+
+def _library(
+    vehicle: str,
+    velocities: dict[int, Twist],
+    bands: dict[int, Band],
+    edges: list[tuple[int, int]],
+    time_scale: float,
+) -> Library:
+    ids = {place: number for number, place in enumerate(velocities, start=1)}
+    rule = ManeuverEnd(
+        {ids[place]: band for place, band in bands.items()},
+        dwell=round(DWELL * time_scale, 2),
+        timeout=round(TIMEOUT * time_scale, 2),
+    )
+    nothing = ManeuverError(0.0, 0.0, 0.0, 0.0)
+    return Library(
+        name="discovered",
+        description="Trims and maneuvers found in the motion of flights without commands.",
+        vehicle=vehicle,
+        trims=tuple(
+            Trim(ids[place], _name(velocity), velocity, Twist(0.0, 0.0, 0.0))
+            for place, velocity in velocities.items()
+        ),
+        maneuvers=tuple(
+            Maneuver(number, ids[left], ids[reached], 0.0, SE2.identity(), nothing)
+            for number, (left, reached) in enumerate(edges, start=1)
+        ),
+        conditions=Conditions(maneuver_end=rule, trim_error_kind="instantaneous"),
+    )
+
+
+def _name(velocity: Twist) -> str:
+    parts = []
+    if velocity.forward or not (velocity.side or velocity.yaw_rate):
+        parts.append("hover" if not velocity.forward else f"forward {velocity.forward:g} m/s")
+    if velocity.side:
+        parts.append(f"side {velocity.side:g} m/s")
+    if velocity.yaw_rate:
+        parts.append(f"{'right' if velocity.yaw_rate > 0 else 'left'} turn {abs(velocity.yaw_rate):g} rad/s")
+    return ", ".join(parts)
+
+
+def _words(width: Float[np.ndarray, "3"]) -> str:
+    return f"{width[0]:.2g} m/s forward, {width[1]:.2g} m/s to the side or {width[2]:.2g} rad/s"

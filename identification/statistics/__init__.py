@@ -1,0 +1,1 @@
+"""Deviations, bounds and coverage of the primitives observed."""

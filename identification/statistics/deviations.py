@@ -1,0 +1,155 @@
+"""One primitive with the errors that follow from many flights, and what may be claimed of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.automaton.maneuver import Maneuver, ManeuverError
+from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_error
+from flight.automaton.statistics import (
+    COMMAND,
+    NOMINAL_FLIGHTS,
+    SAME_FLIGHTS,
+    AveragedError,
+    Centre,
+    ScalarStatistics,
+    Statistics,
+)
+from flight.automaton.trim import Trim
+from flight.se2 import SE2, Twist
+
+from .box import Box, box_around, smallest_box
+from .coverage import joint_coverage
+from .samples import MANEUVER_SCALARS, TRIM_SCALARS, Samples
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DurationBin:
+    """What flights show of a trim averaged over coasts of some duration, in seconds."""
+
+    shortest: float
+    longest: float
+    samples: Samples
+
+
+def identified_trim(
+    trim: Trim,
+    samples: Samples,
+    confidence: float,
+    *,
+    commanded: bool = True,
+    averaged: tuple[DurationBin, ...] = (),
+) -> Trim:
+    """Returns the trim with the largest deviations from its velocity as its errors.
+
+    A commanded velocity was fixed before any flight, so one number is fitted for each scalar. About one that
+    was found in the same flights the box still holds the smallest box of all, for which two are.
+
+    Args:
+        trim: names the trim and its velocity.
+        samples: of the kind of error wanted.
+        confidence: of the coverage claimed.
+        commanded: whether the velocity was fixed before the flights.
+        averaged: errors averaged over coasts, bin by bin, to stand beside.
+    """
+    centre = np.array([trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate])
+
+    def box_of(shown: Samples) -> Box:
+        box = box_around(centre, shown.low, shown.high)
+        return box if commanded else replace(box, support=2 * box.support)
+
+    def signed(size: Float[np.ndarray, "3"]) -> Twist:
+        return signed_trim_error(Twist(*size.tolist()), trim.velocity)
+
+    box = box_of(samples)
+    source: Centre = COMMAND if commanded else SAME_FLIGHTS
+    return replace(
+        trim,
+        error=signed(box.size),
+        statistics=_statistics(TRIM_SCALARS, samples, box, source, confidence),
+        averaged=tuple(_averaged_error(part, box_of(part.samples), signed, confidence) for part in averaged),
+    )
+
+
+def identified_maneuver(
+    maneuver: Maneuver,
+    samples: Samples,
+    *,
+    nominal: Samples | None,
+    left: Trim,
+    reached: Trim,
+    confidence: float,
+) -> Maneuver:
+    """Returns the maneuver with its values, and its largest deviations from them as errors.
+
+    With nominal flights the values are their means: a centre fixed before the others were seen. Without, the
+    box is the smallest around all samples, its middle the value, with two numbers fitted for each scalar.
+
+    Args:
+        maneuver: names the maneuver; its numbers are not used.
+        samples: of the flights that give the bounds.
+        nominal: of the flights that give the values; None where there are none.
+        left: the trim that the maneuver leaves.
+        reached: the trim that it leads to.
+        confidence: of the coverage claimed.
+    """
+    centre: Centre
+    if nominal is None:
+        box, centre = smallest_box(samples.low, samples.high), SAME_FLIGHTS
+    else:
+        box, centre = box_around(nominal.rows.mean(axis=0), samples.low, samples.high), NOMINAL_FLIGHTS
+    duration, forward, side, heading_change = box.centre.tolist()
+    return Maneuver(
+        id=maneuver.id,
+        from_trim=maneuver.from_trim,
+        to_trim=maneuver.to_trim,
+        duration=duration,
+        displacement=SE2(forward, side, heading_change),
+        error=signed_maneuver_error(
+            ManeuverError(*box.size.tolist()), left=left.velocity, reached=reached.velocity
+        ),
+        statistics=_statistics(MANEUVER_SCALARS, samples, box, centre, confidence),
+    )
+
+
+def _averaged_error(
+    part: DurationBin, box: Box, signed: Callable[[Float[np.ndarray, "3"]], Twist], confidence: float
+) -> AveragedError:
+    return AveragedError(
+        shortest=part.shortest,
+        longest=part.longest,
+        error=signed(box.size),
+        samples=part.samples.count,
+        coverage=_coverage(part.samples, box, confidence),
+    )
+
+
+def _coverage(samples: Samples, box: Box, confidence: float) -> float:
+    return joint_coverage(
+        samples.count, support=box.support, confidence=confidence, discarded=len(samples.discarded)
+    )
+
+
+def _statistics(
+    names: tuple[str, ...], samples: Samples, box: Box, centre: Centre, confidence: float
+) -> Statistics:
+    return Statistics(
+        samples=samples.count,
+        timeouts=samples.timeouts,
+        coverage=_coverage(samples, box, confidence),
+        confidence=confidence,
+        scalars=_scalars(names, samples.rows, box.size),
+        discarded=len(samples.discarded),
+        support=box.support,
+        centre=centre,
+    )
+
+
+def _scalars(
+    names: tuple[str, ...], rows: Float[np.ndarray, "n scalars"], largest: Float[np.ndarray, "scalars"]
+) -> tuple[ScalarStatistics, ...]:
+    spread = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(len(names))
+    columns = zip(names, rows.mean(axis=0).tolist(), spread.tolist(), largest.tolist(), strict=True)
+    return tuple(ScalarStatistics(*column) for column in columns)

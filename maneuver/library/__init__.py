@@ -1,0 +1,1 @@
+"""`maneuver library`: one file a verb."""

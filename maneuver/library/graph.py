@@ -1,0 +1,41 @@
+"""`maneuver library graph`: a library's automaton as a picture, as the thesis draws Figures 3 and 4."""
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from review.pictures.flight_picture import publish_picture
+from review.pictures.library_picture import graph_picture, library_picture
+from runtime.atomic_write import refuse_files
+from scenarios.find import find_library, library_path
+
+
+def graph(
+    library: str,
+    /,
+    *,
+    out: Path | None = None,
+    numbers: Annotated[bool, Parameter(negative="")] = False,
+    force: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Draws the directed graph of a library: trims by yaw rate and forward speed, maneuvers as arrows.
+
+    For example:
+
+        maneuver library graph thesis-gtmax
+
+        maneuver library graph gtmax-sim --numbers --out gtmax-sim.png
+
+    Args:
+        library: name or path.
+        out: where the picture goes; NAME-graph.png by default.
+        numbers: every number with its signed error beside the graph.
+        force: overwrite OUT.
+    """
+    found = find_library(library)
+    path = out or Path(f"{found.name}-graph.png")
+    refuse_files(path, force=force, inputs=[library_path(library)], ending=".png")
+    publish_picture(library_picture(found) if numbers else graph_picture(found), path, force=force)
+    print(f"picture {path}")
+    return 0

@@ -1,0 +1,139 @@
+"""`maneuver library sheet`: a library's whole data sheet: tables, pictures, the thesis beside it."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from experiments.campaign.evidence import log_paths
+from experiments.thesis.error_ratios import Ratio, comparable, ratios
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash
+from flight.errors import FlightError
+from flight.units import FOOT
+from flightlog.file.reader import read_log
+from identification.data_sheet import data_sheet
+from identification.segmentation.observations import Observations, observations, together
+from identification.segmentation.segmentation import segment
+from maneuver.options.numbers import Count
+from review.pictures.flight_picture import publish_picture
+from review.pictures.library_picture import graph_picture, library_picture
+from review.pictures.repeatability_picture import deviations_picture, repeatability_picture
+from runtime.atomic_write import publish_bytes, refuse_folder
+from runtime.executor import default_workers, worker_pool
+from runtime.progress import shown
+from scenarios.find import find_library
+
+THESIS = "thesis-gtmax"
+
+
+def sheet(
+    library: str,
+    /,
+    *,
+    out: Path,
+    logs: Annotated[list[Path] | None, Parameter(negative="")] = None,
+    workers: Count | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Writes a library's data sheet into a folder: `sheet.md` with its pictures.
+
+    The graph, every number with its error, the flights used; for a library of the thesis's trims, Tables 9
+    and 10 beside it. With LOGS, those that it was identified from: every performance of every maneuver on one
+    another (Figure 6), and the deviations with the bounds.
+
+    For example:
+
+        maneuver library sheet gtmax-sim --out gtmax-sim-sheet
+
+        maneuver library sheet mine.json --logs flights --out mine-sheet
+
+    Args:
+        library: name or path.
+        out: folder for the sheet.
+        logs: flight logs, or folders of them.
+        workers: processes that read logs; one for each processor by default.
+        force: overwrite what is in OUT.
+    """
+    found = find_library(library)
+    refuse_folder(out, force=force)
+    paths = log_paths(logs) if logs else []
+    seen = None
+    if paths:
+        with worker_pool(workers or default_workers()) as executor:
+            reading = executor.map(_observed, paths)
+            seen = together(shown(reading, total=len(paths), what="reading"))
+        _refuse_foreign(found, seen)
+    pictures = {"graph.png": graph_picture(found), "numbers.png": library_picture(found)}
+    if seen is not None:
+        pictures["repeatability.png"] = repeatability_picture(found, seen.tracks)
+        pictures["deviations.png"] = deviations_picture(found, seen.trims, seen.maneuvers)
+    for name, figure in pictures.items():
+        publish_picture(figure, out / name, force=force)
+    text = "\n".join(_parts(found, seen is not None)) + "\n"
+    publish_bytes(text.encode(), out / "sheet.md", force=force)
+    print(f"data sheet {out / 'sheet.md'}, {len(pictures)} pictures")
+    return 0
+
+
+def _observed(path: Path) -> Observations:
+    log = read_log(path)
+    try:
+        return observations(log, segment(log), log.library())
+    except FlightError as error:
+        raise FlightError(f"{path}: {error}") from None
+
+
+def _refuse_foreign(library: Library, seen: Observations) -> None:
+    known = {row.id for row in library.maneuvers}
+    if not set(seen.tracks) <= known:
+        unknown = sorted(set(seen.tracks) - known)
+        raise FlightError(f"expected logs that {library.name} is from, got some with maneuvers {unknown}")
+
+
+def _parts(library: Library, observed: bool) -> Iterator[str]:
+    yield data_sheet(library)
+    yield f"Library's sha256: `{library_hash(library)}`.\n"
+    yield "## Graph\n\n![Trims by yaw rate and forward speed, maneuvers as arrows](graph.png)\n"
+    yield "![Every number with its signed error](numbers.png)\n"
+    if observed:
+        yield "## Repeatability\n\n![All performances, seen from their entry](repeatability.png)\n"
+        yield "## Deviations and bounds\n\n![Histograms of all deviations, with the bounds](deviations.png)\n"
+        yield "Nominal flights among the logs gave the values, not the bounds: they may lie outside.\n"
+    printed = find_library(THESIS)
+    if library.name != THESIS and comparable(library, printed):
+        yield from _beside(list(ratios(library, printed)))
+    flown = library.provenance.get("logs_by_seed")
+    if isinstance(flown, dict) and flown:
+        yield f"## Flights used\n\n{len(flown)} flights, by seed, with the sha256 of their logs:\n"
+        yield "| seed | sha256 |\n| --- | --- |"
+        yield from (f"| {seed} | `{digest}` |" for seed, digest in flown.items())
+
+
+_UNITS = {
+    ("trim", "forward"): "ft/s",
+    ("trim", "side"): "ft/s",
+    ("trim", "yaw_rate"): "rad/s",
+    ("maneuver", "duration"): "s",
+    ("maneuver", "forward"): "ft",
+    ("maneuver", "side"): "ft",
+    ("maneuver", "heading_change"): "rad",
+}
+
+
+def _beside(rows: list[Ratio]) -> Iterator[str]:
+    near = sum(row.same_order for row in rows)
+    yield "## Beside the thesis's Tables 9 and 10\n"
+    yield (
+        f"Absolute errors in the units of the tables. {near} of {len(rows)} are of the same order "
+        "(ratio 1/4 to 4); beside the others stands why.\n"
+    )
+    yield "| what | unit | ours | printed | ratio | why |\n| --- | --- | --- | --- | --- | --- |"
+    for row in rows:
+        unit = _UNITS[row.kind, row.name]
+        scale = FOOT if unit.startswith("ft") else 1.0
+        name = row.name.replace("_", " ")
+        numbers = f"{row.ours / scale:.3f} | {row.printed / scale:.3f} | {row.ratio:.2f}"
+        yield f"| {row.kind} {row.id} {name} | {unit} | {numbers} | {row.why} |"
+    yield ""

@@ -1,0 +1,163 @@
+"""`maneuver library`: a library in tables, and whether it holds together."""
+
+import json as json_module
+import sys
+from typing import Annotated
+
+from cyclopts import App, Parameter
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash, library_text
+from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_error
+from flight.plural import counted
+from flight.units import FOOT
+from identification.data_sheet import worth
+from scenarios.find import find_library
+
+# Metres, radians and seconds: what differs by less than rounding in a table is the same.
+SAME = 1e-12
+
+app = App(name="library", help="Shows, checks, tests, compares, grows and makes motion-primitive libraries.")
+app.command("maneuver.library.audit:audit", name="audit")
+app.command("maneuver.library.diff:diff", name="diff")
+app.command("maneuver.library.kinematic:kinematic", name="kinematic")
+app.command("maneuver.library.graph:graph", name="graph")
+app.command("maneuver.library.trends:trends", name="trends")
+app.command("maneuver.library.grow:grow", name="grow")
+app.command("maneuver.library.sheet:sheet", name="sheet")
+app.command("maneuver.library.trial:keep_promise", name="test")
+
+
+@app.command
+def show(
+    library: str,
+    /,
+    *,
+    feet: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Shows a library's trims and maneuvers with their signed errors.
+
+    For example:
+
+        maneuver library show thesis-gtmax --feet
+
+        maneuver library show my-library.json --json
+
+    Args:
+        library: name or path.
+        feet: lengths in feet, as the thesis prints them.
+        json: print the library as JSON, always in SI units.
+    """
+    found = find_library(library)
+    if json:
+        sys.stdout.write(library_text(found))
+        return 0
+    console = Console(highlight=False)
+    console.print(f"{found.name}: {found.description}", soft_wrap=True)
+    console.print(
+        f"{found.vehicle}; wind {found.conditions.wind}; sha256 {library_hash(found)}", soft_wrap=True
+    )
+    console.print(worth(found), soft_wrap=True)
+    console.print("Each value with its signed error:")
+    console.print(_trims(found, feet=feet))
+    console.print(_maneuvers(found, feet=feet))
+    for row in found.maneuvers:
+        if row.notes:
+            console.print(f"maneuver {row.id}: {row.notes}", soft_wrap=True)
+    return 0
+
+
+@app.command
+def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = False) -> int:
+    """Checks a library: its file, its references, and how its errors are signed.
+
+    A broken library ends with exit code 2 and one line that names the place. Remarks do not make a library
+    fail: the tables of the thesis have rows whose signs follow no rule.
+
+    For example:
+
+        maneuver library check my-library.json
+
+    Args:
+        library: name or path.
+        json: print the verdict as JSON.
+    """
+    found = find_library(library)
+    said = remarks(found)
+    if json:
+        verdict = {"library": found.name, "sha256": library_hash(found), "passed": True, "remarks": said}
+        sys.stdout.write(json_module.dumps(verdict, indent=2) + "\n")
+        return 0
+    for remark in said:
+        print(f"remark: {remark}")
+    sizes = f"{counted(len(found.trims), 'trim')}, {counted(len(found.maneuvers), 'maneuver')}"
+    print(f"{found.name}: {sizes}, holds together")
+    return 0
+
+
+def remarks(library: Library) -> list[str]:
+    """Returns what a user of the library should know: errors that break the sign rule, trims that trap."""
+    said = []
+    for trim in library.trims:
+        if trim.error != signed_trim_error(trim.error, trim.velocity):
+            said.append(f"trim {trim.id}: an error has not the sign of its nominal value")
+        if not library.successors(trim.id):
+            said.append(f"trim {trim.id}: no maneuver leaves it")
+    for row in library.maneuvers:
+        expected = signed_maneuver_error(
+            row.error,
+            left=library.trim(row.from_trim).velocity,
+            reached=library.trim(row.to_trim).velocity,
+        )
+        for name in ("duration", "forward", "side", "heading_change"):
+            if abs(getattr(row.error, name) - getattr(expected, name)) > SAME:
+                said.append(f"maneuver {row.id}: its {name} error breaks the sign rule")
+        if row.duration + row.error.duration < 0 or row.duration - row.error.duration < 0:
+            said.append(f"maneuver {row.id}: at gamma 1 or -1 its duration would be negative")
+    return said
+
+
+def _trims(library: Library, *, feet: bool) -> Table:
+    unit, scale = ("ft", FOOT) if feet else ("m", 1.0)
+    table = _table("id", "trim", f"forward, {unit}/s", f"side, {unit}/s", "yaw rate, rad/s")
+    for trim in library.trims:
+        velocity, error = trim.velocity, trim.error
+        table.add_row(
+            str(trim.id),
+            trim.name,
+            _value(velocity.forward / scale, error.forward / scale),
+            _value(velocity.side / scale, error.side / scale),
+            _value(velocity.yaw_rate, error.yaw_rate),
+        )
+    return table
+
+
+def _maneuvers(library: Library, *, feet: bool) -> Table:
+    unit, scale = ("ft", FOOT) if feet else ("m", 1.0)
+    table = _table("id", "trims", "duration, s", f"forward, {unit}", f"side, {unit}", "heading, rad")
+    for row in library.maneuvers:
+        moved, error = row.displacement, row.error
+        table.add_row(
+            str(row.id),
+            f"{row.from_trim}-{row.to_trim}",
+            _value(row.duration, error.duration),
+            _value(moved.x / scale, error.forward / scale),
+            _value(moved.y / scale, error.side / scale),
+            _value(moved.heading, error.heading_change),
+        )
+    return table
+
+
+def _table(*headings: str) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    for place, heading in enumerate(headings):
+        table.add_column(heading, justify="left" if place < 2 else "right", no_wrap=True)
+    return table
+
+
+def _value(value: float, error: float) -> str:
+    return f"{value:.3f} {error:+7.3f}"

@@ -1,0 +1,214 @@
+"""`maneuver library test`: new flights against what a library claims."""
+
+import json as json_module
+import sys
+from collections.abc import Iterable
+from concurrent.futures import Executor
+from dataclasses import asdict
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from experiments.campaign.campaign import TESTING, specify_campaign
+from experiments.campaign.evidence import gather_evidence, log_paths
+from experiments.campaign.interpolation_trial import (
+    NOTHING,
+    SAMPLE,
+    everything_grown,
+    flights_claimed,
+    judge_grown,
+    sampled_flights,
+)
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash
+from flight.errors import FlightError
+from flight.mission.campaign import Campaign
+from flight.plural import counted
+from identification.coverage_trial import NoClaimError, Trial, promise_trials
+from identification.design.interpolation_schedule import Drawn
+from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, evidence
+from maneuver.options.domain_warnings import warn_of_flight, warn_of_logs
+from maneuver.options.numbers import Count, Seed
+from runtime.executor import default_workers, worker_pool
+from runtime.progress import shown
+from scenarios.find import find_library
+from sim.campaign_flight import fly_specification
+from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
+
+REFUTED = 1
+
+FLIGHTS = 100
+"""New flights where no other number is asked for."""
+
+
+def keep_promise(
+    library: str,
+    /,
+    *,
+    flights: Count | None = None,
+    sample: Count = SAMPLE,
+    seed: Seed = 1,
+    wind: str | None = None,
+    logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    workers: Count | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Tests what a library claims: flies anew and counts the flights that stay inside the bounds.
+
+    A flight is inside the bounds of a primitive when all its numbers are, at once. The new flights have air
+    and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
+    95 % interval, and how improbable so few would be if the claim were true, corrected for the number of
+    primitives (Holm). The exit code is 1 where a claim is refuted at 5 %.
+
+    Of a grown library a random sample of its grown maneuvers, and of the trims that they lead to, is flown,
+    and the share of them that every flight keeps is held against what the library claims of each kind.
+
+    For example:
+
+        maneuver library test gtmax-sim --flights 500
+
+        maneuver library test mine.json --logs other-flights/ --json
+
+        maneuver library test grown.json --sample 60
+
+    Args:
+        library: name or path.
+        flights: how many new ones; 100 by default, of a grown library as many as its claim is for.
+        sample: trims, and maneuvers, of a grown library that are drawn.
+        seed: of all their chance.
+        wind: wind class; the library's by default.
+        logs: existing logs, or folders of them, instead of new flights.
+        workers: processes; one for each processor by default.
+        json: print the trials as JSON.
+    """
+    found = find_library(library)
+    measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
+    if not (found.interpolated or measured):
+        raise NoClaimError(found.name)
+    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    with worker_pool(workers or default_workers()) as executor:
+        if logs is not None:
+            flown = gather_evidence(log_paths(logs), executor=executor, of=of)
+            warn_of_logs(found, [flight.header for flight in flown])
+            drawn = everything_grown(found)
+        else:
+            air = wind or found.conditions.wind
+            warn_of_flight(found, wind=air)
+            drawn, specifications = _new(found, sample=sample, seed=seed, flights=flights, wind=air)
+            flown = list(_fly(specifications, found, of, executor))
+    if found.interpolated:
+        return REFUTED if judge_grown(found, drawn, flown, json=json) else 0
+    trials = promise_trials(found, flown)
+    refuted = any(trial.refuted for trial in trials)
+    if json:
+        document = {
+            "library": found.name,
+            "sha256": library_hash(found),
+            "flights": len(flown),
+            "seeds": sorted(flight.header.seed for flight in flown),
+            "refuted": refuted,
+            "trials": [asdict(trial) for trial in trials],
+        }
+        sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
+    else:
+        _show(found, trials, len(flown))
+    return REFUTED if refuted else 0
+
+
+def _new(
+    library: Library, *, sample: int, seed: int, flights: int | None, wind: str
+) -> tuple[Drawn, tuple[FlightSpecification, ...]]:
+    """Returns what is drawn of a grown library, and new flights."""
+    if not library.interpolated:
+        return NOTHING, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
+    claimed = flights_claimed(library)
+    count = flights or claimed
+    if count > claimed:
+        raise FlightError(
+            f"--flights: the claim of {library.name} is for {claimed} flights each, got {count}"
+        )
+    ordered = _coasting_range(library)
+    return sampled_flights(library, ordered, most=sample, seed=seed, flights=count, wind=wind)
+
+
+def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tuple[FlightSpecification, ...]:
+    """Returns flights by the library's own schedule, with seeds that no campaign has.
+
+    Raises:
+        FlightError: the library does not say how it was flown.
+    """
+    ordered, conditions = _coasting_range(library), library.conditions
+    assert conditions.maneuver_end is not None
+    like_before = Campaign(
+        name=library.name,
+        library=library.name,
+        wind=wind,
+        altitude=conditions.altitude or DEFAULT_ALTITUDE,
+        flights=flights,
+        coasting_range=ordered,
+        maneuver_end={wind: conditions.maneuver_end},
+    )
+    return specify_campaign(like_before, library, seed=seed, flights=flights, wind=wind, role=TESTING)
+
+
+def _coasting_range(library: Library) -> tuple[float, float]:
+    """Returns the shortest and longest coasting time that a library's flights were given, in seconds.
+
+    Raises:
+        FlightError: the library does not say how it was flown.
+    """
+    conditions = library.conditions
+    ordered = library.provenance.get("coasting_times_ordered") or conditions.coasting_range
+    if conditions.maneuver_end is None or ordered is None:
+        raise FlightError(
+            f"library {library.name} states no maneuver-end rule or no coasting times: it was not identified "
+            "from flights of this program, so none can be flown like them; --logs tests it with other logs"
+        )
+    return ordered[0], ordered[1]
+
+
+def _fly(
+    specifications: tuple[FlightSpecification, ...],
+    library: Library,
+    of: StateJudged,
+    executor: Executor,
+) -> Iterable[FlightEvidence]:
+    cut = executor.map(partial(_fly_and_cut, library=library, of=of), specifications)
+    return shown(cut, total=len(specifications), what=f"testing {library.name}")
+
+
+def _fly_and_cut(specification: FlightSpecification, library: Library, of: StateJudged) -> FlightEvidence:
+    """Flies once and keeps the primitives; no log is written, so the seed stands for its bytes."""
+    log = fly_specification(specification, library)
+    return evidence(log, name=specification.name, sha256=f"seed {specification.seed}", of=of)
+
+
+def _show(library: Library, trials: tuple[Trial, ...], flights: int) -> None:
+    console = Console(highlight=False)
+    if not console.is_terminal:
+        console = Console(highlight=False, width=110)
+    table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("primitive", no_wrap=True)
+    for name in ("flights", "inside", "unsettled", "share", "95 %", "claim", "p", ""):
+        table.add_column(name, justify="right", no_wrap=True)
+    for trial in trials:
+        share = f"{trial.inside / trial.flights:.3f}" if trial.flights else "-"
+        table.add_row(
+            *(f"{trial.kind} {trial.id}", str(trial.flights), str(trial.inside), str(trial.unsettled)),
+            *(share, f"{trial.low:.3f}-{trial.high:.3f}", f"{trial.claimed:.3f}", f"{trial.doubt:.2g}"),
+            "REFUTED" if trial.refuted else "not flown" if not trial.flights else "not refuted",
+        )
+    console.print(table)
+    refuted = [f"{trial.kind} {trial.id}" for trial in trials if trial.refuted]
+    verdict = f"refuted for {', '.join(refuted)}" if refuted else "not refuted"
+    least = min((t.inside / t.flights for t in trials if t.flights), default=0.0)
+    console.print(
+        f"{library.name}: {counted(flights, 'new flight')}, at least {least:.1%} of them inside the bounds "
+        f"of each primitive; its claim is {verdict}. p is Holm's for {len(trials)} primitives at once.",
+        soft_wrap=True,
+    )

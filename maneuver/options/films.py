@@ -1,0 +1,47 @@
+"""Films and stills of logged flights: what `fly` and `review` share."""
+
+from pathlib import Path
+
+from flightlog.log import FlightLog
+from runtime.atomic_write import refuse_files
+from runtime.progress import shown
+
+FILM_ENDING, STILL_ENDING = ".mp4", ".png"
+
+
+def refuse_film(path: Path, *, force: bool) -> None:
+    """Refuses, before any flying, a film that could not be made.
+
+    Raises:
+        FlightError: the file's name is no film's, the file exists, or nothing here can draw.
+    """
+    from review.film.canvas import check_canvas
+
+    refuse_files(path, force=force, ending=FILM_ENDING)
+    check_canvas()
+
+
+def make_film(log: FlightLog, path: Path, *, force: bool) -> None:
+    """Films a flight.
+
+    Raises:
+        FlightError: the film cannot be made.
+    """
+    from review.film.film import write_film
+
+    refuse_film(path, force=force)
+    write_film(
+        log, path, force=force, shown=lambda numbers, total: shown(numbers, total=total, what="filming")
+    )
+
+
+def make_still(log: FlightLog, path: Path, *, time: float, force: bool) -> None:
+    """Draws one picture of a flight's film.
+
+    Raises:
+        FlightError: the picture cannot be made.
+    """
+    from review.film.film import write_still
+
+    refuse_files(path, force=force, ending=STILL_ENDING)
+    write_still(log, path, time=time)

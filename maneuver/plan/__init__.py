@@ -1,0 +1,1 @@
+"""`maneuver plan`: one file a verb."""

@@ -1,0 +1,83 @@
+"""`maneuver plan check`: whether a plan keeps its word, and what of it is proved."""
+
+import json as json_module
+import sys
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from experiments.mission.time_bound import broken_promise, promised_times
+from flight.plan.plan import PlanContradictionError, read_plan
+from maneuver.options.numbers import Count
+from planner.check.guarantees import Claims, claims
+from planner.check.plan_check import problems
+
+from .context import library_and_mission
+
+FAILED = 1
+
+NOTHING = Claims((), ())
+
+
+def check(
+    file: Path,
+    /,
+    *,
+    library: str | None = None,
+    mission: str | None = None,
+    max_trims: Count | None = None,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Checks a plan against its library and mission, without the search and without the solver.
+
+    The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
+    the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
+    only at those shown. A certificate is verified box by box in interval arithmetic: then no
+    plan is faster by more than a millisecond, or there is none. What the plan claims beside that is named as
+    not proved. A time that most flights keep is compared with what stands beside the library, and with what
+    the loop must need at least, for which alone something is searched. The exit code is 1 where the plan
+    fails, or where there is none and no certificate that proves it.
+
+    For example:
+
+        maneuver plan check plan.json
+
+        maneuver plan check plan.json --library my-library.json --mission my-mission.toml
+
+    Args:
+        file: the plan, as `maneuver plan --out` writes it.
+        library: name or path; by default the name that the plan gives.
+        mission: name or path; by default the name that the plan gives.
+        max_trims: longest sequence that was asked for; the mission's by default.
+        json: print the verdict as JSON.
+    """
+    try:
+        answer = read_plan(file)
+    except PlanContradictionError as error:
+        return _verdict(file, (str(error).removeprefix(f"{file}: "),), json=json)
+    primitives, task = library_and_mission(
+        file, answer, library=library, mission=mission, max_trims=max_trims
+    )
+    wrong = problems(answer, primitives, task)
+    if not answer.found and answer.certificate is None:
+        wrong = (*wrong, f"it holds no plan, only the word that there is none ({answer.status})")
+    if not wrong and answer.time_promise is not None:
+        wrong = broken_promise(
+            answer, task, primitives, promised_times(library or answer.library, primitives)
+        )
+    return _verdict(file, wrong, json=json, said=NOTHING if wrong else claims(answer))
+
+
+def _verdict(file: Path, wrong: tuple[str, ...], *, json: bool, said: Claims = NOTHING) -> int:
+    if json:
+        verdict = {"passed": not wrong, "problems": wrong, "proved": said.proved, "unproved": said.unproved}
+        sys.stdout.write(json_module.dumps(verdict, indent=2) + "\n")
+        return FAILED if wrong else 0
+    for problem in wrong:
+        print(problem)
+    print(f"{file}: {'fails its check' if wrong else 'keeps its word'}")
+    for heading, sentences in (("proved", said.proved), ("not proved", said.unproved)):
+        for sentence in sentences:
+            print(f"  {heading + ':':<12}{sentence}")
+    return FAILED if wrong else 0

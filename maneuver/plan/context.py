@@ -1,0 +1,54 @@
+"""A plan file with the library and the mission that it was made with."""
+
+from dataclasses import replace
+from pathlib import Path
+
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash
+from flight.errors import BadFileError
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan
+from planner.check.plan_check import identity_problems
+from scenarios.find import NoSuchFileError, find_library, find_mission
+
+
+def library_and_mission(
+    file: Path, plan: Plan, *, library: str | None, mission: str | None, max_trims: int | None = None
+) -> tuple[Library, Mission]:
+    """Returns what a plan is to be judged with.
+
+    Args:
+        file: the plan's.
+        plan: what is in it.
+        library: name or path; None for the name that the plan gives.
+        mission: name or path; None for the name that the plan gives.
+        max_trims: longest sequence that was asked for; None for the mission's, or the plan's if longer.
+
+    Raises:
+        FlightError: there is no such library or mission, or it is broken.
+    """
+    try:
+        primitives = find_library(library or plan.library)
+    except NoSuchFileError as error:
+        raise error if library else _made_from(file, "library", "LIBRARY.json", error) from None
+    try:
+        task = find_mission(mission or plan.mission)
+    except NoSuchFileError as error:
+        raise error if mission else _made_from(file, "mission", "MISSION.toml", error) from None
+    wider = plan.at_smallest_tolerance or plan
+    longest = max(task.max_trims, len(plan.sequence), len(wider.sequence))
+    return primitives, replace(task, max_trims=max_trims or longest)
+
+
+def refuse_others(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
+    """Refuses a plan that was made with another library or for another mission.
+
+    Raises:
+        BadFileError: says which.
+    """
+    for problem in identity_problems(plan, library_hash(library), library.name, mission):
+        raise BadFileError(file, problem)
+
+
+def _made_from(file: Path, kind: str, example: str, error: NoSuchFileError) -> BadFileError:
+    return BadFileError(file, f"{error}; where the {kind} is in a file, give --{kind} {example}")

@@ -1,0 +1,179 @@
+"""`maneuver plan`: a mission in, a plan out."""
+
+import sys
+from dataclasses import replace
+from math import inf
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import App, Parameter
+
+from experiments.mission.policies import DEFAULT_POLICY, PlannedPolicy, refuse_misfits
+from experiments.mission.time_bound import promised_times, with_promise
+from flight.automaton.library import Library
+from flight.errors import FlightError
+from flight.mission.mission import MOST_TRIMS, Mission
+from flight.plan.plan import plan_text
+from flight.plan.time_bound import times_path
+from maneuver.options.domain_warnings import warn_of_walk
+from maneuver.options.numbers import Count, Seconds
+from planner.policies.nominal import Nominal
+from planner.policies.policy import Planner
+from planner.policies.price_of_robustness import PriceOfRobustness
+from planner.policies.worst_case import WorstCase
+from runtime.atomic_write import publish_bytes, refuse_files
+from scenarios.find import find_library, find_mission, library_path, mission_path
+
+from .check import check
+from .prices import png, show_prices
+from .show import show
+from .signs import signs
+
+NO_PLAN = 1
+
+GAMMA, ALPHA = 1.0, 1.2
+"""What is planned for where nothing is asked."""
+
+app = App(name="plan")
+app.command(signs)
+app.command(check)
+
+
+@app.default
+def plan(
+    mission: str,
+    /,
+    *,
+    library: str = "gtmax-sim",
+    policy: PlannedPolicy | None = None,
+    gamma: float | None = None,
+    alpha: float | None = None,
+    pareto: Annotated[bool, Parameter(negative="")] = False,
+    max_nodes: Count | None = None,
+    deadline: Seconds | None = None,
+    horizon: Seconds | None = None,
+    max_trims: Count | None = None,
+    certify: Annotated[bool, Parameter(negative="")] = False,
+    out: Path | None = None,
+    picture: Path | None = None,
+    force: Annotated[bool, Parameter(negative="")] = False,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Plans a mission: the trims, and how long to hold each, so that the goal is reached in the least time.
+
+    The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
+    and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
+    the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case time stays, at
+    it and at every smaller one, within alpha times the nominal optimum; --pareto shows the whole curve.
+    The committed policy fixes the coasting times before gamma is known: they end within the tolerance at
+    every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do is shown.
+    Every plan is flown again by code that shares nothing with the search. The exit code is 1 where there is
+    no plan.
+
+    For example:
+
+        maneuver plan kinematic-1 --library thesis-kinematic --policy nominal
+
+        maneuver plan kinematic-2 --library thesis-kinematic --gamma 0.5 --picture plan.png
+
+        maneuver plan my-mission.toml --library my-library.json --out plan.json
+
+        maneuver plan gtmax-1 --library thesis-gtmax --certify --out proved.json
+
+        maneuver plan gtmax-1 --library thesis-gtmax --policy committed --gamma 0.1 --horizon 200
+
+        maneuver plan gtmax-1 --policy price-of-robustness --alpha 1.1
+
+        maneuver plan gtmax-1 --pareto --picture price.png
+
+    Args:
+        mission: name or path.
+        library: name or path.
+        policy: which planner; the worst-case one by default.
+        gamma: uncertainty level of the worst-case and the committed planner, 0 to 1; 1 by default.
+        alpha: worst-case time that the price-of-robustness planner accepts, in nominal optima, at least 1;
+            1.2 by default.
+        pareto: show the price of robustness, from gamma 0 to 1, instead of a plan.
+        max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
+            planner may examine, before the best plan so far is given.
+        deadline: seconds after which the best plan so far is given, with a bound.
+        horizon: seconds that a committed plan may take, and beyond which nothing is claimed where there is
+            none; by default 120, or twice the nominal plan's where that is more.
+        max_trims: longest sequence; the mission's by default.
+        certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
+            the proof in the plan for `maneuver plan check`.
+        out: file for the plan, as JSON.
+        picture: file for a picture of the plan, as PNG.
+        force: overwrite these files.
+        json: print the plan as JSON.
+    """
+    told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
+    told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
+    refuse_misfits(policy, told, pareto=pareto)
+    if horizon is not None and gamma == 0:
+        raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
+    read = [mission_path(mission), library_path(library), times_path(library_path(library))]
+    refuse_files(out, picture, force=force, inputs=read)
+    refuse_files(picture, force=force, ending=".png")
+    primitives = find_library(library)
+    task = _asked(mission, primitives, max_trims)
+    if pareto:
+        return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
+    planner = _planner(
+        primitives,
+        policy or DEFAULT_POLICY,
+        GAMMA if gamma is None else gamma,
+        ALPHA if alpha is None else alpha,
+        max_nodes=max_nodes,
+        deadline=inf if deadline is None else deadline,
+        horizon=horizon,
+    )
+    answer = planner.plan(task)
+    if certify:
+        from planner.proof.certify_plan import certified
+
+        answer = certified(answer, primitives, task)
+    answer = with_promise(answer, task, planner, primitives, promised_times(library, primitives))
+    if answer.found:
+        warn_of_walk(primitives, answer.sequence, answer.coasting_times)
+    if out is not None:
+        publish_bytes(plan_text(answer).encode(), out, force=force)
+    if picture is not None and answer.found:
+        from review.pictures.plan_picture import plan_picture
+
+        publish_bytes(png(plan_picture(answer, primitives, task)), picture, force=force)
+    if json:
+        sys.stdout.write(plan_text(answer))
+    else:
+        show(answer, primitives)
+    return 0 if answer.found else NO_PLAN
+
+
+def _planner(
+    library: Library,
+    policy: PlannedPolicy,
+    gamma: float,
+    alpha: float,
+    *,
+    max_nodes: int | None,
+    deadline: float,
+    horizon: float | None,
+) -> Planner:
+    if policy == "nominal":
+        return Nominal(library, max_nodes=max_nodes, deadline=deadline)
+    if policy == "price-of-robustness":
+        return PriceOfRobustness(library, alpha)
+    if policy == "committed":
+        from planner.commitment.committed import Committed
+
+        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
+    return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
+
+
+def _asked(name: str, library: Library, max_trims: int | None) -> Mission:
+    task = find_mission(name, library)
+    if max_trims is not None:
+        task = replace(task, max_trims=max_trims)
+    if task.max_trims > MOST_TRIMS:
+        raise FlightError(f"--max-trims: expected at most {MOST_TRIMS}, got {task.max_trims}")
+    return task

@@ -1,0 +1,77 @@
+"""`maneuver plan --pareto`: the price of robustness as a table, as JSON and as a picture."""
+
+import io
+import json as json_module
+import sys
+from math import isfinite
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from flight.automaton.library import Library
+from flight.mission.mission import Mission
+from planner.policies.price_of_robustness import Price, prices
+from runtime.atomic_write import publish_bytes
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+NO_PLAN = 1
+
+SCHEMA = "maneuver-prices/1"
+"""Of the curve as JSON."""
+
+
+def show_prices(
+    library: Library, mission: Mission, *, out: Path | None, picture: Path | None, force: bool, json: bool
+) -> int:
+    """Shows the curve; returns the exit code, 1 where the mission has no nominal plan."""
+    curve = prices(library, mission)
+    document = json_module.dumps(_content(library, mission, curve), indent=2, allow_nan=False) + "\n"
+    if out is not None:
+        publish_bytes(document.encode(), out, force=force)
+    if picture is not None and curve:
+        from review.pictures.price_picture import price_picture
+
+        drawn = price_picture(mission.name, [(point.gamma, point.cost) for point in curve])
+        publish_bytes(png(drawn), picture, force=force)
+    if json:
+        sys.stdout.write(document)
+    elif curve:
+        Console(highlight=False).print(_table(curve))
+    else:
+        print(f"{mission.name}: no nominal plan, so robustness has no price")
+    return 0 if curve else NO_PLAN
+
+
+def png(figure: "Figure") -> bytes:
+    """Returns a figure as a PNG file's bytes, the same for the same figure."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    return stream.getvalue()
+
+
+def _content(library: Library, mission: Mission, curve: tuple[Price, ...]) -> dict[str, Any]:
+    points = [
+        {
+            "alpha": point.alpha if isfinite(point.alpha) else None,
+            "gamma": point.gamma,
+            "cost": point.cost if isfinite(point.cost) else None,
+            "sequence": list(point.sequence),
+        }
+        for point in curve
+    ]
+    return {"schema": SCHEMA, "library": library.name, "mission": mission.name, "points": points}
+
+
+def _table(curve: tuple[Price, ...]) -> Table:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("gamma", "worst-case time, s", "alpha", "trims"):
+        table.add_column(heading, justify="left" if heading == "trims" else "right")
+    for point in curve:
+        trims = "-".join(map(str, point.sequence)) or "no plan"
+        table.add_row(f"{point.gamma:g}", f"{point.cost:.4f}", f"{point.alpha:.4f}", trims)
+    return table

@@ -1,0 +1,142 @@
+"""`maneuver plan signs`: how far a plan's single gamma can be trusted."""
+
+import json as json_module
+import sys
+from dataclasses import asdict
+from math import isfinite
+from pathlib import Path
+from typing import Annotated, Any
+
+from cyclopts import Parameter
+from rich.box import SIMPLE_HEAD
+from rich.console import Console
+from rich.table import Table
+
+from flight.errors import BadFileError, FlightError
+from flight.plan.plan import read_plan
+from maneuver.options.numbers import Count
+from planner.check.plan_check import problems
+from planner.independent_errors.error_path import Each
+from planner.independent_errors.independent_errors import Trust, trust
+from planner.independent_errors.worst_time import MOST_TIME_BOXES
+
+from .context import library_and_mission, refuse_others
+
+WHOLE = 1.0
+"""Gamma of plans that have none."""
+
+LOOSE = 1.02
+"""Above the slowest found by more than this share a bound could be closer."""
+
+TOO_HOPEFUL = 1
+
+RESOLUTION = 1e-6
+"""Seconds by which a scenario must exceed every single gamma to count as a counter-example."""
+
+
+def signs(
+    file: Path,
+    /,
+    *,
+    library: str | None = None,
+    mission: str | None = None,
+    each: Each = "primitive",
+    boxes: Count = MOST_TIME_BOXES,
+    json: Annotated[bool, Parameter(negative="")] = False,
+) -> int:
+    """Lets every primitive of a plan err on its own: how slow it may get, and how far from the goal.
+
+    Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
+    their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
+    and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
+    misses those of the plan's. A plan without a gamma is looked at to gamma 1. The exit code is 1 where a
+    corner is slower than every single gamma: the plan's cost is too hopeful.
+
+    For example:
+
+        maneuver plan signs plan.json
+
+        maneuver plan signs plan.json --each scalar --boxes 5000
+
+    Args:
+        file: the plan, as `maneuver plan --out` writes it.
+        library: name or path; by default the name that the plan gives.
+        mission: name or path; by default the name that the plan gives.
+        each: what errs on its own.
+        boxes: of errors, that the bound of the time may look at; more make it closer.
+        json: print the figures as JSON.
+    """
+    plan = read_plan(file)
+    if not plan.found:
+        raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
+    primitives, task = library_and_mission(file, plan, library=library, mission=mission)
+    refuse_others(file, plan, primitives, task)
+    for problem in problems(plan, primitives, task):
+        raise BadFileError(file, f"the plan does not keep its word: {problem}")
+    gamma = plan.gamma or WHOLE
+    found = trust(
+        primitives,
+        task,
+        plan.sequence,
+        plan.coasting_times,
+        gamma=gamma,
+        each=each,
+        most_boxes=boxes,
+    )
+    if json:
+        figures = {"gamma": gamma, **asdict(found)}
+        sys.stdout.write(json_module.dumps(_plain(figures), indent=2) + "\n")
+    else:
+        print(f"{plan.mission} on {plan.library}: every {each} errs on its own, to gamma {gamma:g}")
+        _show(found)
+    return TOO_HOPEFUL if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
+
+
+def _show(found: Trust) -> None:
+    table = Table(box=SIMPLE_HEAD, pad_edge=False)
+    for heading in ("", "time, s", "miss, m"):
+        table.add_column(heading, justify="right" if heading else "left")
+    corners = "all" if found.all_tried else "climbed, of"
+    rows = {
+        "one gamma for all": (found.slowest_single.value, found.furthest_single.value),
+        f"{corners} {found.scenarios:,} corners": (found.slowest.value, found.furthest.value),
+        "anything between, found": (found.slowest_bound.found, found.furthest_bound.found),
+        "anything between, at most": (found.slowest_bound.bound, found.furthest_bound.bound),
+    }
+    for name, (seconds, metres) in rows.items():
+        unproved = "most" in name and isfinite(found.slowest_bound.found)
+        shown = f"{seconds:.4f}" if isfinite(seconds) else "no bound" if unproved else "no arrival"
+        table.add_row(name, shown, f"{metres:.3f}")
+    console = Console(highlight=False)
+    console.print(table)
+    for what, extreme in (("slowest", found.slowest), ("furthest", found.furthest)):
+        console.print(f"{what} corner: {_errors(found.names, extreme.errors)}", soft_wrap=True)
+    worst = found.slowest_bound
+    if not isfinite(worst.found):
+        lost = _errors(found.names, worst.errors)
+        console.print(f"no time is enough: with {lost} this sequence never arrives", soft_wrap=True)
+    elif not isfinite(worst.bound):
+        console.print(
+            f"{worst.boxes:,} boxes give no bound of the time: slower errors may exist, --boxes looks at more"
+        )
+    elif worst.bound > worst.found * LOOSE + RESOLUTION:
+        console.print(f"the bound of the time is that of {worst.boxes:,} boxes; --boxes looks at more")
+
+
+def _errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
+    """Returns which errors there are, in shares of the largest where these are no corners."""
+    told = (
+        f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
+        for name, error in zip(names, errors, strict=True)
+        if error
+    )
+    return ", ".join(told) or "no errors"
+
+
+def _plain(value: Any) -> Any:
+    """Returns nested values with what is infinite as None."""
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(part) for part in value]
+    return None if isinstance(value, float) and not isfinite(value) else value

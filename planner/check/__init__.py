@@ -1,0 +1,1 @@
+"""Checks of plans and certificates; imports no other room of the planner."""

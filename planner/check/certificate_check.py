@@ -1,0 +1,191 @@
+"""Whether a certificate proves what it says: every walk there is, every box of its tree, rounded outward.
+
+Nothing here comes from the search or from what wrote the certificate: the walks are listed anew, their
+numbers taken from the library as intervals, the boxes cut as the tree says, and each bound evaluated in
+interval arithmetic. `docs/planner.md` has the formula; that it is a lower bound whatever the multipliers are
+is weak Lagrangian duality.
+"""
+
+from collections import Counter
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+
+from flight.automaton.library import Library
+from flight.errors import FlightError
+from flight.mission.mission import Mission
+from flight.plan.certificate import Certificate, Cut, Leaf, Refutation, read_tree
+from flight.plan.plan import Plan, Scenario
+from flight.se2 import SE2
+
+from .certified_bound import GOAL_EQUALITY, Leaves, bound
+from .interval_walk import scaled, straightened, walk_numbers
+from .intervals import TURN, PoseBox, hypot, interval
+
+
+def certificate_problems(
+    certificate: Certificate,
+    library: Library,
+    mission: Mission,
+    *,
+    gammas: tuple[float, ...],
+    lower_bound: float,
+) -> tuple[str, ...]:
+    """Returns what a certificate fails to prove; nothing where no plan has a worst time below the bound.
+
+    Args:
+        certificate: the proof.
+        library: the primitives.
+        mission: from where to where.
+        gammas: levels at which a plan has to reach the goal.
+        lower_bound: seconds; infinite where it says that there is no plan.
+    """
+    if certificate.max_trims != mission.max_trims:
+        depth = f"at most {certificate.max_trims} trims, the mission allows {mission.max_trims}"
+        return (f"certificate: covers walks of {depth}",)
+    expected = set(_walks(library, mission))
+    listed = Counter(refutation.sequence for refutation in certificate.refutations)
+    missing = expected - set(listed)
+    if missing:
+        covered = len(expected) - len(missing)
+        return (f"certificate: covers {covered} of the {len(expected)} walks there are, not {min(missing)}",)
+    for walk, times in listed.items():
+        if walk not in expected:
+            return (f"certificate: there is no walk {walk}",)
+        if times > 1:
+            return (f"certificate: walk {walk} stands there {times} times, expected once",)
+    found = []
+    for refutation in certificate.refutations:
+        where = f"certificate: walk {refutation.sequence} at gamma {refutation.gamma:g}"
+        if refutation.gamma not in gammas:
+            found.append(f"{where}: the plan is made for the levels {gammas}")
+            continue
+        try:
+            failed = _not_refuted(refutation, library, mission, lower_bound)
+        except ValueError as error:
+            found.append(f"{where}: {error}")
+            continue
+        if failed:
+            found.append(f"{where}: {failed} of its boxes are not refuted")
+    return tuple(found)
+
+
+def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
+    """Returns every walk that the mission allows, by following the maneuvers."""
+    grown: list[tuple[int, ...]] = [(mission.start_trim,)]
+    every = list(grown)
+    for _ in range(mission.max_trims - 1):
+        grown = [
+            (*walk, maneuver.to_trim)
+            for walk in grown
+            for maneuver in library.maneuvers
+            if maneuver.from_trim == walk[-1]
+        ]
+        every += grown
+    return [walk for walk in every if mission.goal_trim in (None, walk[-1])]
+
+
+def _not_refuted(refutation: Refutation, library: Library, mission: Mission, lower_bound: float) -> int:
+    """Returns how many leaves of a tree do not hold.
+
+    Raises:
+        ValueError: the tree does not cut the whole box into parts.
+    """
+    walk = walk_numbers(library, refutation.sequence, refutation.gamma)
+    walk = straightened(walk, mission, lower_bound)
+    leaves = _cut(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
+    spare = np.full(len(leaves.low), inf)
+    if lower_bound < inf:
+        # No coasting time is longer than what the others leave of the seconds allowed.
+        least = walk.fixed
+        for place in range(leaves.low.shape[1]):
+            least = least + leaves.low[:, place]
+        spare = (interval(lower_bound) - least).high
+    high = np.minimum(leaves.high, (interval(leaves.low) + np.maximum(spare, 0.0)[:, None]).high)
+    least_cost = bound(walk, replace(leaves, high=high), mission)
+    holds = np.where(leaves.kappa == 1, least_cost >= lower_bound, least_cost > 0) | (spare < 0)
+    return int((~holds).sum())
+
+
+def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
+    """Follows a tree from the box of all times to its leaves.
+
+    Raises:
+        ValueError: nodes are missing or left over, a cut is outside its box, a leaf lacks numbers.
+    """
+    trims = len(longest)
+    waiting = [((0.0,) * trims, longest)]
+    boxes, leaves = [], []
+    for node in nodes:
+        if not waiting:
+            raise ValueError("its tree has nodes left over")
+        low, high = waiting.pop()
+        if isinstance(node, Leaf):
+            if len(node.shares) not in ({trims} if node.kappa is not None else {0}):
+                raise ValueError(f"expected {trims} numbers in a leaf, got {len(node.shares)}")
+            boxes.append((low, high))
+            leaves.append(node)
+            continue
+        place, time = node.place, node.time
+        if not (0 <= place < trims and low[place] <= time <= high[place]):
+            raise ValueError(f"a cut at place {place}, {time:g} s, is outside its box")
+        waiting.append(((*low[:place], time, *low[place + 1 :]), high))
+        waiting.append((low, (*high[:place], time, *high[place + 1 :])))
+    if waiting:
+        raise ValueError("its tree lacks nodes")
+    return Leaves(
+        low=np.array([box[0] for box in boxes]),
+        high=np.array([box[1] for box in boxes]),
+        kappa=np.array([float(leaf.kappa or 0) for leaf in leaves]),
+        north=np.array([leaf.vector[0] for leaf in leaves]),
+        east=np.array([leaf.vector[1] for leaf in leaves]),
+        shares=np.array([leaf.shares or (0.0,) * trims for leaf in leaves]),
+    )
+
+
+def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns the scenarios of a plan that interval arithmetic does not prove to end at the goal."""
+    found = []
+    for scenario in plan.scenarios:
+        try:
+            end, heading = _flown(library, plan.sequence, scenario, mission)
+        except (ValueError, FlightError):
+            # Said elsewhere: there is no such walk, or no such time.
+            continue
+        wrong = not end <= max(mission.tolerance, GOAL_EQUALITY)
+        if mission.goal_heading is not None and mission.heading_tolerance < pi:
+            wrong |= not heading <= max(mission.heading_tolerance, GOAL_EQUALITY)
+        if wrong:
+            found.append(f"scenario gamma {scenario.gamma:g}: not proved to end at the goal")
+    return tuple(found)
+
+
+def _flown(
+    library: Library, sequence: tuple[int, ...], scenario: Scenario, mission: Mission
+) -> tuple[float, float]:
+    """Returns by how much a scenario can miss the goal at most, and the wanted heading: metres, radians."""
+    pose = _pose(mission.start)
+    maneuvers = (None, *library.maneuvers_along(sequence))
+    for trim, maneuver, time in zip(sequence, maneuvers, scenario.coasting_times, strict=True):
+        if maneuver is not None:
+            moved, error = maneuver.displacement, maneuver.error
+            pose = pose @ PoseBox(
+                scaled(moved.x, error.forward, scenario.gamma),
+                scaled(moved.y, error.side, scenario.gamma),
+                scaled(moved.heading, error.heading_change, scenario.gamma),
+            )
+        held, wrong = library.trim(trim).velocity, library.trim(trim).error
+        pose = pose @ PoseBox.exp(
+            scaled(held.forward, wrong.forward, scenario.gamma),
+            scaled(held.side, wrong.side, scenario.gamma),
+            scaled(held.yaw_rate, wrong.yaw_rate, scenario.gamma),
+            interval(time),
+        )
+    off = pose.heading - (mission.goal_heading or 0.0)
+    off = off - TURN * np.round(off.middle / (2 * pi))
+    return float(hypot(pose.x - mission.goal[0], pose.y - mission.goal[1]).high), float(off.magnitude)
+
+
+def _pose(pose: SE2) -> PoseBox:
+    return PoseBox(interval(pose.x), interval(pose.y), interval(pose.heading))

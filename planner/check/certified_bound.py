@@ -1,0 +1,148 @@
+"""The bound that multipliers give, in interval arithmetic: `docs/planner.md` has the formula."""
+
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.mission.mission import Mission
+
+from .interval_walk import Complex, Numbers, WalkNumbers, exact
+from .intervals import TURN, Interval, cos, hypot, interval, sin, sqrt, square
+
+GOAL_EQUALITY = 1e-6
+"""Metres and radians within which a tolerance of 0 is met."""
+
+ANGLE_SLACK = 1e-11
+"""Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Leaves:
+    """Boxes of coasting times in seconds, and the multipliers that are to refute them."""
+
+    low: Float[np.ndarray, "leaves trims"]
+    high: Float[np.ndarray, "leaves trims"]
+    kappa: Numbers
+    north: Numbers
+    east: Numbers
+    shares: Float[np.ndarray, "leaves trims"]
+
+
+def bound(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> Numbers:
+    """Returns, for each leaf, what kappa times the cost cannot be below if the goal is reached from its box.
+
+    Infinite where no heading in the box is one that is wanted at the goal.
+    """
+    kappa = interval(leaves.kappa)
+    m = Complex(interval(leaves.north), interval(-leaves.east))
+    goal = _goal(mission)
+    tolerance = interval(max(mission.tolerance, GOAL_EQUALITY)) + walk.astray
+    reach = hypot(interval(leaves.north), interval(leaves.east)) * tolerance
+    total = kappa * walk.fixed - (m * goal).real - reach
+    way, slope = exact(0.0, 0.0), interval(np.zeros(len(leaves.low)))
+    spans = _headings(walk, leaves, mission)
+    before = interval(np.zeros(len(leaves.low)))
+    for index, place in enumerate(walk.places):
+        first, last, x = leaves.low[:, index], leaves.high[:, index], leaves.shares[:, index]
+        way = way + place.displacement
+        after = spans[index]
+        if place.rate is not None:
+            worth = (kappa - x) / place.rate
+            total = total + _least_wave(slope - worth, m * (way - place.centre), before)
+            total = total + Interval(first, last) * x
+            way, slope = place.centre, worth
+        else:
+            speed = m * place.velocity
+            still = interval(np.zeros(len(first)))
+            steady = kappa + _least_wave(still, speed, after)
+            fast = kappa - _least_wave(still, speed.times(-1.0 + still), after)
+            total = total + kappa * x + _aside(first, last, x, steady.low, fast.high)
+            way = way + place.velocity.times(x)
+        before = after
+    least = (total + _least_wave(slope, m * way, before)).low
+    nowhere = np.logical_or.reduce([span.low > span.high for span in spans])
+    bounds: Numbers = np.where(nowhere, inf, least)
+    return bounds
+
+
+def _goal(mission: Mission) -> Complex:
+    start = mission.start
+    away = Complex(interval(mission.goal[0]) - start.x, interval(mission.goal[1]) - start.y)
+    return Complex.turned(interval(-start.heading)) * away
+
+
+def _aside(first: Numbers, last: Numbers, x: Numbers, steady: Numbers, fast: Numbers) -> Interval:
+    """Returns the products of a straight time less x with what a second of it is worth, from below."""
+    endless = np.isinf(last)
+    # Where every second is worth something, the first is the worst.
+    known = Interval(first, np.where(endless, first, last)) - x
+    product = known * Interval(np.minimum(steady, fast), np.maximum(steady, fast))
+    low = np.where(endless & (steady < 0), -inf, product.low)
+    return Interval(low, low)
+
+
+def _headings(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> list[Interval]:
+    """Returns between what the headings after each place lie; after the last turn only what is wanted."""
+    heading = interval(np.zeros(len(leaves.low)))
+    spans = []
+    for index, place in enumerate(walk.places):
+        if place.rate is not None:
+            heading = heading + place.rate * Interval(leaves.low[:, index], leaves.high[:, index])
+        spans.append(heading)
+    if mission.goal_heading is None or mission.heading_tolerance >= pi:
+        return spans
+    wanted = interval(mission.goal_heading) - mission.start.heading - walk.turned
+    width = float((interval(max(mission.heading_tolerance, GOAL_EQUALITY)) + walk.askew).high)
+    turns = [index for index, place in enumerate(walk.places) if place.rate is not None]
+    last = turns[-1] if turns else 0
+    return [span if index < last else _wanted(span, wanted, width) for index, span in enumerate(spans)]
+
+
+def _wanted(span: Interval, wanted: Interval, width: float) -> Interval:
+    """Returns the part of a span between its first and last headings that are wanted, modulo full turns."""
+    middle = float(wanted.middle)
+    full = 2 * pi
+    first = np.ceil((span.low - width - middle) / full - 1e-9)
+    last = np.floor((span.high + width - middle) / full + 1e-9)
+    from_below = wanted + TURN * first - width
+    from_above = wanted + TURN * last + width
+    return Interval(np.maximum(span.low, from_below.low), np.minimum(span.high, from_above.high))
+
+
+def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
+    """Returns, as an interval of one number, a bound below slope * psi + Re(wave exp(i psi)) over a span.
+
+    The least is at an end, or where the wave's slope is the line's, rising: psi = arg((-d + i slope) / wave)
+    with d = sqrt(|wave|^2 - slope^2), and is slope * psi - d there. Of slow turns d is the root of what
+    cancels; then the value anywhere near says more: it exceeds the least by |wave| / 2 times the distance
+    squared at most.
+    """
+    a, x, y = slope.middle, wave.real.middle, wave.imag.middle
+    blur = interval(slope.width) * span.magnitude + wave.real.width + wave.imag.width
+    least = np.full(np.broadcast(a, span.low).shape, inf)
+    for psi in (interval(span.low), interval(span.high)):
+        least = np.minimum(least, (psi * a + cos(psi) * x - sin(psi) * y).low)
+    size = square(interval(x)) + square(interval(y)) - square(interval(a))
+    depth = sqrt(size)
+    real, imag = depth * -x + interval(a) * y, depth * y + interval(a) * x
+    at = np.arctan2(imag.middle, real.middle)
+    length = np.hypot(imag.middle, real.middle)
+    doubt = real.width + imag.width
+    error = np.where(length > 2 * doubt, 2 * doubt / np.where(length > 0, length, 1.0), pi)
+    error = error + ANGLE_SLACK * (1 + span.magnitude)
+    full = 2 * pi
+    for psi in (
+        at + full * np.ceil((span.low - error - at) / full - 1e-12),
+        at + full * np.floor((span.high + error - at) / full + 1e-12),
+    ):
+        around = Interval(psi - error, psi + error)
+        inside = (size.high > 0) & (around.high >= span.low) & (around.low <= span.high)
+        near = interval(psi) * a + cos(interval(psi)) * x - sin(interval(psi)) * y
+        near = near - hypot(interval(x), interval(y)) * square(interval(error)) * 0.5
+        least = np.where(inside, np.minimum(least, np.maximum((around * a - depth).low, near.low)), least)
+    low = (interval(least) - blur).low
+    # Numbers too large to be squared tell nothing of where the least is.
+    low = np.where(np.isfinite(length) & np.isfinite(doubt), low, -inf)
+    return Interval(low, low)

@@ -1,0 +1,1 @@
+"""The receding horizon, for anything that satisfies the Vehicle protocol."""

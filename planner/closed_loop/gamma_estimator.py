@@ -1,0 +1,62 @@
+"""Which uncertainty level the vehicle has shown: one model for each level, and the best of them."""
+
+from collections import deque
+from collections.abc import Sequence
+
+from flight.automaton.library import Library
+from flight.se2 import SE2
+
+from .remaining_plan import Step
+
+MEMORY = 0.8
+"""How much of what was seen still counts after another primitive; chosen."""
+
+REMEMBERED = 40
+"""Primitives that score a level asked for later; what is older counts for less than a thousandth."""
+
+
+class Levels:
+    """Scores every level by how well it foretold where primitives end.
+
+    The worst case promises a time to whoever learns the level before flying. In flight it shows itself: each
+    primitive ends where it would at one of the levels, or nearest to that. What counts is by how many metres
+    a level misplaces the goal.
+
+    Args:
+        library: the primitives.
+        goal: north and east in metres.
+    """
+
+    def __init__(self, library: Library, goal: tuple[float, float]) -> None:
+        self._library, self._goal = library, goal
+        self._seen: deque[tuple[Step, SE2, SE2]] = deque(maxlen=REMEMBERED)
+        self._scores: dict[float, float] = {}
+
+    def see(self, step: Step, begin: SE2, end: SE2) -> None:
+        """Takes a primitive that was flown, from where and to where as far as the vehicle believes."""
+        self._seen.append((step, begin, end))
+        for level, score in self._scores.items():
+            self._scores[level] = self._after(score, level, step, begin, end)
+
+    def shown(self, levels: Sequence[float], *, otherwise: float) -> float:
+        """Returns the level that foretold best, of some; another one where nothing was flown yet."""
+        for level in levels:
+            if level not in self._scores:
+                score = 0.0
+                for step, begin, end in self._seen:
+                    score = self._after(score, level, step, begin, end)
+                self._scores[level] = score
+        return min(levels, key=self._scores.__getitem__) if self._seen and levels else otherwise
+
+    def _after(self, score: float, level: float, step: Step, begin: SE2, end: SE2) -> float:
+        foretold = step.exit(begin, self._library, level)
+        miss = _seen_from(foretold, self._goal).distance_to(_place(_seen_from(end, self._goal)))
+        return MEMORY * score + miss**2
+
+
+def _seen_from(pose: SE2, place: tuple[float, float]) -> SE2:
+    return pose.inverse() @ SE2(*place, 0.0)
+
+
+def _place(pose: SE2) -> tuple[float, float]:
+    return pose.x, pose.y

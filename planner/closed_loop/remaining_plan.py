@@ -1,0 +1,106 @@
+"""What is left of a plan that is being flown, and where it leads."""
+
+from dataclasses import dataclass, replace
+
+from flight.automaton.library import Library
+from flight.plan.plan import Plan, Scenario
+from flight.se2 import SE2
+from planner.walks.walk import Walk
+
+SHORTEST_COAST = 1e-3
+"""Seconds; a shorter coast is not flown."""
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """One primitive to be flown: a trim held for seconds, or a maneuver to another trim.
+
+    Attributes:
+        trim: id of the trim held at its begin.
+        duration: seconds of a coast; 0 for a maneuver.
+        to_trim: id of the trim that a maneuver leads to; None for a coast.
+    """
+
+    trim: int
+    duration: float
+    to_trim: int | None = None
+
+    def exit(self, pose: SE2, library: Library, level: float) -> SE2:
+        """Returns where the step ends, begun at a pose, at an uncertainty level."""
+        if self.to_trim is None:
+            return pose @ SE2.exp(library.trim(self.trim).at(level), self.duration)
+        return pose @ library.maneuver(self.trim, self.to_trim).at(level).displacement
+
+    def time(self, library: Library, level: float) -> float:
+        """Returns the seconds that the step takes at an uncertainty level."""
+        if self.to_trim is None:
+            return self.duration
+        return library.maneuver(self.trim, self.to_trim).at(level).duration
+
+
+@dataclass(frozen=True, slots=True)
+class Remainder:
+    """What is left of a plan.
+
+    Attributes:
+        trim: id of the trim held now.
+        coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
+        trims: ids of the trims to come.
+        tail: ids of the trims that lead to rest from where the plan ends.
+        fallback: whether nothing but the way to rest is being flown.
+    """
+
+    trim: int
+    coasts: tuple[float, ...] = ()
+    trims: Walk = ()
+    tail: Walk = ()
+    fallback: bool = False
+
+    @classmethod
+    def of(cls, plan: Plan, scenario: Scenario) -> "Remainder":
+        """Returns all of a plan, with the coasting times of one of its scenarios."""
+        return cls(plan.sequence[0], scenario.coasting_times, plan.sequence[1:], plan.tail)
+
+    @property
+    def used_up(self) -> bool:
+        """Whether the plan is flown: it promised no more than to be near, so its last trim is held."""
+        return not self.trims and sum(self.coasts) <= SHORTEST_COAST
+
+    @property
+    def maneuver_due(self) -> bool:
+        """Whether a maneuver is the next thing to do."""
+        return bool(self.trims) and (not self.coasts or self.coasts[0] <= SHORTEST_COAST)
+
+    def retreat(self) -> "Remainder":
+        """Returns the way to rest from where the plan ends."""
+        return replace(self, coasts=(0.0,) * (len(self.tail) + 1), trims=self.tail, tail=(), fallback=True)
+
+    def step(self, within: float) -> tuple[Step, "Remainder"]:
+        """Returns what to do next, for so many seconds at most or a maneuver, and what is left then."""
+        if self.maneuver_due:
+            step = Step(self.trim, 0.0, self.trims[0])
+            return step, replace(self, trim=self.trims[0], coasts=self.coasts[1:], trims=self.trims[1:])
+        due = self.coasts[0] if self.coasts else 0.0
+        time = within if not self.trims else min(within, due)
+        coasts = (max(due - time, 0.0), *self.coasts[1:])
+        return Step(self.trim, time), replace(self, coasts=coasts)
+
+    def window(self, duration: float) -> tuple[tuple[Step, ...], "Remainder"]:
+        """Returns what is flown in the seconds to come, and what is left then; a maneuver ends it."""
+        steps: list[Step] = []
+        left, time = self, duration
+        while time > SHORTEST_COAST:
+            step, left = left.step(time)
+            steps.append(step)
+            if step.to_trim is not None:
+                break
+            time -= step.duration
+        return tuple(steps), left
+
+    def outcome(self, pose: SE2, library: Library, level: float) -> tuple[SE2, float]:
+        """Returns where the plan ends, flown from a pose at a level, and after how many seconds."""
+        left, elapsed = self, 0.0
+        while not left.used_up:
+            step, left = left.step(left.coasts[0] if left.coasts else 0.0)
+            pose, elapsed = step.exit(pose, library, level), elapsed + step.time(library, level)
+        return pose, elapsed

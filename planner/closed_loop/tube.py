@@ -1,0 +1,198 @@
+"""The tube of a flight: where it may be between two plannings if no primitive leaves its errors.
+
+Every primitive flown errs on its own, and so does each of its numbers: the tube is an enclosure with
+independent signs. A pose is a middle, a slope for each error variable, from -1 to 1, and a radius for what is
+not linear: with the heading off by f and a stretch a longer by b, exp(i f) (a + b) differs from
+a + b + i f a by at most f^2 |a| / 2 + |f| |b|. Each planning begins a tube anew, from where the vehicle truly
+is.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver
+from flight.automaton.trim import Trim
+from flight.automaton.vehicle import Leg
+from flight.se2 import SE2, wrap_angle
+
+from .remaining_plan import Step
+
+ROUNDING = 1e-9
+"""Metres, radians and seconds by which the tube is widened."""
+
+CLOCK = 0.011
+"""Seconds: a coast is flown to the nearest control period, and a leg's times are those of its track."""
+
+_DIRECTIONS = np.exp(1j * np.linspace(0.0, np.pi, 64, endpoint=False))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Enclosure:
+    """Where a vehicle may be.
+
+    Attributes:
+        middle: north + i east in metres.
+        heading: in radians.
+        moves: metres for each error variable.
+        turns: radians for each error variable.
+        radius: metres beside them.
+        late: seconds by which the maneuvers so far may have been longer or shorter.
+        due: seconds that maneuvers so far should have taken.
+    """
+
+    middle: complex
+    heading: float
+    moves: Complex[np.ndarray, "variables"]
+    turns: Float[np.ndarray, "variables"]
+    radius: float = 0.0
+    late: float = 0.0
+    due: float = 0.0
+
+    @classmethod
+    def at(cls, pose: SE2) -> "Enclosure":
+        """Returns a pose that is known."""
+        return cls(complex(pose.x, pose.y), pose.heading, np.zeros(0, dtype=complex), np.zeros(0))
+
+    def after(
+        self,
+        displacement: complex,
+        turn: float,
+        *,
+        moves: Sequence[complex],
+        turns: Sequence[float],
+        bent: float = 0.0,
+        due: float = 0.0,
+        late: float = 0.0,
+    ) -> "Enclosure":
+        """Returns where a primitive may lead from here.
+
+        Args:
+            displacement: forward + i right, metres.
+            turn: heading change, radians.
+            moves: what its errors add to the displacement, a variable each.
+            turns: what they add to the turn.
+            bent: metres by which the displacement may be off that sum.
+            due: seconds that a maneuver takes.
+            late: its error, seconds.
+        """
+        facing = np.exp(1j * self.heading)
+        off = float(np.abs(self.turns).sum())
+        longer = float(np.abs(moves).sum()) + bent
+        return Enclosure(
+            middle=self.middle + facing * displacement,
+            heading=self.heading + turn,
+            moves=np.concatenate(
+                [self.moves + 1j * facing * displacement * self.turns, facing * np.array(moves)]
+            ),
+            turns=np.concatenate([self.turns, np.array(turns)]),
+            radius=self.radius + 0.5 * off**2 * abs(displacement) + off * longer + bent,
+            late=self.late + abs(late),
+            due=self.due + due,
+        )
+
+    def holds(self, pose: SE2, *, elapsed: float) -> bool:
+        """Returns whether a pose is inside, after so many seconds in maneuvers."""
+        off = complex(pose.x, pose.y) - self.middle
+        turned = abs(wrap_angle(pose.heading - self.heading))
+        if turned > np.abs(self.turns).sum() + ROUNDING or abs(elapsed - self.due) > self.late + CLOCK:
+            return False
+        # Outside where some direction sees it beyond all that the errors can reach: the normals of the moves
+        # bound the polygon that they span, the others its rounded corners.
+        normals = 1j * self.moves[np.abs(self.moves) > 0]
+        directions = np.concatenate([_DIRECTIONS, normals / np.abs(normals)])
+        seen = np.abs((off * directions.conj()).real)
+        reach = np.abs((self.moves[None, :] * directions.conj()[:, None]).real).sum(axis=1) + self.radius
+        return bool((seen <= reach + ROUNDING).all())
+
+
+def coasted(where: Enclosure, trim: Trim, duration: float, *, share: float) -> Enclosure:
+    """Returns where a coast may lead, whose velocity errs differently at every moment.
+
+    Args:
+        where: it begins.
+        trim: that is held.
+        duration: seconds.
+        share: of the errors that the tube is made of.
+    """
+    nominal, error = SE2.exp(trim.velocity, duration), trim.error
+    turn = trim.velocity.yaw_rate * duration
+    facing = np.exp(0.5j * turn)
+    pushed = share * duration * np.array([abs(error.forward), 1j * abs(error.side)]) * facing
+    swung = share * abs(error.yaw_rate) * duration
+    way = complex(trim.velocity.forward, trim.velocity.side) * duration
+    # Within the coast the nose is off its middle direction by half the turn at most, by a quarter on average.
+    # Yaw errors push the end sideways by half of what they turn at most; their square bends the way.
+    width = float(np.abs(pushed).sum())
+    bent = 0.25 * abs(turn) * (width + 0.5 * abs(way) * swung) + 0.5 * swung * width + swung**2 * abs(way) / 6
+    return where.after(
+        complex(nominal.x, nominal.y),
+        turn,
+        moves=[*pushed.tolist(), 0.5j * facing * way * swung],
+        turns=[0.0, 0.0, swung],
+        bent=bent,
+    )
+
+
+def maneuvered(where: Enclosure, maneuver: Maneuver, *, share: float) -> Enclosure:
+    """Returns where a maneuver may lead; arguments as in `coasted`."""
+    moved, error = maneuver.displacement, maneuver.error
+    return where.after(
+        complex(moved.x, moved.y),
+        moved.heading,
+        moves=[share * abs(error.forward), 1j * share * abs(error.side), 0.0],
+        turns=[0.0, 0.0, share * abs(error.heading_change)],
+        due=maneuver.duration,
+        late=share * error.duration,
+    )
+
+
+def leaves_tube(
+    library: Library, steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float], *, share: float
+) -> float | None:
+    """Returns when a flight first left its tube, in seconds since its start; None where it never did.
+
+    A flight is looked at until an alarm broke off a maneuver.
+
+    Args:
+        library: flown with.
+        steps: what each leg was meant to be.
+        legs: what was flown; their true tracks are looked at.
+        plannings: seconds since the start at which a tube begins anew.
+        share: of the library's errors that the tube is made of.
+    """
+    for window in _windows(steps, legs, plannings):
+        where, elapsed = Enclosure.at(_pose(window[0][1], 0)), 0.0
+        for step, leg in window:
+            if step.to_trim is None:
+                flown = float(leg.track[-1, 0] - leg.track[0, 0])
+                where = coasted(where, library.trim(step.trim), flown, share=share)
+            elif leg.alarm:
+                # Broken off: no primitive of the library was flown, and what follows is no plan's.
+                return None
+            else:
+                elapsed += leg.duration
+                where = maneuvered(where, library.maneuver(step.trim, step.to_trim), share=share)
+            if not where.holds(_pose(leg, -1), elapsed=elapsed):
+                return float(leg.track[-1, 0])
+    return None
+
+
+def _windows(
+    steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float]
+) -> Iterator[list[tuple[Step, Leg]]]:
+    """Yields what was flown from one planning to the next."""
+    marks = sorted(plannings)
+    found: dict[int, list[tuple[Step, Leg]]] = {}
+    for step, leg in zip(steps, legs, strict=True):
+        number = int(np.searchsorted(marks, float(leg.track[0, 0]) + ROUNDING, side="right"))
+        found.setdefault(number, []).append((step, leg))
+    yield from found.values()
+
+
+def _pose(leg: Leg, row: int) -> SE2:
+    _, north, east, heading = leg.track[row].tolist()
+    return SE2(north, east, heading)

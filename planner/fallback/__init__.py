@@ -1,0 +1,1 @@
+"""The exact search in Python, for machines without a compiler."""

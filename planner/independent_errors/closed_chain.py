@@ -1,0 +1,186 @@
+"""A walk and its goal as a ring of displacements, for all errors in boxes.
+
+Each displacement is turned by what comes before it; with the way back from the goal to the start they add up
+to nothing. A wanted heading cuts the ring at a turn that makes up for it, and joins it at the goal.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Complex, Float
+
+from .affine import Affine, Point, Row, coasted
+from .error_path import ErrorPath
+
+
+@dataclass(frozen=True, eq=False)
+class Coast:
+    """A coast of the ring, at a place of the walk."""
+
+    place: int
+
+
+@dataclass(frozen=True, eq=False)
+class Move:
+    """A displacement and the turn after it."""
+
+    by: Point
+    turn: Affine
+
+
+Ring = Sequence[Coast | Move]
+
+
+class ErrorBoxes:
+    """The numbers of a walk for all errors in boxes.
+
+    Args:
+        path: the walk.
+        errors: middles of the boxes.
+        width: half widths of the boxes.
+        times: coasting times in seconds at the middles; those that do not answer keep them.
+        own: symbols beside those of the errors.
+    """
+
+    def __init__(
+        self,
+        path: ErrorPath,
+        errors: Float[np.ndarray, "n variables"],
+        width: Float[np.ndarray, "n variables"],
+        times: Float[np.ndarray, "n trims"],
+        own: int,
+    ) -> None:
+        self.path = path
+        self._own, self._width = own, width
+        numbers = path.at(errors)
+        trims, steps = range(len(path.walk)), range(len(path.walk) - 1)
+        self.velocity = [self._point(numbers.velocity[:, k], path.velocity[1][k]) for k in trims]
+        self.rate = [self._number(numbers.rate[:, k], path.rate[1][k]) for k in trims]
+        self.displacement = [self._point(numbers.displacement[:, k], path.displacement[1][k]) for k in steps]
+        self.turn = [self._number(numbers.turn[:, k], path.turn[1][k]) for k in steps]
+        self.fixed = self._number(numbers.fixed, path.fixed[1])
+        self.times = times
+        self.nothing = self.known(np.zeros(len(errors)))
+
+    def _slope(self, change: np.ndarray) -> np.ndarray:
+        return np.concatenate([self._width * change, np.zeros((len(self._width), self._own))], axis=1)
+
+    def _number(self, value: Row, change: Float[np.ndarray, "variables"]) -> Affine:
+        return Affine.exact(value, self._slope(change))
+
+    def _point(self, value: Complex[np.ndarray, "n"], change: Complex[np.ndarray, "variables"]) -> Point:
+        return Point.exact(value, self._slope(change))
+
+    @property
+    def variables(self) -> int:
+        """Error variables."""
+        return int(self._width.shape[1])
+
+    def known(self, value: Row) -> Affine:
+        """Returns numbers that no error changes."""
+        return Affine.exact(value, np.zeros((len(value), self.variables + self._own)))
+
+    def place(self, value: Complex[np.ndarray, "n"]) -> Point:
+        """Returns points that no error changes."""
+        return Point(self.known(value.real), self.known(value.imag))
+
+    def spoke(self, place: int) -> Point:
+        """Returns where a turn is entered, seen from its centre, in the body frame."""
+        return (self.velocity[place] * self.rate[place].inverse()).leftward()
+
+    def coast(self, place: int) -> tuple[Point, Affine] | None:
+        """Returns displacement and turn of a coast that keeps its time; None where that is 0."""
+        held = self.times[:, place]
+        return coasted(self.velocity[place], self.rate[place], self.known(held)) if held.any() else None
+
+    def ring(self, goal: Complex[np.ndarray, "n"]) -> Ring:
+        """Returns the walk behind the way from its goal to its start."""
+        ring: list[Coast | Move] = [Move(self.place(-goal), self.nothing), Coast(0)]
+        for place, (by, turn) in enumerate(zip(self.displacement, self.turn, strict=True), start=1):
+            ring += [Move(by, turn), Coast(place)]
+        return ring
+
+    def ring_from(self, turn: int, goal: Complex[np.ndarray, "n"], heading: Row) -> Ring:
+        """Returns the ring cut at a turn, from its centre to its centre, with a heading at the goal."""
+        ring = list(self.ring(goal))
+        at = places(ring).index(turn)
+        spoke, back = self.spoke(turn), Move(self.place(np.zeros(len(goal), complex)), self.known(-heading))
+        return [Move(spoke, self.nothing), *ring[at + 1 :], back, *ring[:at], Move(-spoke, self.nothing)]
+
+
+def places(ring: Ring) -> list[int]:
+    """Returns the places of the coasts in a part of the ring, -1 for displacements between."""
+    return [one.place if isinstance(one, Coast) else -1 for one in ring]
+
+
+def parts_of(boxes: ErrorBoxes, ring: Ring) -> tuple[list[tuple[Point, Affine]], Affine]:
+    """Returns displacements with the turn before each, and the turn after the last."""
+    parts, turned = [], boxes.nothing
+    for one in ring:
+        moved = (one.by, one.turn) if isinstance(one, Move) else boxes.coast(one.place)
+        if moved is not None:
+            parts.append((moved[0], turned))
+            turned = moved[1]
+    return parts, turned
+
+
+def forward(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
+    """Returns the sum of a part of the ring in the frame behind it, and by how much that frame is turned."""
+    parts, turned = parts_of(boxes, ring)
+    heading = boxes.nothing
+    point = boxes.place(np.zeros(len(turned.middle), complex))
+    for by, turn in parts:
+        point, heading = point.rotated(-turn) + by, heading + turn
+    return point.rotated(-turned), heading + turned
+
+
+def backward(boxes: ErrorBoxes, parts: Sequence[tuple[Point, Affine]]) -> Point:
+    """Returns the sum of displacements in the frame before them."""
+    point = boxes.place(np.zeros(len(boxes.times), complex))
+    for by, turn in reversed(parts):
+        point = (by + point).rotated(turn)
+    return point
+
+
+def steadiest(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
+    """Returns the sum of a part of the ring in the frame that errors sway least, and that frame's heading.
+
+    Turning what comes before a frame into it sways that by what the joints between are unsure, and likewise
+    what comes after.
+    """
+    parts, _ = parts_of(boxes, ring)
+    by = [one.middle[0] for one, _ in parts]
+    turn = [np.exp(1j * one.middle[0]) for _, one in parts]
+    unsure = [one.reach[0] for _, one in parts]
+    swept = []
+    for frame in range(len(parts)):
+        before, after, sum_ = 0j, 0j, 0.0
+        for k in range(1, frame + 1):
+            before = (before + by[k - 1]) / turn[k]
+            sum_ += unsure[k] * abs(before)
+        for k in range(len(parts) - 1, frame, -1):
+            after = (after + by[k]) * turn[k]
+            sum_ += unsure[k] * abs(after)
+        swept.append(sum_)
+    frame = int(np.argmin(swept))
+    point, heading = parts[0]
+    for moved, turned in parts[1 : frame + 1]:
+        point, heading = point.rotated(-turned) + moved, heading + turned
+    return point + backward(boxes, parts[frame + 1 :]), heading
+
+
+def turns_of(boxes: ErrorBoxes, ring: Ring) -> Affine:
+    """Returns by how much a part of the ring turns."""
+    sum_ = boxes.nothing
+    for one in ring:
+        if isinstance(one, Move):
+            sum_ = sum_ + one.turn
+        elif boxes.times[:, one.place].any():
+            sum_ = sum_ + boxes.rate[one.place].scaled(boxes.times[:, one.place])
+    return sum_
+
+
+def without(ring: Ring, answering: tuple[int, ...]) -> Ring:
+    """Returns a part of the ring without some of its coasts."""
+    return [one for one in ring if isinstance(one, Move) or one.place not in answering]

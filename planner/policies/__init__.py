@@ -1,0 +1,1 @@
+"""Policies: nominal, worst case, adaptive gamma, price of robustness."""

@@ -1,0 +1,49 @@
+"""A worst-case planner whose uncertainty level follows how hard it blows."""
+
+from flight.automaton.library import Library
+from flight.automaton.vehicle import Leg
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan
+
+from .policy import Planner
+from .worst_case import WorstCase
+
+GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""Levels that are planned for."""
+
+
+class CalibratedGamma:
+    """Plans for the errors that the present turbulence makes, in parts of those that the library's wind made.
+
+    Errors grow with the gusts that make them, so the level is the wind at 20 ft that the vehicle shows over
+    that of the library; where it blows harder, and before anything is known, it is that of the library.
+
+    Args:
+        library: the primitives.
+        wind_at_20_ft: in which they were identified, m/s.
+        max_nodes: deadline of each planning, as for the worst case.
+
+    Attributes:
+        gamma: level that is planned for now.
+    """
+
+    def __init__(self, library: Library, wind_at_20_ft: float, *, max_nodes: int | None = None) -> None:
+        self._planners: dict[float, Planner] = {
+            gamma: WorstCase(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
+        }
+        self._wind = wind_at_20_ft
+        self.gamma = GAMMAS[-1]
+
+    def learn(self, leg: Leg) -> None:
+        """Takes how hard it blew in a leg that was flown."""
+        if leg.turbulence is not None:
+            share = leg.turbulence / self._wind if self._wind else 1.0
+            self.gamma = min(GAMMAS, key=lambda gamma: abs(gamma - share))
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the plan of the level that the present turbulence asks for.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        return self._planners[self.gamma].plan(mission)

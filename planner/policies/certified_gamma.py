@@ -1,0 +1,67 @@
+"""Up to which level of uncertainty a mission is bearable: at every level, not only at those looked at.
+
+An interval of levels is bearable if one walk takes no longer than the limit at all of them, at those of the
+other sign, and at 0: coasting times that answer the level, as they would any other error
+(`free_errors/answers.py`), show it for all at once. Intervals in which they do not are halved.
+"""
+
+from functools import cache
+
+import numpy as np
+
+from flight.automaton.library import Library
+from flight.mission.mission import Mission
+from planner.independent_errors.enclosed_answers import Answers, Boxes
+from planner.independent_errors.error_path import error_path
+from planner.kernel.build import kernel
+from planner.walks.kinematics import NegativeDurationError
+from planner.walks.walk import Walk
+
+from .worst_case import WorstCase
+
+FIRST_WIDTH = 1 / 40
+"""Of the intervals of levels that are tried first."""
+
+NARROWEST = 1e-5
+"""Of an interval that is tried."""
+
+
+def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
+    """Returns a level up to which every level is proved to be bearable; 0 without a C compiler.
+
+    Args:
+        library: the primitives.
+        mission: from where to where.
+        limit: seconds that the worst case may take.
+        gamma: the level to prove it for; the level returned is at most that.
+    """
+    if kernel() is None:
+        return 0.0
+    answers_of = cache(lambda walk: Answers(error_path(library, walk, 1.0, "primitive").together(), mission))
+    proved, width = 0.0, FIRST_WIDTH
+    while proved < gamma:
+        up_to = min(proved + width, gamma)
+        walks = {_best(library, mission, level) for level in (proved, 0.5 * (proved + up_to), up_to)}
+        if any(walk and _is_bearable(answers_of(walk), proved, up_to, limit) for walk in walks):
+            proved, width = up_to, min(2 * width, FIRST_WIDTH)
+        elif width > NARROWEST:
+            width *= 0.5
+        else:
+            break
+    return proved
+
+
+def _is_bearable(answers: Answers, low: float, high: float, limit: float) -> bool:
+    middle, half = 0.5 * (low + high), 0.5 * (high - low)
+    if answers.costs(np.zeros((1, 1)))[0] > limit:
+        return False
+    both = Boxes(np.array([[middle], [-middle]]), np.full((2, 1), half), np.full(2, np.inf))
+    return bool((answers.close(both, limit).bound <= limit).all())
+
+
+def _best(library: Library, mission: Mission, gamma: float) -> Walk:
+    """Returns the walk that is best for a level; none where there is none."""
+    try:
+        return WorstCase(library, gamma).plan(mission).sequence
+    except NegativeDurationError:
+        return ()

@@ -1,0 +1,179 @@
+"""What every policy is and does: a planner for one library, asked again and again."""
+
+from dataclasses import replace
+from functools import cache, partial
+from math import inf, isfinite
+from time import perf_counter
+from typing import TYPE_CHECKING, Protocol
+
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_hash
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan, Policy, Scenario
+from planner.check.plan_check import problems
+from planner.kernel.exact import ExactSearch
+from planner.walks.answer import Answer
+from planner.walks.kinematics import motion, refuse_negative_durations
+from planner.walks.safe_stop import way_to_rest
+from planner.walks.walk import trims_of_walks
+
+if TYPE_CHECKING:
+    from planner.fallback.without_kernel import SearchWithoutKernel
+
+STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
+
+FREEDOM = (
+    "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
+    "that the search does not see"
+)
+
+NOT_PROVED = (
+    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
+    "are better did not end"
+)
+
+
+SLOW = 1e-6
+"""Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
+
+SLOW_TURNS = (
+    "no walk was found that leads to the goal; trim {trim} turns so slowly that plans which circle in it for "
+    "months were not looked for"
+)
+
+
+class Planner(Protocol):
+    """Something that answers missions with plans."""
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the best plan found, or an honest no.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+
+
+class LibraryPlanner:
+    """Answers missions in one library, over the uncertainty levels of a policy.
+
+    Args:
+        library: the primitives.
+        policy: name that plans carry.
+        gamma: uncertainty level that plans carry.
+        gammas: the levels that every walk must reach the goal at.
+        max_nodes: walks at one level that the exact search may solve; None for all it needs.
+        deadline: seconds after which the best plan so far is given.
+
+    Raises:
+        NegativeDurationError: a level turns a maneuver's duration negative.
+    """
+
+    def __init__(
+        self,
+        library: Library,
+        *,
+        policy: Policy,
+        gamma: float,
+        gammas: tuple[float, ...],
+        max_nodes: int | None = None,
+        deadline: float = inf,
+    ) -> None:
+        for level in gammas:
+            refuse_negative_durations(library, level)
+        self._library = library
+        self._hash = library_hash(library)
+        self._policy: Policy = policy
+        self._gamma = gamma
+        self._gammas = gammas
+        self._max_nodes = max_nodes
+        self._deadline = deadline
+        self._exact = ExactSearch(library, gammas)
+        self._slow = frozenset(
+            trim.id
+            for trim in library.trims
+            if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
+        )
+        self._without_kernel = cache(partial(_without_kernel, library, gammas))
+        self._tails = cache(partial(way_to_rest, library))
+
+    def plan(self, mission: Mission) -> Plan:
+        """Returns the best plan found, re-checked by code that shares nothing with the search.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        began = perf_counter()
+        answer = self._answer(mission)
+        plan = self._verified(self._assembled(answer, mission), mission)
+        return replace(plan, solve_time=perf_counter() - began)
+
+    def _answer(self, mission: Mission) -> Answer:
+        if self._exact.can(mission):
+            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
+        return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
+
+    def _assembled(self, answer: Answer, mission: Mission) -> Plan:
+        plan = Plan(
+            status="unknown",
+            library=self._library.name,
+            library_hash=self._hash,
+            mission=mission.name,
+            policy=self._policy,
+            gamma=self._gamma,
+            tolerance=mission.tolerance,
+            lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
+        )
+        depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
+        slow = frozenset[int]() if isfinite(answer.lower_bound) else self._slow & self._on_walks(mission)
+        if slow:
+            return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
+        if not isfinite(answer.lower_bound):
+            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
+        if not answer.walk:
+            return replace(plan, reason=f"no coasting times were found for any walk {depth}")
+        return replace(
+            plan,
+            status="optimal" if answer.exhausted else "feasible",
+            reason="" if answer.exhausted else self._doubt(mission),
+            sequence=answer.walk,
+            maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
+            tail=self._tails(answer.walk[-1]),
+            scenarios=tuple(
+                Scenario(
+                    gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)
+                )
+                for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
+            ),
+        )
+
+    def _on_walks(self, mission: Mission) -> frozenset[int]:
+        return trims_of_walks(
+            self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
+        )
+
+    def _doubt(self, mission: Mission) -> str:
+        if not self._exact.can(mission):
+            return NOT_PROVED
+        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
+
+    def _verified(self, plan: Plan, mission: Mission) -> Plan:
+        if not plan.found:
+            return plan
+        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        if not wrong:
+            return replace(plan, verified=True)
+        return replace(
+            plan,
+            status="unknown",
+            reason=f"a plan failed its check: {wrong[0]}",
+            sequence=(),
+            maneuvers=(),
+            scenarios=(),
+        )
+
+
+def _without_kernel(library: Library, gammas: tuple[float, ...]) -> "SearchWithoutKernel":
+    # It needs CasADi, which takes long to load.
+    from planner.fallback.without_kernel import SearchWithoutKernel
+
+    return SearchWithoutKernel(library, gammas)

@@ -1,0 +1,1 @@
+"""Certificates of plans: dual bounds, multipliers, branching trees."""

@@ -1,0 +1,223 @@
+"""Boxes of coasting times of many walks, cut until multipliers refute each of them."""
+
+from math import inf
+from time import perf_counter
+
+import numpy as np
+from jaxtyping import Bool, Complex, Float, Int
+
+from flight.plan.certificate import Cut, Leaf, write_tree
+
+from .dual_bound import Boxes, Each, Problems
+from .multipliers import Refuter
+
+MARGIN = 1e-7
+"""By which a box is refuted here, so that a check that rounds outward agrees."""
+
+ROUNDING = 1e-14
+"""And this share of what the bound is the sum of: of slow turns that is long, and cancels."""
+
+DIGITS, EXACT = 9, 17
+"""Of multipliers: as many as do where ..."""
+
+SLOW = 1e-2
+"""... no turn is slower than this in rad/s, and all there are where one is: its radius multiplies them."""
+
+LONG = 1e3
+"""Seconds that a coasting time without an end counts as, where it is decided which one to cut."""
+
+NEWTON_ROUNDS = 4
+
+
+def root_boxes(problems: Problems, target: float) -> tuple[Boxes, Boxes]:
+    """Returns the least and the largest coasting times with which walks may be faster than a target."""
+    rest = np.maximum(target - problems.fixed, 0.0)[:, None]
+    return np.zeros(problems.rate.shape), np.minimum(problems.longest, rest)
+
+
+class Forest:
+    """The trees of some walks at one level, grown together, all boxes of a depth at once."""
+
+    def __init__(self, problems: Problems, target: float, until: float) -> None:
+        self._flown, self._problems = problems, problems.straightened(target)
+        self._target, self._until = target, until
+        self.ways: dict[int, tuple[float, ...]] = {}
+        count = len(problems.rate)
+        self.left: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
+        self.reached: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
+        self._first: Int[np.ndarray, "walks"] = np.zeros(count, dtype=int)
+        self._nodes: list[Cut | Leaf | None] = []
+        self._parts: list[tuple[int, int]] = []
+
+    def grow(self, rows: Int[np.ndarray, "some"], effort: int) -> None:
+        """Cuts boxes until all are refuted, but no more of one walk than the effort.
+
+        Afterwards `left` marks the walks that are not refuted, `reached` those that reach the goal in time,
+        and `ways` holds their coasting times.
+        """
+        self._first[rows] = np.arange(len(rows))
+        self._nodes = [None] * len(rows)
+        self._parts = [(-1, -1)] * len(rows)
+        node = np.arange(len(rows))
+        low, high = (part[rows] for part in root_boxes(self._problems, self._target))
+        hint = np.zeros(len(rows), dtype=complex)
+        spent = np.zeros(len(self.left), dtype=int)
+        while len(rows):
+            problems = self._problems.take(rows)
+            rest = self._target - problems.fixed - low.sum(axis=1)
+            narrowed = np.minimum(high, low + np.maximum(rest, 0.0)[:, None])
+            refuter = Refuter(problems, low, narrowed, self._target)
+            refuter.seek(hint)
+            empty = rest < -MARGIN
+            done = empty | (refuter.excess > MARGIN + ROUNDING * _largest(problems, refuter))
+            self._note(problems, node[done], refuter, np.flatnonzero(done), empty[done])
+            some = ~done
+            found, times = _reaches(self._flown.take(rows[some]), refuter.middle[some], self._target)
+            self.reached[rows[some][found]] = True
+            self.ways |= dict(zip(rows[some][found].tolist(), map(tuple, times[found].tolist()), strict=True))
+            spent += np.bincount(rows, minlength=len(spent))
+            late = (spent > effort) | (perf_counter() > self._until)
+            self.left |= self.reached | (late & np.isin(np.arange(len(spent)), rows[some]))
+            some &= ~self.left[rows]
+            place, time = _cut(problems.take(np.flatnonzero(some)), low[some], narrowed[some], refuter, some)
+            node, low, high = self._divide(node[some], low[some], high[some], place, time)
+            rows = np.tile(rows[some], 2)
+            hint = np.tile(np.where(refuter.by.kappa == 1, refuter.by.vector, 0.0)[some], 2)
+
+    def _divide(
+        self,
+        node: Int[np.ndarray, "boxes"],
+        low: Boxes,
+        high: Boxes,
+        place: Int[np.ndarray, "boxes"],
+        time: Float[np.ndarray, "boxes"],
+    ) -> tuple[Int[np.ndarray, "twice"], Boxes, Boxes]:
+        count, base = len(node), len(self._nodes)
+        for index, (one, axis, cut) in enumerate(
+            zip(node.tolist(), place.tolist(), time.tolist(), strict=True)
+        ):
+            self._nodes[one] = Cut(axis, cut)
+            self._parts[one] = base + index, base + count + index
+        self._nodes += [None] * (2 * count)
+        self._parts += [(-1, -1)] * (2 * count)
+        every = np.arange(count)
+        before, after = high.copy(), low.copy()
+        before[every, place] = time
+        after[every, place] = time
+        children = np.arange(base, base + 2 * count)
+        return children, np.concatenate([low, after]), np.concatenate([before, high])
+
+    def _note(
+        self,
+        problems: Problems,
+        node: Int[np.ndarray, "done"],
+        refuter: Refuter,
+        which: Int[np.ndarray, "done"],
+        empty: Bool[np.ndarray, "done"],
+    ) -> None:
+        by = refuter.by
+        slow = ((problems.rate != 0) & (np.abs(problems.rate) < SLOW)).any(axis=1)
+        for one, index, nothing in zip(node.tolist(), which.tolist(), empty.tolist(), strict=True):
+            if nothing or refuter.excess[index] == inf:
+                self._nodes[one] = Leaf()
+                continue
+            vector, digits = complex(by.vector[index]), EXACT if slow[index] else DIGITS
+            self._nodes[one] = Leaf(
+                int(by.kappa[index]),
+                (_rounded(vector.real, digits), _rounded(vector.imag, digits)),
+                tuple(_rounded(share, digits) for share in by.shares[index].tolist()),
+            )
+
+    def text(self, row: int, trims: int) -> str:
+        """Returns the tree of a walk of so many trims that is refuted."""
+        ordered: list[Cut | Leaf] = []
+        waiting = [int(self._first[row])]
+        while waiting:
+            at = waiting.pop()
+            node = self._nodes[at]
+            assert node is not None
+            if isinstance(node, Cut):
+                waiting += reversed(self._parts[at])
+            elif node.kappa is not None:
+                node = Leaf(node.kappa, node.vector, node.shares[:trims])
+            ordered.append(node)
+        return write_tree(ordered)
+
+
+def _largest(problems: Problems, refuter: Refuter) -> Each:
+    """Returns the size of what bounds are the sum of, in their units."""
+    turns = problems.rate != 0
+    radian = np.where(turns, np.abs(refuter.by.kappa[:, None] - refuter.by.shares), 0.0)
+    radian = radian / np.where(turns, np.abs(problems.rate), 1.0)
+    along = np.abs(refuter.by.vector) * (np.abs(problems.goal) + np.abs(problems.centre).sum(axis=1))
+    sizes: Each = along + 2 * np.pi * radian.sum(axis=1)
+    return sizes
+
+
+def _rounded(value: float, digits: int) -> float:
+    return float(f"{value:.{digits}g}")
+
+
+def _cut(
+    problems: Problems, low: Boxes, high: Boxes, refuter: Refuter, some: Bool[np.ndarray, "all"]
+) -> tuple[Int[np.ndarray, "boxes"], Float[np.ndarray, "boxes"]]:
+    """Returns where each box is cut: at the time whose interval blurs the bound most.
+
+    The bound is off by what bends: for every heading its interval squared, times the radius that it turns.
+    """
+    width = np.minimum(np.where(np.isfinite(high), high - low, LONG), LONG)
+    turning = np.abs(problems.rate) * width
+    spread = np.cumsum(turning, axis=1)
+    onward = np.roll(problems.centre, -1, axis=1)
+    onward[:, -1:] = 0
+    ahead = np.roll(problems.displacement, -1, axis=1)
+    ahead[:, -1:] = 0
+    radius = np.abs(problems.centre - onward + ahead)
+    straight = problems.rate == 0
+    moved = np.where(straight, np.abs(problems.velocity) * width, 0.0)
+    bent = np.minimum(spread, np.pi)
+    blur = np.cumsum((radius * bent)[:, ::-1], axis=1)[:, ::-1]
+    score = np.where(
+        straight, moved * (bent + 1e-3), np.minimum(turning, np.pi) * (blur + moved.sum(axis=1)[:, None])
+    )
+    score = np.where(width > 0, score, -1.0)
+    place = score.argmax(axis=1)
+    every = np.arange(len(place))
+    first, last = low[every, place], high[every, place]
+    ended = np.isfinite(last)
+    return place, np.where(ended, 0.5 * (first + np.where(ended, last, 0.0)), 2 * first + 10.0)
+
+
+def _reaches(problems: Problems, times: Boxes, target: float) -> tuple[Bool[np.ndarray, "boxes"], Boxes]:
+    """Returns whether times that reach the goal before the target are found near given ones, and them."""
+    for _ in range(NEWTON_ROUNDS):
+        velocity, end, turned = problems.flown(times)
+        miss, off = _misses(problems, end, turned)
+        rows = [velocity.real, velocity.imag] + ([] if problems.heading is None else [problems.rate])
+        matrix = np.stack(rows, axis=1)
+        wrong = np.stack([miss.real, miss.imag] + ([] if problems.heading is None else [off]), axis=1)
+        square = matrix @ matrix.transpose(0, 2, 1)
+        size = np.trace(square, axis1=1, axis2=2)[:, None, None]
+        square = square + 1e-12 * (1.0 + size) * np.eye(matrix.shape[1])
+        step = matrix.transpose(0, 2, 1) @ np.linalg.solve(square, wrong[..., None])
+        times = np.maximum(times - step[..., 0], 0.0)
+    _, end, turned = problems.flown(times)
+    miss, off = _misses(problems, end, turned)
+    cost = problems.fixed + times.sum(axis=1)
+    return np.asarray((np.abs(miss) < 1e-7) & (np.abs(off) < 1e-7) & (cost < target)), times
+
+
+def _misses(
+    problems: Problems, end: Complex[np.ndarray, "boxes"], turned: Float[np.ndarray, "boxes"]
+) -> tuple[Complex[np.ndarray, "boxes"], Float[np.ndarray, "boxes"]]:
+    """Returns by how much ends lie outside the goal's disc, and headings outside those wanted."""
+    away = end - problems.goal
+    size = np.abs(away)
+    inner = 0.999 * problems.tolerance
+    miss = np.where(size > inner, away * (1 - inner / np.maximum(size, 1e-300)), 0.0)
+    if problems.heading is None:
+        return miss, np.zeros(len(end))
+    off = turned + problems.turned - problems.heading
+    off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    inside = 0.999 * problems.heading_tolerance
+    return miss, np.sign(off) * np.maximum(np.abs(off) - inside, 0.0)

@@ -1,0 +1,74 @@
+"""Plans with their proof: a certificate beside the plan, checked by the code that shares nothing with it."""
+
+from dataclasses import replace
+from math import isfinite
+from time import perf_counter
+
+from flight.automaton.library import Library
+from flight.errors import FlightError
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan, Status
+from planner.check.plan_check import problems
+
+from .certify import Doubt, certify, lower_bound_of
+
+PROVABLE = ("nominal", "worst-case")
+"""Policies whose plans are minima over coasting times at levels known beforehand."""
+
+
+class NotProvableError(FlightError):
+    """A certificate was asked for a policy that has none."""
+
+    def __init__(self, policy: str) -> None:
+        super().__init__(
+            f"expected a policy that can be certified, one of {', '.join(PROVABLE)}; got {policy}"
+        )
+
+
+def certified(plan: Plan, library: Library, mission: Mission) -> Plan:
+    """Returns a plan with the proof that none is faster by more than 1e-3 s, or that there is none.
+
+    Where the proof is not found the plan comes back as `feasible` (or `unknown`), with the reason.
+
+    Args:
+        plan: of the nominal or the worst-case policy.
+        library: it was made with.
+        mission: it answers.
+
+    Raises:
+        NotProvableError: the plan is of another policy.
+    """
+    if plan.policy not in PROVABLE:
+        raise NotProvableError(plan.policy)
+    began = perf_counter()
+    gamma = plan.gamma
+    levels = (0.0,) if plan.policy == "nominal" or gamma == 0 else (0.0, -gamma, gamma)
+    bound = lower_bound_of(plan.cost)
+    proof = certify(library, mission, levels, bound)
+    if isinstance(proof, Doubt):
+        proved = _doubted(plan, proof)
+    else:
+        proved = replace(
+            plan,
+            status="optimal" if plan.found else "infeasible",
+            reason=""
+            if plan.found
+            else f"no walk of at most {mission.max_trims} trims leads to the goal, proved",
+            lower_bound=bound if isfinite(bound) else None,
+            certificate=proof,
+        )
+        wrong = problems(proved, library, mission)
+        if wrong:
+            proved = _unproved(plan, f"the certificate failed its check: {wrong[0]}")
+    return replace(proved, solve_time=plan.solve_time + perf_counter() - began)
+
+
+def _doubted(plan: Plan, doubt: Doubt) -> Plan:
+    if doubt.reached:
+        return _unproved(plan, f"walk {doubt.walk} may {'be faster' if plan.found else 'lead to the goal'}")
+    return _unproved(plan, f"walk {doubt.walk} was not refuted with the boxes allowed")
+
+
+def _unproved(plan: Plan, why: str) -> Plan:
+    status: Status = "feasible" if plan.found else "unknown"
+    return replace(plan, status=status, reason=f"not certified: {why}", lower_bound=None)

@@ -1,0 +1,1 @@
+"""Walks in the automaton and their kinematics."""

@@ -1,0 +1,50 @@
+"""The way to rest: how a vehicle that has no plan any more comes to where it can stay."""
+
+from heapq import heappop, heappush
+from math import hypot
+
+from flight.automaton.library import Library
+from flight.automaton.trim import Trim
+
+from .walk import Walk
+
+
+def rest_trim(library: Library) -> int:
+    """Returns the trim in which a vehicle can wait: the hover; without one, the slowest that flies straight.
+
+    Where nothing flies straight, the slowest turn: it stays in a circle.
+    """
+    return min(library.trims, key=_restlessness).id
+
+
+def way_to_rest(library: Library, trim: int) -> Walk:
+    """Returns the trims that lead from one, itself excluded, to rest in the least time.
+
+    Empty where the vehicle rests already, or where no maneuvers lead to rest.
+
+    Args:
+        library: the automaton.
+        trim: id of the trim held.
+
+    Raises:
+        UnknownTrimError: the library lacks the trim.
+    """
+    library.trim(trim)
+    goal = rest_trim(library)
+    waiting: list[tuple[float, Walk]] = [(0.0, (trim,))]
+    done: set[int] = set()
+    while waiting:
+        time, walk = heappop(waiting)
+        if walk[-1] == goal:
+            return walk[1:]
+        if walk[-1] in done:
+            continue
+        done.add(walk[-1])
+        for after in library.successors(walk[-1]):
+            heappush(waiting, (time + library.maneuver(walk[-1], after).duration, (*walk, after)))
+    return ()
+
+
+def _restlessness(trim: Trim) -> tuple[bool, float, int]:
+    velocity = trim.velocity
+    return velocity.yaw_rate != 0, hypot(velocity.forward, velocity.side), trim.id

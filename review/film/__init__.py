@@ -1,0 +1,1 @@
+"""Films of flights, rendered from the log."""

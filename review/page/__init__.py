@@ -1,0 +1,1 @@
+"""The review page: one offline HTML file for each flight or campaign."""

@@ -1,0 +1,202 @@
+"""One flight as a page holds it: verdict, primitives with their bounds, events, plans, goal and tracks."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from jaxtyping import Float
+
+from flight.plan.planned_track import planned_track, planned_tube
+from flightlog.attachment_names import LIBRARY_ATTACHMENT
+from flightlog.attachments import PlanOfFlight, goal_of_flight, plans_of_flight
+from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH, WIND
+from flightlog.events import events_of_flight
+from flightlog.fault_record import faults_flown
+from flightlog.log import FlightLog
+from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.topic import Series
+from flightlog.trim_labels import trim_label, trim_names, trim_palette
+from flightlog.viewers.scene import believed_pose, tube_level
+from review.summary.bound_check import Departure, deviations, judging_library
+from review.summary.summary import Summary
+from review.summary.tiles import facts_of, tiles_of
+
+from .columns import packed
+from .decimation import decimate
+
+Content = dict[str, object]
+
+MOST_TRACK_POINTS = 8000
+MOST_PLANS = 60
+"""Plans drawn; of a flight with more, every so-manieth."""
+
+_UNITS = {
+    PrimitiveKind.COAST: {"forward": "m/s", "side": "m/s", "yaw_rate": "deg/s"},
+    PrimitiveKind.MANEUVER: {"duration": "s", "forward": "m", "side": "m", "heading change": "deg"},
+}
+
+
+def flight_content(log: FlightLog, summary: Summary, label: str) -> Content:
+    """Returns everything of a flight but its curves, as plain JSON values."""
+    return {
+        "label": label,
+        "kind": summary.kind,
+        "name": summary.name,
+        "duration": log.duration,
+        "library": None if summary.bounds is None else summary.bounds.library,
+        "tiles": tiles_of(summary),
+        "facts": facts_of(log, summary),
+        "primitives": _primitives(log),
+        "bands": _bands(log),
+        "events": [
+            {"time": event.time, "level": event.level.name, "source": event.source, "text": event.text}
+            for event in events_of_flight(log)
+        ],
+        "faults": [
+            {"start": flown.start, "end": flown.end, "text": f"{flown.fault.where} {flown.fault.what}"}
+            for flown in faults_flown(log).values()
+        ],
+        "goal": _goal(log),
+        "plans": _plans(log),
+        "track": _track(log.motion),
+        "believed": _track(log[ESTIMATE]) if _believed_apart(log) else None,
+        "wind": _mean_wind(log),
+    }
+
+
+def _primitives(log: FlightLog) -> list[Content]:
+    if PRIMITIVE.name not in log.series:
+        return []
+    names, colors = trim_names(log), trim_palette(log)
+    judged: dict[tuple[PrimitiveKind, float], Departure] = {}
+    library = judging_library(log) if TRUTH.name in log.series else None
+    if library is not None:
+        judged = {(one.kind, one.start): one for one in deviations(log, library)}
+    return [
+        {
+            "kind": part.kind.name.lower(),
+            "id": part.id,
+            "name": _name(part, names),
+            "from": part.from_trim,
+            "to": part.to_trim,
+            "color": colors.get(part.to_trim, "#8a8a8a"),
+            "start": part.start,
+            "end": part.end,
+            "timedOut": part.timed_out,
+            "judged": _judged(judged.get((part.kind, part.start))),
+        }
+        for part in stretches_flown(log)
+    ]
+
+
+def _name(part: PrimitiveFlown, names: dict[int, str]) -> str:
+    if part.kind is PrimitiveKind.COAST:
+        return trim_label(part.id, names)
+    return f"{trim_label(part.from_trim, names)} to {trim_label(part.to_trim, names)}"
+
+
+def _judged(one: Departure | None) -> Content | None:
+    if one is None:
+        return None
+    unit = _UNITS[one.kind][one.number]
+    scale = np.degrees(1.0) if unit.startswith("deg") else 1.0
+    return {
+        "number": one.number.replace("_", " "),
+        "unit": unit,
+        "deviation": scale * one.deviation,
+        "bound": scale * one.bound,
+        "share": one.share,
+        "left": one.left,
+    }
+
+
+def _bands(log: FlightLog) -> list[Content]:
+    """Returns the velocities that each trim held may have, by the library's error of it."""
+    library = judging_library(log)
+    if library is None:
+        return []
+    bands = []
+    for part in stretches_flown(log):
+        if part.kind is PrimitiveKind.COAST:
+            trim = library.trim(part.id)
+            edges = {
+                name: [
+                    getattr(trim.velocity, name) - abs(getattr(trim.error, name)),
+                    getattr(trim.velocity, name) + abs(getattr(trim.error, name)),
+                ]
+                for name in ("forward", "side", "yaw_rate")
+            }
+            bands.append({"start": part.start, "end": part.end, **edges})
+    return bands
+
+
+def _goal(log: FlightLog) -> Content | None:
+    goal = goal_of_flight(log)
+    if goal is None:
+        return None
+    return {"north": goal.position[0], "east": goal.position[1], "tolerance": goal.tolerance}
+
+
+def _plans(log: FlightLog) -> list[Content]:
+    """Returns plans as lines of north and east from where the vehicle believed to be, with their tubes."""
+    plans = plans_of_flight(log)
+    if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
+        return []
+    library = log.library()
+    chosen = plans[:: -(-len(plans) // MOST_PLANS)]
+
+    def content(plan: PlanOfFlight) -> Content:
+        start = believed_pose(log, plan.time)
+        walk = (library, plan.sequence, plan.coasting_times)
+        coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+        line = np.concatenate([piece for pair in _in_turn(coasts, maneuvers) for piece in pair])
+        return {
+            "time": plan.time,
+            "cost": plan.cost,
+            "policy": plan.policy,
+            "sequence": list(plan.sequence),
+            "level": tube_level(plan),
+            "line": packed(line),
+            "tube": packed(planned_tube(*walk, start=start, level=tube_level(plan))),
+            "points": len(line),
+        }
+
+    return [content(plan) for plan in chosen]
+
+
+def _in_turn(coasts: Sequence[np.ndarray], maneuvers: Sequence[np.ndarray]) -> list[list[np.ndarray]]:
+    """Returns coasts with the maneuver that follows each."""
+    return [[coast, *maneuvers[place : place + 1]] for place, coast in enumerate(coasts)]
+
+
+def _believed_apart(log: FlightLog) -> bool:
+    return ESTIMATE.name in log.series and log.motion.topic.name != ESTIMATE.name
+
+
+def _track(states: Series) -> Content | None:
+    """Returns time, place, and where known height and heading, thinned evenly; None without positions."""
+    if not states.holds("north", "east"):
+        return None
+    step = -(-len(states) // MOST_TRACK_POINTS)
+    rows = np.unique([*range(0, len(states), step), len(states) - 1])
+    return {
+        "time": packed(states.time[rows]),
+        "north": packed(states["north"][rows]),
+        "east": packed(states["east"][rows]),
+        "height": packed(-states["down"][rows]) if states.holds("down") else None,
+        "heading": packed(states["heading"][rows]) if states.holds("heading") else None,
+    }
+
+
+def _mean_wind(log: FlightLog) -> Content | None:
+    if WIND.name not in log.series:
+        return None
+    wind = log[WIND]
+    return {"north": float(wind["north"].mean()), "east": float(wind["east"].mean())}
+
+
+def sparkline(time: Float[np.ndarray, "n"], values: Float[np.ndarray, "n"], *, points: int) -> list[float]:
+    """Returns a curve of a few points that keeps every extreme."""
+    if len(time) == 0:
+        return []
+    _, kept = decimate(time, values[:, None], most=points)
+    return [round(float(value), 4) for value in kept[:, 0]]

@@ -1,0 +1,110 @@
+"""A flight as one page for a browser: everything is in the file, nothing comes from the network."""
+
+import json
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from flight.errors import FlightError
+from flightlog.log import FlightLog
+from review.summary.summary import Summary
+
+from .columns import PageColumns
+from .comparison import scorecard
+from .flight import flight_content
+from .panels import Limits, panels
+from .spectra import spectra
+
+WEB = Path(__file__).parents[1] / "web"
+STYLES = ("uplot.css", "page.css")
+# In the order in which they build on one another.
+SCRIPTS = (
+    *("uplot.js", "state.js", "plots.js", "lane.js", "camera.js"),
+    *("view.js", "view_input.js", "table.js", "spectra.js", "page.js"),
+)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reviewed:
+    """A flight with its summary, and what it is called where several are shown."""
+
+    log: FlightLog
+    summary: Summary
+    label: str
+
+
+def review_page(flights: Sequence[Reviewed], *, limits: Limits | None = None) -> str:
+    """Returns the page of a flight, or of several laid over one another in time.
+
+    Args:
+        flights: one, or those to be compared, the first one's goal and plans drawn.
+        limits: of the controls in radians, by field; those known.
+
+    Raises:
+        FlightError: a log lacks motion, or an attachment is broken.
+    """
+    columns = PageColumns()
+    title, eyebrow, subtitle = _heading(flights)
+    content = {
+        "title": title,
+        "eyebrow": eyebrow,
+        "subtitle": subtitle,
+        "footer": "",
+        "flights": [flight_content(part.log, part.summary, part.label) for part in flights],
+        "panels": panels([part.log for part in flights], columns, limits or {}),
+        "scorecard": scorecard([part.summary for part in flights]) if len(flights) > 1 else [],
+        "spectra": spectra([part.log for part in flights]),
+        "bases": columns.content(),
+    }
+    content["footer"] = _footer(columns)
+    return fill_page("page.html", title=title, content=content, styles=STYLES, scripts=SCRIPTS)
+
+
+def fill_page(
+    template: str, *, title: str, content: object, styles: Sequence[str], scripts: Sequence[str]
+) -> str:
+    """Returns a template with its styles, scripts and data inside.
+
+    Raises:
+        FlightError: the content has a number that is not finite.
+    """
+    try:
+        data = json.dumps(content, allow_nan=False, separators=(",", ":"))
+    except ValueError:
+        raise FlightError("the log has numbers that are not finite: there is no page of them") from None
+    parts = {
+        "title": escape(title),
+        "styles": _joined(styles),
+        "scripts": _joined(scripts),
+        # A page ends its script where it reads `</`; inside JSON a slash may be escaped.
+        "data": data.replace("</", "<\\/"),
+    }
+    text = (WEB / template).read_text(encoding="utf-8")
+    return re.sub(r"\{\{(\w+)\}\}", lambda mark: parts[mark[1]], text)
+
+
+def _joined(names: Sequence[str]) -> str:
+    return "\n".join((WEB / name).read_text(encoding="utf-8") for name in names)
+
+
+def _heading(flights: Sequence[Reviewed]) -> tuple[str, str, str]:
+    summary = flights[0].summary
+    known = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
+    air = f"{summary.vehicle}{known}, {summary.duration:.1f} s"
+    if len(flights) == 1:
+        return f"{summary.kind.capitalize()} {summary.name}", "flight review", air
+    names = " and ".join(part.label for part in flights)
+    flown = " beside ".join(dict.fromkeys(f"{part.summary.kind} {part.summary.name}" for part in flights))
+    return names, f"flight review: {flown}", "aligned at the start of each flight"
+
+
+def _footer(columns: PageColumns) -> str:
+    behind = columns.samples_a_point
+    if behind <= 1.0:
+        return "Curves show every sample of the log."
+    return (
+        f"Curves show one point for as many as {behind:.1f} samples: of each stretch the least and the "
+        "greatest value are kept as they are, at a time within the stretch."
+    )

@@ -1,0 +1,249 @@
+"""What the plots of a page show: for each panel its title, unit, curves, bands and limits."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import degrees
+
+import numpy as np
+from jaxtyping import Float
+
+from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
+from flightlog.log import FlightLog
+from flightlog.topic import Series, Topic
+from review.summary.tracking import at_times, navigation_error
+
+from .columns import PageColumns
+
+Limits = Mapping[str, tuple[float, float]]
+Content = dict[str, object]
+
+DEGREES = degrees(1.0)
+UNEVEN = 1.5
+"""Usual gaps between samples that make one worth showing."""
+
+SIGMAS = 3.0
+"""Standard deviations shown around no error."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Panel:
+    """A panel before it is filled: `field` of the state, or several fields of one topic."""
+
+    section: str
+    title: str
+    unit: str
+    fields: tuple[str, ...]
+    scale: float = 1.0
+    least_span: float = 0.5
+    short: bool = False
+
+
+_MOTION = (
+    _Panel("Motion", "Forward speed", "m/s", ("forward",)),
+    _Panel("Motion", "Sideward speed, right positive", "m/s", ("side",)),
+    _Panel("Motion", "Yaw rate, right turn positive", "deg/s", ("yaw_rate",), DEGREES, 4.0),
+    _Panel("Motion", "Height above ground", "m", ("down",), -1.0, 2.0),
+    _Panel("Motion", "Rate of climb", "m/s", ("descent",), -1.0, 0.5, short=True),
+    _Panel("Motion", "North of the origin", "m", ("north",), 1.0, 2.0, short=True),
+    _Panel("Motion", "East of the origin", "m", ("east",), 1.0, 2.0, short=True),
+    _Panel("Attitude", "Roll, right side down positive", "deg", ("roll",), DEGREES, 2.0),
+    _Panel("Attitude", "Pitch, nose up positive", "deg", ("pitch",), DEGREES, 2.0),
+    _Panel("Attitude", "Heading, clockwise from north, not wrapped", "deg", ("heading",), DEGREES, 5.0),
+)
+_RATES = _Panel("Attitude", "Body rates", "deg/s", ("roll_rate", "pitch_rate", "body_yaw_rate"), DEGREES, 4.0)
+_CONTROLS = tuple(
+    _Panel("Controls", title, "deg", (field,), DEGREES, 1.0, short=True)
+    for field, title in (
+        ("collective", "Collective pitch"),
+        ("longitudinal", "Longitudinal cyclic, nose up positive"),
+        ("lateral", "Lateral cyclic, right positive"),
+        ("pedal", "Tail rotor pitch, right turn positive"),
+    )
+)
+_WIND = (
+    _Panel("Wind", "Air over the ground at the vehicle", "m/s", ("north", "east", "down")),
+    _Panel(
+        "Wind", "Rotation of the air", "deg/s", ("rate_north", "rate_east", "rate_down"), DEGREES, 1.0, True
+    ),
+)
+_NAVIGATION = (
+    _Panel("Navigation", "Estimated minus actual: north", "m", ("north",), 1.0, 0.1, True),
+    _Panel("Navigation", "Estimated minus actual: east", "m", ("east",), 1.0, 0.1, True),
+    _Panel("Navigation", "Estimated minus actual: down", "m", ("down",), 1.0, 0.1, True),
+    _Panel("Navigation", "Estimated minus actual: forward speed", "m/s", ("forward",), 1.0, 0.02, True),
+    _Panel("Navigation", "Estimated minus actual: sideward speed", "m/s", ("side",), 1.0, 0.02, True),
+    _Panel("Navigation", "Estimated minus actual: heading", "deg", ("heading",), DEGREES, 0.5, True),
+)
+_COMMANDED = {"forward": "forward", "side": "side", "yaw_rate": "yaw_rate", "down": "height"}
+
+
+def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> list[Content]:
+    """Returns the panels that the flights have the topics for, their numbers added to the columns.
+
+    Args:
+        logs: one flight, or several to be laid over one another.
+        columns: take the numbers.
+        limits: of the controls in radians, by field.
+    """
+    shared = _Filling(tuple(logs), columns)
+    filled = [shared.motion(_as_measured(panel, logs)) for panel in _MOTION]
+    filled += shared.components(_RATES, logs[0].motion.topic)
+    filled += [shared.control(panel, limits) for panel in _CONTROLS]
+    filled += [part for panel in _actuators(logs) for part in shared.components(panel, ACTUATORS)]
+    filled += [part for panel in _WIND for part in shared.components(panel, WIND)]
+    filled += [shared.navigation(panel) for panel in _NAVIGATION]
+    filled += [shared.gaps()]
+    return [panel for panel in filled if panel["curves"]]
+
+
+def _as_measured(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
+    """Names what another program's heights are above."""
+    if panel.fields == ("down",) and any(log.header.kind == "import" for log in logs):
+        return replace(panel, title="Height above the log's origin")
+    return panel
+
+
+def _actuators(logs: Sequence[FlightLog]) -> Iterator[_Panel]:
+    """Yields panels of four controls each, of a vehicle whose controls are numbered."""
+    held = {
+        name: None
+        for log in logs
+        if ACTUATORS.name in log.series
+        for name in log[ACTUATORS].topic.field_names
+    }
+    names = tuple(held)
+    for place in range(0, len(names), 4):
+        title = f"Controls {', '.join(name.removeprefix('control_') for name in names[place : place + 4])}"
+        yield _Panel("Controls", title, "as logged", names[place : place + 4], 1.0, 0.05)
+
+
+@dataclass(frozen=True, slots=True)
+class _Filling:
+    logs: tuple[FlightLog, ...]
+    columns: PageColumns
+
+    def motion(self, panel: _Panel) -> Content:
+        """Fills a panel of the state: commanded, estimated, actual."""
+        (field,) = panel.fields
+        curves = []
+        for number, log in enumerate(self.logs):
+            if COMMAND.name in log.series and field in _COMMANDED:
+                scale = 1.0 if field == "down" else panel.scale
+                curves.append(self._curve(number, "commanded", log[COMMAND], _COMMANDED[field], scale))
+            for role, states in self._states(log):
+                if states.holds(field):
+                    curves.append(self._curve(number, role, states, field, panel.scale))
+        band = field if field in {"forward", "side", "yaw_rate"} and len(self.logs) == 1 else None
+        return self._content(panel, curves, band=band)
+
+    def _states(self, log: FlightLog) -> Iterator[tuple[str, Series]]:
+        """Yields what was believed and what was so; where flights compare, the better known of the two."""
+        if len(self.logs) > 1:
+            role = "estimated" if log.motion.topic.name == ESTIMATE.name else "actual"
+            yield role, log.motion
+            return
+        for role, topic in (("estimated", ESTIMATE), ("actual", TRUTH), ("actual", MOTION)):
+            if topic.name in log.series:
+                yield role, log[topic]
+
+    def control(self, panel: _Panel, limits: Limits) -> Content:
+        """Fills a panel of a control: what the servo is told, where it is, and its limits."""
+        (field,) = panel.fields
+        curves = []
+        for number, log in enumerate(self.logs):
+            if CONTROLS.name in log.series:
+                series = log[CONTROLS]
+                curves.append(self._curve(number, "actual", series, field, panel.scale))
+                if len(self.logs) == 1:
+                    curves.insert(
+                        0, self._curve(number, "commanded", series, f"{field}_command", panel.scale)
+                    )
+        shown = [panel.scale * limit for limit in limits.get(field, ())]
+        return self._content(panel, curves, limits=shown)
+
+    def components(self, panel: _Panel, topic: Topic) -> list[Content]:
+        """Fills a panel with three fields of one topic, or a panel for each where flights compare."""
+        have = [(number, log[topic]) for number, log in enumerate(self.logs) if topic.name in log.series]
+        if len(self.logs) == 1:
+            curves = [
+                self._curve(number, f"component{place}", series, field, panel.scale)
+                for number, series in have
+                for place, field in enumerate(panel.fields)
+                if series.holds(field)
+            ]
+            return [self._content(panel, curves)]
+        apart = []
+        for field in panel.fields:
+            title = f"{panel.title}: {field.replace('_', ' ')}"
+            curves = [
+                self._curve(number, "actual", series, field, panel.scale)
+                for number, series in have
+                if series.holds(field)
+            ]
+            apart.append(self._content(replace(panel, title=title, fields=(field,), short=True), curves))
+        return apart
+
+    def navigation(self, panel: _Panel) -> Content:
+        """Fills a panel with estimate minus truth, inside what the vehicle believed of its errors."""
+        (field,) = panel.fields
+        curves: list[Content] = []
+        for number, log in enumerate(self.logs):
+            if not all(topic.name in log.series and log[topic].holds(field) for topic in (TRUTH, ESTIMATE)):
+                continue
+            time = log[TRUTH].time
+            error = panel.scale * navigation_error(log, field)
+            curves.append(self._placed(number, "error", "error", time, error))
+            if NAVIGATION.name in log.series and len(self.logs) == 1:
+                spread = SIGMAS * panel.scale * at_times(log[NAVIGATION], field, time)
+                for role, edge in (("sigma_high", spread), ("sigma_low", -spread)):
+                    curves.append(self._placed(number, role, f"{SIGMAS:.0f} sigma", time, edge))
+        return self._content(panel, curves)
+
+    def gaps(self) -> Content:
+        """Fills a panel with the time between samples, of those topics of one flight that are uneven."""
+        panel = _Panel("Log", "Time between samples, where it is uneven", "s", (), 1.0, 0.01, short=True)
+        curves: list[Content] = []
+        for topic in (TRUTH, ESTIMATE, CONTROLS, ACTUATORS) if len(self.logs) == 1 else ():
+            series = self.logs[0].series.get(topic.name)
+            if series is None or len(series) < 3:
+                continue
+            apart = np.diff(series.time)
+            if apart.max() > UNEVEN * np.median(apart):
+                role = f"component{len(curves)}"
+                curves.append(self._placed(0, role, topic.name, series.time[1:], apart))
+        return self._content(panel, curves)
+
+    def _curve(self, number: int, role: str, series: Series, field: str, scale: float) -> Content:
+        label = field.replace("_", " ") if role.startswith("component") else role
+        return self._placed(number, role, label, series.time, scale * series[field])
+
+    def _placed(
+        self,
+        number: int,
+        role: str,
+        label: str,
+        time: Float[np.ndarray, "n"],
+        values: Float[np.ndarray, "n"],
+    ) -> Content:
+        base, column = self.columns.add(time, values)
+        return {"flight": number, "role": role, "label": label, "base": base, "column": column}
+
+    @staticmethod
+    def _content(
+        panel: _Panel,
+        curves: list[Content],
+        *,
+        band: str | None = None,
+        limits: Sequence[float] = (),
+    ) -> Content:
+        return {
+            "section": panel.section,
+            "title": panel.title,
+            "unit": panel.unit,
+            "leastSpan": panel.least_span,
+            "short": panel.short,
+            "curves": curves,
+            "band": band,
+            "bandScale": panel.scale,
+            "limits": list(limits),
+        }

@@ -1,0 +1,78 @@
+"""Spectra of a page: how much of a signal is at which frequency, over the whole flight."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+from jaxtyping import Float
+from scipy.signal import detrend, welch
+
+from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH
+from flightlog.log import FlightLog
+from flightlog.topic import Series
+
+from .columns import packed
+
+Content = dict[str, object]
+Column = Float[np.ndarray, "n"]
+
+LONGEST_WINDOW = 20.0
+"""Seconds of a window; the lowest frequency shown is one over it."""
+
+LEAST_SAMPLES = 64
+_DEGREES = float(np.degrees(1.0))
+_SERVOS = ("collective_command", "longitudinal_command", "lateral_command", "pedal_command")
+_RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
+
+
+def spectra(logs: Sequence[FlightLog]) -> list[Content]:
+    """Returns spectra of controls and of body rates, of those flights that have them; a panel each.
+
+    Where flights compare, each control and each rate has a panel of its own.
+    """
+    parts = [(number, *part) for number, log in enumerate(logs) for part in _signals(log)]
+    panels: dict[tuple[str, str], list[Content]] = {}
+    for number, title, unit, series, fields, scale in parts:
+        for place, field in enumerate(fields):
+            found = amplitude_density(series.time, scale * series[field])
+            if found is None:
+                continue
+            name = field.removesuffix("_command").replace("_", " ")
+            head = (f"{title}: {name}", unit) if len(logs) > 1 else (title, unit)
+            curve = {"flight": number, "role": f"component{place % 4}", "label": name}
+            panels.setdefault(head, []).append(
+                {**curve, "frequency": packed(found[0]), "values": packed(found[1])}
+            )
+    return [{"title": title, "unit": unit, "curves": curves} for (title, unit), curves in panels.items()]
+
+
+def amplitude_density(time: Column, values: Column) -> tuple[Column, Column] | None:
+    """Returns frequencies in Hz above 0 and amplitude densities, the unit of the values over root Hz.
+
+    Welch's method with Hann windows of half overlap, the mean and the slope of each window taken out; samples
+    that are not even are brought to an even spacing by straight lines. None where there are too few, or where
+    nothing varies.
+    """
+    if len(time) < LEAST_SAMPLES or not np.ptp(values) > 0:
+        return None
+    step = float(np.median(np.diff(time)))
+    if not step > 0:
+        return None
+    even = np.arange(time[0], time[-1], step)
+    window = min(len(even), max(LEAST_SAMPLES, round(LONGEST_WINDOW / step)))
+    frequency, power = welch(np.interp(even, time, values), fs=1.0 / step, nperseg=window, detrend=detrend)
+    return np.asarray(frequency[1:]), np.sqrt(power[1:])
+
+
+def _signals(log: FlightLog) -> Iterator[tuple[str, str, Series, tuple[str, ...], float]]:
+    """Yields title, unit, series, fields and scale of what there is a spectrum of."""
+    if CONTROLS.name in log.series:
+        yield "Servo commands", "deg / \u221aHz", log[CONTROLS], _SERVOS, _DEGREES
+    if ACTUATORS.name in log.series:
+        held = log[ACTUATORS].topic.field_names
+        for place in range(0, len(held), 4):
+            group = held[place : place + 4]
+            title = "Controls" if len(held) <= 4 else f"Controls {place + 1} to {place + len(group)}"
+            yield title, "as logged / \u221aHz", log[ACTUATORS], group, 1.0
+    states = log.motion
+    if states.topic.name in {TRUTH.name, ESTIMATE.name} and states.holds(*_RATES):
+        yield "Body rates", "deg/s / \u221aHz", states, _RATES, _DEGREES

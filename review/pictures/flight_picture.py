@@ -1,0 +1,236 @@
+"""The pictures of a flight, each a file; the first one, `flight.png`, tells the story alone."""
+
+import io
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+
+from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND
+from flightlog.log import FlightLog
+from flightlog.primitives import stretches_flown
+from review.summary.tracking import VELOCITIES
+from runtime.atomic_write import file_target, publish_bytes
+
+from . import palette
+from .primitive_lane import draw_primitive_lane
+from .time_histories import (
+    draw_actuators,
+    draw_attitude,
+    draw_control,
+    draw_height,
+    draw_navigation_error,
+    draw_velocity,
+    draw_wind,
+    stroke_legend,
+)
+from .track_picture import draw_track
+
+Panel = Callable[[Axes], None]
+Limits = Mapping[str, tuple[float, float]]
+
+# Inches of a page with nothing but time histories: wide enough that a long flight stays readable.
+NARROWEST, WIDEST, INCHES_PER_SECOND = 12.0, 36.0, 0.11
+
+
+def flight_picture(log: FlightLog) -> Figure:
+    """Returns the page that tells the story of a flight: plan view beside velocities and height."""
+    figure = palette.page(16.0, 9.6)
+    figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 4, fontweight="bold")
+    halves = figure.add_gridspec(1, 2, width_ratios=(0.43, 0.57))
+    left, right = figure.add_subfigure(halves[0]), figure.add_subfigure(halves[1])
+    track = left.subplots()
+    true = log.motion.topic.name != ESTIMATE.name
+    palette.headline(track, f"Seen from above: where it {'truly flew' if true else 'believed to be'}")
+    _stack(right, log, _motion_panels(log), width=8.6)
+    draw_track(track, log)
+    return figure
+
+
+def track_picture(log: FlightLog) -> Figure:
+    """Returns the plan view alone, large."""
+    figure = palette.page(10.0, 10.6)
+    figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 3, fontweight="bold")
+    draw_track(figure.subplots(), log)
+    return figure
+
+
+def velocities_picture(log: FlightLog) -> Figure:
+    """Returns velocities and height over time, as wide as the flight is long."""
+    return _histories(log, _motion_panels(log))
+
+
+def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
+    """Returns attitude and controls over time.
+
+    Args:
+        log: the flight.
+        limits: least and largest value of a control in radians, by field; those known.
+    """
+    panels: list[Panel] = [partial(draw_attitude, log=log, field=field) for field in _angles(log)]
+    if CONTROLS.name in log.series:
+        panels += [_control_panel(log, field, limits or {}) for field in _CONTROLS]
+    if ACTUATORS.name in log.series:
+        names = log[ACTUATORS].topic.field_names
+        panels += [
+            partial(draw_actuators, log=log, fields=names[at : at + 3]) for at in range(0, len(names), 3)
+        ]
+    return _histories(log, panels, strokes=False)
+
+
+def wind_picture(log: FlightLog) -> Figure:
+    """Returns the air's motion at the vehicle over time.
+
+    Raises:
+        MissingTopicError: the log has no wind.
+    """
+    velocity, rotation = ("north", "east", "down"), ("rate_north", "rate_east", "rate_down")
+    panels: list[Panel] = [
+        lambda axes: draw_wind(axes, log, velocity, "Air over the ground at the vehicle, m/s")
+    ]
+    if log[WIND].holds(*rotation):
+        title = "Rotation of the air about the world's axes, deg/s"
+        panels.append(lambda axes: draw_wind(axes, log, rotation, title))
+    return _histories(log, panels, strokes=False)
+
+
+def navigation_picture(log: FlightLog) -> Figure:
+    """Returns what was believed minus what was so, over time.
+
+    Raises:
+        MissingTopicError: the log has no estimate.
+    """
+    parts = (
+        ("north", "Estimated minus actual position north, m"),
+        ("east", "Estimated minus actual position east, m"),
+        ("down", "Estimated minus actual position down, m"),
+        ("forward", "Estimated minus actual forward speed, m/s"),
+        ("side", "Estimated minus actual sideward speed, m/s"),
+        ("heading", "Estimated minus actual heading, deg"),
+    )
+    return _histories(log, [_navigation_panel(log, *part) for part in parts], strokes=False)
+
+
+def write_pictures(
+    log: FlightLog, folder: Path, *, limits: Limits | None = None, force: bool = False
+) -> tuple[Path, ...]:
+    """Draws every picture that the log has the topics for, and writes them as PNG files.
+
+    Args:
+        log: the flight.
+        folder: where to; made if it is not there.
+        limits: of the controls, as `controls_picture`.
+        force: whether to overwrite.
+
+    Returns:
+        The files, the one to look at first before the others.
+
+    Raises:
+        AlreadyExistsError: one of the files exists and `force` is not set; nothing was written.
+        FlightError: the log lacks motion, or an attachment is broken.
+    """
+    pictures = _pictures(log, limits)
+    paths = picture_paths(log, folder)
+    for path in paths:
+        file_target(path, force=force)
+    for path, draw in zip(paths, pictures.values(), strict=True):
+        publish_picture(draw(), path, force=force)
+    return paths
+
+
+def picture_paths(log: FlightLog, folder: Path) -> tuple[Path, ...]:
+    """Returns the files that `write_pictures` writes of a log, in its order."""
+    return tuple(folder / f"{name}.png" for name in _pictures(log, None))
+
+
+def _pictures(log: FlightLog, limits: Limits | None) -> dict[str, Callable[[], Figure]]:
+    pictures: dict[str, Callable[[], Figure]] = {}
+    if log.motion.holds("north", "east"):
+        pictures["flight"] = lambda: flight_picture(log)
+        pictures["track"] = lambda: track_picture(log)
+    if _motion_panels(log):
+        pictures["velocities"] = lambda: velocities_picture(log)
+    if _angles(log) or {CONTROLS.name, ACTUATORS.name} & log.series.keys():
+        pictures["attitude_and_controls"] = lambda: controls_picture(log, limits=limits)
+    if WIND.name in log.series:
+        pictures["wind"] = lambda: wind_picture(log)
+    if {ESTIMATE.name, TRUTH.name} <= log.series.keys():
+        pictures["navigation_error"] = lambda: navigation_picture(log)
+    return pictures
+
+
+def publish_picture(figure: Figure, path: Path, *, force: bool = False) -> None:
+    """Writes a figure as a PNG file, whole or not at all; equal figures give equal bytes.
+
+    Raises:
+        AlreadyExistsError: the file exists and `force` is not set.
+    """
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", metadata={"Software": None})
+    publish_bytes(stream.getvalue(), path, force=force)
+
+
+_CONTROLS = ("collective", "longitudinal", "lateral", "pedal")
+
+
+def _headline(log: FlightLog) -> str:
+    header = log.header
+    flown = [] if header.kind == "import" else [f"wind {header.wind}", f"seed {header.seed}"]
+    facts = [f"{header.vehicle}", *flown, f"{log.duration:.1f} s"]
+    if header.outcome != "completed":
+        facts.append(header.outcome)
+    return f"{header.kind.capitalize()} {header.name}    |    {', '.join(facts)}"
+
+
+def _motion_panels(log: FlightLog) -> list[Panel]:
+    """Returns panels of the velocities and the height that the log has."""
+    panels: list[Panel] = [
+        partial(draw_velocity, log=log, field=field) for field in VELOCITIES if log.motion.holds(field)
+    ]
+    return [*panels, partial(draw_height, log=log)] if log.motion.holds("down") else panels
+
+
+def _angles(log: FlightLog) -> list[str]:
+    return [field for field in ("roll", "pitch") if log.motion.holds(field)]
+
+
+def _control_panel(log: FlightLog, field: str, limits: Limits) -> Panel:
+    return lambda axes: draw_control(axes, log, field, limits)
+
+
+def _navigation_panel(log: FlightLog, field: str, title: str) -> Panel:
+    return lambda axes: draw_navigation_error(axes, log, field, title)
+
+
+def _histories(log: FlightLog, panels: Sequence[Panel], *, strokes: bool = True) -> Figure:
+    width = float(np.clip(INCHES_PER_SECOND * log.duration, NARROWEST, WIDEST))
+    figure = palette.page(width, 1.3 + 1.9 * len(panels))
+    figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 3, fontweight="bold")
+    _stack(figure, log, panels, width=0.94 * width, strokes=strokes)
+    return figure
+
+
+def _stack(
+    figure: Figure | SubFigure,
+    log: FlightLog,
+    panels: Sequence[Panel],
+    *,
+    width: float,
+    strokes: bool = True,
+) -> None:
+    """Draws panels below each other on one time axis, under the lane of primitives where there are any."""
+    lanes = 1 if stretches_flown(log) else 0
+    ratios = [*(0.26 for _ in range(lanes)), *(1.0 for _ in panels)]
+    rows = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
+    rest = rows[lanes:]
+    if lanes:
+        draw_primitive_lane(rows[0], log, width=width)
+    for axes, draw in zip(rest, panels, strict=True):
+        draw(axes)
+    if strokes:
+        palette.legend_above(rest[0], stroke_legend(log))
+    rest[-1].set_xlabel("time since start, s", fontsize=palette.TEXT_SIZE)
+    figure.align_ylabels(rest)

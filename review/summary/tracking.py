@@ -1,0 +1,37 @@
+"""Differences between what was commanded, believed and true, on the true state's time axis."""
+
+import numpy as np
+from jaxtyping import Float
+
+from flightlog.channels import COMMAND, ESTIMATE, TRUTH
+from flightlog.log import FlightLog
+from flightlog.topic import Series
+
+VELOCITIES = ("forward", "side", "yaw_rate")
+"""Fields of command, estimate and truth that a trim fixes."""
+
+
+def at_times(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """Returns a field between its samples, by straight lines."""
+    return np.asarray(np.interp(time, series.time, series[field]))
+
+
+def tracking_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
+    """Returns truth minus command of a velocity at the times of the true states.
+
+    Raises:
+        MissingTopicError: the log lacks command or truth.
+    """
+    truth = log[TRUTH]
+    return np.asarray(truth[field] - at_times(log[COMMAND], field, truth.time))
+
+
+def navigation_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
+    """Returns estimate minus truth of a state's field at the times of the true states; angles wrapped.
+
+    Raises:
+        MissingTopicError: the log lacks estimate or truth.
+    """
+    truth = log[TRUTH]
+    error = np.asarray(at_times(log[ESTIMATE], field, truth.time) - truth[field])
+    return np.asarray(np.remainder(error + np.pi, 2 * np.pi) - np.pi) if field == "heading" else error

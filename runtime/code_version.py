@@ -1,0 +1,29 @@
+"""The version of the code that flies: what a log names, so that a flight of other code is told from ours."""
+
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+
+from .version import VERSION
+
+FOLDERS = ("experiments", "flight", "flightlog", "identification", "models", "planner", "runtime", "sim")
+"""What decides how a flight goes, and how its primitives are cut and judged in what is kept of it."""
+
+_ENDINGS = {".py", ".c", ".toml", ".xml"}
+# What computes, beside CasADi, which a log names as its back-end.
+_ARITHMETIC = ("mujoco", "numpy", "scipy")
+_DIGITS = 12
+
+
+@cache
+def code_version() -> str:
+    """Returns the program's version and, after a `+`, a digest of what flies: sources, models, arithmetic."""
+    digest = sha256()
+    root = Path(__file__).parents[1]
+    for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*")):
+        if path.suffix in _ENDINGS:
+            digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes() + b"\0")
+    for name in _ARITHMETIC:
+        digest.update(f"{name} {version(name)}\n".encode())
+    return f"{VERSION}+{digest.hexdigest()[:_DIGITS]}"

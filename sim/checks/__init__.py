@@ -1,0 +1,1 @@
+"""Checks of physics, margins and numerics that `maneuver verify` prints."""

@@ -1,0 +1,83 @@
+"""Whether the library's maneuvers, in its own air, ever meet a limit of attitude or of a servo's rate."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flight.automaton.library import Library
+from flight.errors import FlightLostError
+from flightlog.channels import CONTROLS, TRUTH
+from flightlog.log import FlightLog
+from sim.campaign_flight import fly_sequence
+from sim.control.gains import Gains
+from sim.loop.backend import Backend
+from sim.loop.motion import Controls
+from sim.loop.specification import CONTROL_RATE, FlightSpecification
+from sim.simulated_helicopter import SimulatedHelicopter
+from sim.vehicle.parameters import Parameters
+
+from .check import Figure
+
+# Times its size a limit is none.
+_LIFTED = 1000.0
+
+
+def check_limits(
+    flights: Sequence[FlightSpecification],
+    library: Library,
+    parameters: Parameters,
+    *,
+    gains: Gains | None = None,
+) -> Iterator[Figure]:
+    """Yields what flights use of the limits, and what they would be without any.
+
+    A limit that is never met changes no bit of a flight.
+
+    Args:
+        flights: of sequences.
+        library: flown with.
+        parameters: the vehicle.
+        gains: of the controller.
+    """
+    gains = gains or Gains()
+    servos = parameters.servos
+    free_servos = replace(servos, rate=_LIFTED * servos.rate, pedal_rate=_LIFTED * servos.pedal_rate)
+    free = replace(parameters, servos=free_servos), replace(gains, tilt_limit=_LIFTED * gains.tilt_limit)
+    logs = [_fly(flight, library, parameters, gains) for flight in flights]
+    lifted = [_fly(flight, library, *free) for flight in flights]
+    maneuvers = sum(len(flight.trims) - 1 for flight in flights)
+    beside = f"{maneuvers} maneuvers, {len(flights)} flights in wind class {flights[0].wind}"
+    off = max(_apart(one, other) for one, other in zip(logs, lifted, strict=True))
+    yield Figure(
+        "limits", "motion with limits of tilt and servo rate lifted, off by", off, "m", None, 0.0, beside
+    )
+    lost = sum(log.header.outcome != "completed" for log in logs)
+    yield Figure("limits", "flights lost", float(lost), "-", None, 0.0, beside)
+    tilt = max(float(np.abs(log[TRUTH][name]).max()) for log in logs for name in ("roll", "pitch"))
+    yield Figure("limits", "largest roll or pitch", tilt, "rad", beside=beside)
+    for name in Controls._fields:
+        limit = servos.pedal_rate if name == "pedal" else servos.rate
+        rates = (float(np.abs(np.diff(log[CONTROLS][name])).max()) * CONTROL_RATE for log in logs)
+        share = max(rates) / limit
+        yield Figure("limits", f"fastest {name} servo, share of its rate", share, "-", None, 0.99, beside)
+
+
+def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, gains: Gains) -> FlightLog:
+    helicopter = SimulatedHelicopter(
+        flight, library, parameters=parameters, gains=gains, backend=Backend.INTERPRETED
+    )
+    try:
+        fly_sequence(helicopter, flight.sequence, library=library)
+    except FlightLostError:
+        # The log's header says so.
+        return helicopter.log()
+    return helicopter.log()
+
+
+def _apart(log: FlightLog, other: FlightLog) -> float:
+    """Returns how far two flights are from one another at most, in m; infinite where one is longer."""
+    if len(log[TRUTH]) != len(other[TRUTH]):
+        return np.inf
+    differences = (log[TRUTH][name] - other[TRUTH][name] for name in ("north", "east", "down"))
+    return max(float(np.abs(difference).max()) for difference in differences)

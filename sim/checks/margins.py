@@ -1,0 +1,205 @@
+"""Gain and phase margins of the closed loop, one path broken at a time, with the network's weights frozen.
+
+The plant is discretised exactly for commands held over a control period and delayed by whole ones; the
+controller is differentiated where it holds the trim.
+"""
+
+from dataclasses import dataclass
+
+import casadi as ca
+import numpy as np
+from jaxtyping import Complex, Float
+from scipy.linalg import expm
+
+from flight.se2 import Twist
+from sim.control.controller import Controller, first_memory
+from sim.control.trim_table import TrimPoint, trim_table
+from sim.loop.motion import Controls, Motion
+from sim.vehicle.equilibrium import EquilibriumFinder
+from sim.vehicle.linearisation import LinearMotion, linearise
+from sim.vehicle.parameters import Parameters
+
+PATHS = (*Controls._fields, "forward", "side", "descent", "roll", "pitch", "yaw_rate")
+"""Where the loop is broken: at a servo command, or at what the controller believes."""
+
+# From the slowest path's crossing to the Nyquist frequency, with points dense enough for a crossing each.
+_SLOWEST, _POINTS = 0.02, 3000
+
+
+@dataclass(frozen=True, slots=True)
+class Margins:
+    """How far one path is from instability.
+
+    Attributes:
+        gain: smallest factor, up or down, that brings it there, dB.
+        phase: smallest lag or lead that does, deg.
+        delay: smallest delay that does, s.
+        crossover: highest frequency of gain one, rad/s.
+    """
+
+    gain: float
+    phase: float
+    delay: float
+    crossover: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Loop:
+    """A sampled plant and controller: x+ = A x + B w, y = C x for each.
+
+    Attributes:
+        plant: A, B, C, D from servo commands to estimate.
+        controller: A, B, C, D from estimate to servo commands.
+        step: s.
+        delay: periods between.
+    """
+
+    plant: tuple[Float[np.ndarray, "..."], ...]
+    controller: tuple[Float[np.ndarray, "..."], ...]
+    step: float
+    delay: int
+
+
+def close_loop(
+    vehicle: Parameters,
+    controller: Controller,
+    believed: Parameters,
+    velocity: Twist,
+    *,
+    height: float,
+    step: float,
+) -> Loop:
+    """States the loop of a vehicle at a trim.
+
+    Args:
+        vehicle: what is flown.
+        controller: whose law is differentiated.
+        believed: the vehicle as the controller takes it to be.
+        velocity: of the trim.
+        height: that is held, m.
+        step: control period, s.
+    """
+    motion = linearise(vehicle, EquilibriumFinder(vehicle).find(velocity))
+    trim = trim_table(believed).at(velocity.forward, velocity.yaw_rate)
+    return Loop(
+        plant=_sample(motion, step),
+        controller=_differentiate(controller, trim, velocity, height=height),
+        step=step,
+        delay=round(vehicle.servos.delay / step),
+    )
+
+
+def stable(loop: Loop, *, extra_delay: int = 0) -> bool:
+    """Whether the loop settles, by the eigenvalues of plant, delay and controller together."""
+    a, b, c, _ = loop.plant
+    ka, kb, kc, kd = loop.controller
+    n, m, waiting = len(a), len(ka), loop.delay + extra_delay
+    size = n + 4 * waiting + m
+    whole = np.zeros((size, size))
+    whole[:n, :n] = a
+    command = np.zeros((4, size))
+    command[:, :n] = kd @ c
+    command[:, n + 4 * waiting :] = kc
+    if waiting:
+        whole[:n, n : n + 4] = b
+        for place in range(waiting - 1):
+            at = n + 4 * place
+            whole[at : at + 4, at + 4 : at + 8] = np.eye(4)
+        whole[n + 4 * (waiting - 1) : n + 4 * waiting] = command
+    else:
+        whole[:n] += b @ command
+    whole[n + 4 * waiting :, :n] = kb @ c
+    whole[n + 4 * waiting :, n + 4 * waiting :] = ka
+    # The weights and the heading itself are held by nothing: they neither grow nor decay.
+    return bool(np.abs(np.linalg.eigvals(whole)).max() < 1.0 + 1e-7)
+
+
+def margins(loop: Loop) -> dict[str, Margins]:
+    """Returns the margins of every path, by its name in `PATHS`."""
+    frequencies = np.geomspace(_SLOWEST, np.pi / loop.step, _POINTS)
+    plant, controller = _responses(loop, frequencies)
+    identity = np.eye(4)
+    closed = np.linalg.det(identity - controller @ plant)
+    found = {}
+    for path in PATHS:
+        cut = controller.copy()
+        if path in Controls._fields:
+            cut[:, Controls._fields.index(path), :] = 0.0
+        else:
+            cut[:, :, Motion._fields.index(path)] = 0.0
+        found[path] = read_margins(frequencies, closed / np.linalg.det(identity - cut @ plant) - 1.0)
+    return found
+
+
+def read_margins(frequencies: Float[np.ndarray, "n"], response: Complex[np.ndarray, "n"]) -> Margins:
+    """Reads the margins off an open loop's response, negative feedback understood."""
+    size, angle = np.abs(response), np.unwrap(np.angle(response))
+    crossing = np.nonzero(np.diff(np.sign(size - 1.0)))[0]
+    # Distance of the phase to the nearest odd multiple of pi, at gain one.
+    phase = np.abs(np.remainder(angle[crossing], 2.0 * np.pi) - np.pi)
+    lag = np.remainder(angle[crossing] - np.pi, 2.0 * np.pi)
+    turned = np.floor((angle - np.pi) / (2.0 * np.pi))
+    opposite = np.nonzero(np.diff(turned))[0]
+    gain = np.abs(20.0 * np.log10(size[opposite]))
+    return Margins(
+        gain=float(gain.min(initial=np.inf)),
+        phase=float(np.degrees(phase.min(initial=np.pi))),
+        delay=float((lag / frequencies[crossing]).min(initial=np.inf)),
+        crossover=float(frequencies[crossing].max(initial=0.0)),
+    )
+
+
+def _sample(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."], ...]:
+    n = len(motion.state)
+    whole = np.zeros((n + 4, n + 4))
+    whole[:n, :n], whole[:n, n:] = motion.state, motion.control
+    stepped = expm(step * whole)
+    return stepped[:n, :n], stepped[:n, n:], motion.output, np.zeros((13, 4))
+
+
+def _differentiate(
+    controller: Controller, trim: TrimPoint, velocity: Twist, *, height: float
+) -> tuple[Float[np.ndarray, "..."], ...]:
+    function = controller.function
+    estimate, wanted, learning, memory = function.sx_in()
+    controls, after = function(estimate, wanted, learning, memory)
+    parts = [ca.jacobian(out, by) for out, by in ((after, memory), (after, estimate), (controls, memory))] + [
+        ca.jacobian(controls, estimate)
+    ]
+    slopes = ca.Function("slopes", [estimate, wanted, learning, memory], parts)
+    turn = velocity.yaw_rate
+    level = (0.0, 0.0, -height, velocity.forward, velocity.side, 0.0, trim.roll, trim.pitch, 0.0)
+    rates = (
+        -turn * np.sin(trim.pitch),
+        turn * np.sin(trim.roll) * np.cos(trim.pitch),
+        turn * np.cos(trim.roll) * np.cos(trim.pitch),
+    )
+    target = (velocity.forward, 0.0, 0.0, velocity.side, 0.0, 0.0, turn, 0.0, 0.0, *trim)
+    return tuple(
+        np.array(part)
+        for part in slopes(ca.DM([*level, *rates, turn]), ca.DM(target), 0.0, first_memory(trim))
+    )
+
+
+def _responses(
+    loop: Loop, frequencies: Float[np.ndarray, "n"]
+) -> tuple[Complex[np.ndarray, "n 13 4"], Complex[np.ndarray, "n 4 13"]]:
+    turn = np.exp(1j * frequencies * loop.step)
+    plant = _response(loop.plant, turn) * turn[:, None, None] ** -loop.delay
+    return plant, _response(loop.controller, turn)
+
+
+def _response(
+    system: tuple[Float[np.ndarray, "..."], ...], turn: Complex[np.ndarray, "n"]
+) -> Complex[np.ndarray, "n outputs inputs"]:
+    a, b, c, d = system
+    # States that reach nothing or that nothing reaches, such as frozen weights, are left out.
+    across = np.abs(a - np.diag(np.diag(a)))
+    reaching = np.abs(c).sum(axis=0) + across.sum(axis=0)
+    reached = np.abs(b).sum(axis=1) + across.sum(axis=1)
+    kept = np.nonzero(reaching * reached)[0]
+    a, b, c = a[np.ix_(kept, kept)], b[kept], c[:, kept]
+    inverse = np.linalg.solve(
+        turn[:, None, None] * np.eye(len(a)) - a, np.broadcast_to(b, (len(turn), *b.shape))
+    )
+    return np.asarray(c @ inverse + d)

@@ -1,0 +1,1 @@
+"""The velocity-tracking adaptive controller and its gains."""

@@ -1,0 +1,76 @@
+"""What goes in and out of one period of the control law, field by field, in the order of its columns."""
+
+from typing import NamedTuple
+
+import casadi as ca
+
+from . import adaptive_element as element
+
+
+class InversionModel(NamedTuple):
+    """The model that is inverted: the vehicle linearised in hover.
+
+    Attributes:
+        roll: angular acceleration per disc angle to the right, 1/s2.
+        pitch: angular acceleration per disc angle back, 1/s2.
+        yaw: angular acceleration per pedal, 1/s2.
+        yaw_from_collective: angular acceleration per collective, 1/s2.
+        lift: upward acceleration per collective, m/s2.
+    """
+
+    roll: float
+    pitch: float
+    yaw: float
+    yaw_from_collective: float
+    lift: float
+
+
+class Memory(NamedTuple):
+    """What the controller remembers: reference model, bar and servos as reckoned, yaw, weights.
+
+    `excess_yaw` is the yaw rate past the reference's that is believed to be a turn, rad/s.
+    """
+
+    roll: ca.SX
+    roll_rate: ca.SX
+    pitch: ca.SX
+    pitch_rate: ca.SX
+    bar_back: ca.SX
+    bar_right: ca.SX
+    heading_error: ca.SX
+    excess_yaw: ca.SX
+    servos: ca.SX
+    inner_weights: ca.SX
+    outer_weights: ca.SX
+
+
+MEMORY_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
+"""Entries of each part, in the order in which they are laid out."""
+
+
+class Wanted(NamedTuple):
+    """The reference, value, rate and acceleration of each channel, and the trim at its values."""
+
+    forward: ca.SX
+    forward_rate: ca.SX
+    forward_acceleration: ca.SX
+    side: ca.SX
+    side_rate: ca.SX
+    side_acceleration: ca.SX
+    yaw: ca.SX
+    yaw_rate: ca.SX
+    yaw_acceleration: ca.SX
+    trim_roll: ca.SX
+    trim_pitch: ca.SX
+    trim_lateral: ca.SX
+    trim_longitudinal: ca.SX
+    trim_collective: ca.SX
+    trim_pedal: ca.SX
+
+
+def split(memory: ca.SX) -> Memory:
+    """Returns the parts of a memory laid out in one column."""
+    places = [0]
+    for size in MEMORY_SIZES:
+        places.append(places[-1] + size)
+    return Memory._make(ca.vertsplit(memory, places))

@@ -1,0 +1,147 @@
+"""The flight controller: it turns an estimate and a reference into servo commands, period by period."""
+
+from functools import cache
+from itertools import chain
+from math import cos, sin
+
+import casadi as ca
+import numpy as np
+
+from flight.se2 import Twist
+from sim.loop.backend import Backend
+from sim.loop.bound_function import Recursion
+from sim.loop.motion import Channel, Controls, Motion, Reference
+from sim.loop.signals import Signals
+from sim.vehicle.equilibrium import find_equilibrium
+from sim.vehicle.linearisation import linearise
+from sim.vehicle.parameters import Parameters
+
+from . import adaptive_element as element
+from .control_law import ControlLaw
+from .control_signals import MEMORY_SIZES, InversionModel
+from .gains import Gains
+from .trim_table import TrimPoint, trim_table
+
+_SIZE = sum(MEMORY_SIZES)
+_INNER, _OUTER = _SIZE - element.INNER_WEIGHTS - element.OUTER_WEIGHTS, _SIZE - element.OUTER_WEIGHTS
+_ROWS = element.HIDDEN + 1
+_CHANNEL = len(Channel._fields)
+
+
+class Controller:
+    """Follows a reference at a height, from an estimate alone.
+
+    Args:
+        parameters: the vehicle as the controller takes it to be.
+        height: above ground, m.
+        step: control period in s.
+        gains: all feedback and learning gains.
+        adaptive: whether the adaptive element learns; its output stays 0 where not.
+        signals: where it finds estimate and reference, and leaves the controls; its own where None.
+        backend: what evaluates the control law.
+
+    Attributes:
+        function: (estimate, wanted, learning, memory) -> (controls, memory), for margins.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        *,
+        height: float,
+        step: float,
+        gains: Gains | None = None,
+        adaptive: bool = True,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.gains = gains or Gains()
+        self._trims = trim_table(parameters)
+        self.function = _control_function(parameters, self.gains, height, step)
+        self.signals = signals = signals or Signals()
+        self._learning, self._memory = np.array([1.0 if adaptive else 0.0]), np.zeros(_SIZE)
+        self._law = Recursion(
+            _with_trims(self.function, self._trims.function),
+            (signals.estimate, signals.reference, self._learning, self._memory),
+            (signals.controls,),
+            backend=backend,
+        )
+        self._begun = False
+
+    @property
+    def memory(self) -> np.ndarray:
+        """What is remembered now, laid out as in `control_law.Memory`."""
+        return self._memory.copy()
+
+    def restore(self, memory: np.ndarray) -> None:
+        """Goes on from a memory."""
+        self._memory[:] = memory
+        self._begun = True
+
+    def turn(self, angle: float) -> None:
+        """Follows a turn of the whole world about the vertical, in rad."""
+        outer = self._memory[_OUTER:].reshape(element.OUTPUTS, _ROWS)
+        north, east = outer[0].copy(), outer[1].copy()
+        outer[0] = cos(angle) * north - sin(angle) * east
+        outer[1] = sin(angle) * north + cos(angle) * east
+
+    def run(self) -> None:
+        """Gives the controls of the next control period."""
+        if not self._begun:
+            forward, _, yaw_rate = self.signals.reference[::_CHANNEL].tolist()
+            self.restore(first_memory(self._trims.at(forward, yaw_rate)))
+        self._law.step()
+
+    def step(self, estimate: Motion, reference: Reference) -> Controls:
+        """Returns the servo commands for the next control period."""
+        self.signals.estimate[:], self.signals.reference[:] = estimate, [*chain(*reference)]
+        self.run()
+        return Controls._make(self.signals.controls.tolist())
+
+
+def first_memory(trim: TrimPoint) -> np.ndarray:
+    """Returns the memory of a controller that has always held a trim."""
+    parts = (
+        *(trim.roll, 0.0, trim.pitch, 0.0),
+        *(0.0, 0.0, 0.0, 0.0),
+        trim[2:],
+        element.first_inner_weights(),
+        np.zeros(element.OUTER_WEIGHTS),
+    )
+    return np.concatenate([np.atleast_1d(part) for part in parts])
+
+
+@cache
+def inversion_model(parameters: Parameters) -> InversionModel:
+    """Returns the model that the controller inverts: the vehicle linearised in hover."""
+    hover = find_equilibrium(parameters, Twist(0.0, 0.0, 0.0))
+    state = linearise(parameters, hover).state
+    return InversionModel(
+        roll=float(state[3, 13]),
+        pitch=float(state[4, 12]),
+        yaw=float(state[5, 11]),
+        yaw_from_collective=float(state[5, 10]),
+        lift=-float(state[2, 10]),
+    )
+
+
+@cache
+def _with_trims(law: ca.Function, trims: ca.Function) -> ca.Function:
+    """Builds (estimate, reference, learning, memory) -> (controls, memory) of a law and a trim table."""
+    estimate, reference, learning, memory = (
+        ca.MX.sym(name, size)
+        for name, size in zip(
+            ("estimate", "reference", "learning", "memory"),
+            (len(Motion._fields), len(Reference._fields) * _CHANNEL, 1, _SIZE),
+            strict=True,
+        )
+    )
+    trim = trims(reference[0], reference[2 * _CHANNEL])
+    controls, after = law(estimate, ca.vertcat(reference, trim), learning, memory)
+    return ca.Function("control", [estimate, reference, learning, memory], [controls, after])
+
+
+@cache
+def _control_function(parameters: Parameters, gains: Gains, height: float, step: float) -> ca.Function:
+    model = inversion_model(parameters)
+    return ControlLaw(parameters, model, gains=gains, height=height, step=step).function()

@@ -1,0 +1,119 @@
+"""The maneuver generator: it turns a change of trim into a smooth command of velocity and yaw rate.
+
+A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves
+like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2), and its Table 10
+says which constant: changes of speed last 4 s, turns 3 s, both together 4 s. So the yaw rate takes the
+velocity's time where speed and yaw rate change together; only so do the heading changes of those rows come
+out. There is no memory of position or heading.
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from math import cos, exp, sin, sqrt
+
+import casadi as ca
+import numpy as np
+
+from flight.se2 import Twist
+from sim.loop.backend import Backend
+from sim.loop.bound_function import Recursion
+from sim.loop.motion import Channel, Reference
+from sim.loop.signals import Signals
+
+
+@dataclass(frozen=True, slots=True)
+class SecondOrder:
+    """A second-order response: natural frequency in rad/s and damping ratio below 1."""
+
+    frequency: float
+    damping: float
+
+    def __post_init__(self) -> None:
+        """Refuses what does not swing."""
+        if not (self.frequency > 0.0 and 0.0 < self.damping < 1.0):
+            raise ValueError(f"frequency must be > 0 rad/s and damping in (0, 1), got {self}")
+
+
+# With these, displacement and heading change of every maneuver of Table 10 come out where it ends at the
+# printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
+VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
+YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
+_CHANNEL = len(Channel._fields)
+
+
+class ManeuverGenerator:
+    """Generates the reference from the trim asked for.
+
+    Args:
+        velocity: trim velocity held at the start.
+        step: control period in s.
+        signals: where it leaves the reference; its own where None.
+        backend: what evaluates the reference models.
+    """
+
+    def __init__(
+        self,
+        velocity: Twist,
+        *,
+        step: float,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.signals = signals = signals or Signals()
+        self._target = velocity
+        # Forward, side, yaw rate, and whether the yaw rate takes the velocity's time.
+        self._asked = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
+        signals.reference[:] = 0.0
+        signals.reference[::_CHANNEL] = self._asked[:3]
+        models = _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
+        self._models = Recursion(models, (self._asked, signals.reference), (), backend=backend)
+        self.run = self._models.step
+        """Moves the reference on by one control period."""
+
+    def aim(self, target: Twist) -> None:
+        """Asks for a velocity from now on."""
+        if target == self._target:
+            return
+        speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
+        self._asked[:] = (target.forward, target.side, target.yaw_rate, speed_changes)
+        self._target = target
+
+    def step(self, target: Twist) -> Reference:
+        """Moves on by one control period towards a target velocity."""
+        self.aim(target)
+        self.run()
+        rows = self.signals.reference.reshape(-1, _CHANNEL).tolist()
+        return Reference(*(Channel._make(row) for row in rows))
+
+
+@cache
+def _models(speeding: SecondOrder, turning: SecondOrder, step: float) -> ca.Function:
+    """Builds the reference models of all channels, (asked, reference) -> reference."""
+    asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw_rate, together = ca.vertsplit(asked)
+    before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
+    with_speed, alone = (
+        _follow(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
+    )
+    after = ca.vertcat(
+        _follow(speeding, before[0], forward, step=step),
+        _follow(speeding, before[1], side, step=step),
+        ca.if_else(together, with_speed, alone),
+    )
+    return ca.Function("generate", [asked, reference], [after])
+
+
+def _follow(response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float) -> ca.SX:
+    """Steps value and rate of one channel, exactly for a target held through the step.
+
+    Returns:
+        Value, rate and acceleration.
+    """
+    frequency, damping = response.frequency, response.damping
+    decay = damping * frequency
+    swing = frequency * sqrt(1.0 - damping**2)
+    c, s, e = cos(swing * step), sin(swing * step), exp(-decay * step)
+    offset, rate_before = before[0] - target, before[1]
+    value = target + e * (c + decay / swing * s) * offset + e * s / swing * rate_before
+    rate = -e * frequency**2 / swing * s * offset + e * (c - decay / swing * s) * rate_before
+    return ca.vertcat(value, rate, frequency**2 * (target - value) - 2.0 * decay * rate)

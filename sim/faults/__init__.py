@@ -1,0 +1,1 @@
+"""Faults injected into vehicle, sensors, air and computer."""

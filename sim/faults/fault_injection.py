@@ -1,0 +1,99 @@
+"""The faults of a flight: put between the parts of its loop, and noted with what shows that they acted."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from flight.mission.fault import SENSORS, SERVOS, Fault
+from flightlog.attachment_names import FAULTS_ATTACHMENT
+from flightlog.channels import FAULT, FAULT_EFFECT
+from flightlog.fault_record import faults_text
+from flightlog.log import FlightLog
+from flightlog.topic import Series, Topic
+from sim.loop.signals import Signals
+from sim.loop.specification import CONTROL_PERIOD
+from sim.navigation.navigation import Navigation, Navigator
+from sim.vehicle.helicopter import Helicopter
+from sim.vehicle.parameters import Parameters
+
+from .fault_schedule import Failing, Schedule
+from .gust_fault import GustyAir
+from .late_computer import LateComputer
+from .sensor_faults import FailingSensors
+from .vehicle_faults import FailingVehicle
+
+_SIZES = 3
+Parts = tuple[Callable[[], None], ...]
+"""Parts of the loop that run one after the other, each for one control period."""
+
+
+class Faults:
+    """Lets the parts of a flight loop fail as asked for.
+
+    Args:
+        faults: of the flight, whose clock is at 0; their numbers count from 1.
+        signals: what the parts say to one another.
+        helicopter: what flies.
+        parameters: the sound vehicle.
+        navigation: its sensors fail, where it has some.
+        parts: one period each of maneuver generator, controller and air.
+
+    Attributes:
+        parts: the same, failing.
+    """
+
+    def __init__(
+        self,
+        faults: Sequence[Fault],
+        *,
+        signals: Signals,
+        helicopter: Helicopter,
+        parameters: Parameters,
+        navigation: Navigator,
+        parts: Parts,
+    ) -> None:
+        generate, control, blow = parts
+        air, vehicle = GustyAir(blow, signals.wind), FailingVehicle(helicopter, parameters)
+        computer = LateComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
+        self.parts: Parts = (computer.run, air.run)
+        places: dict[str, Failing] = {"wind": air, "controller": computer, "vehicle": vehicle}
+        places |= dict.fromkeys(SERVOS, vehicle)
+        if isinstance(navigation, Navigation):
+            sensors = FailingSensors(navigation.sensors, step=CONTROL_PERIOD)
+            navigation.sensors = sensors
+            places |= dict.fromkeys(SENSORS, sensors)
+        self._faults = dict(enumerate(faults, start=1))
+        self._schedule = Schedule(self._faults, places)
+        self._period = 0
+        self._events: list[tuple[float, ...]] = []
+        self._effects: list[tuple[float, ...]] = []
+
+    def begin(self) -> None:
+        """Begins and ends what is due at the start of a control period."""
+        for number, begun in self._schedule.begin(self._period):
+            size = self._faults[number].size
+            padded = (*size, *(0.0,) * (_SIZES - len(size)))
+            self._events.append((self._period * CONTROL_PERIOD, number, float(begun), *padded))
+
+    def note(self) -> None:
+        """Keeps the effects over the control period, which has been flown."""
+        time = self._period * CONTROL_PERIOD
+        self._effects += [(time, number, effect()) for number, effect in self._schedule.active.items()]
+        self._period += 1
+
+    def add_to(self, log: FlightLog) -> FlightLog:
+        """Returns a log that tells of the faults too."""
+        series = {
+            topic.name: _series(topic, rows)
+            for topic, rows in ((FAULT, self._events), (FAULT_EFFECT, self._effects))
+        }
+        text = faults_text(tuple(self._faults.values()))
+        return replace(
+            log, series={**log.series, **series}, attachments={**log.attachments, FAULTS_ATTACHMENT: text}
+        )
+
+
+def _series(topic: Topic, rows: list[tuple[float, ...]]) -> Series:
+    table = np.array(rows, dtype=np.float64).reshape(len(rows), 1 + len(topic.fields))
+    return Series(topic, table[:, 0], table[:, 1:])

@@ -1,0 +1,69 @@
+"""A vehicle that fails: servos that jam, tire or lag, a mass or a lift that is another one."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+from flight.mission.fault import SERVOS, Fault
+from sim.vehicle.helicopter import Helicopter
+from sim.vehicle.parameters import Parameters, change_vehicle
+from sim.vehicle.rotor_step import Drive, sound_drives
+
+from .fault_schedule import Schedule
+
+
+class FailingVehicle:
+    """Makes a helicopter another one while faults last.
+
+    Args:
+        helicopter: what flies.
+        parameters: the sound vehicle.
+    """
+
+    def __init__(self, helicopter: Helicopter, parameters: Parameters) -> None:
+        self._helicopter, self._sound = helicopter, parameters
+        self._faults: dict[int, Fault] = {}
+
+    def begin(self, number: int, fault: Fault) -> Callable[[], float]:
+        """Lets a fault act from the next plant step on; returns what tells its effect."""
+        self._faults[number] = fault
+        self._refit()
+        if fault.where in SERVOS:
+            servo = SERVOS.index(fault.where)
+            return lambda: float(self._helicopter.lacking[servo])
+        factor = fault.size[0]
+        change = (factor - 1.0) * self._sound.body.mass if fault.what == "mass" else factor - 1.0
+        return lambda: change
+
+    def end(self, number: int, fault: Fault) -> None:
+        """Takes a fault away."""
+        del self._faults[number]
+        self._refit()
+
+    def _refit(self) -> None:
+        """Gives the helicopter the numbers that all its faults together leave."""
+        vehicle, drives = self._sound, list(sound_drives(self._sound.servos))
+        for fault in self._faults.values():
+            if fault.where in SERVOS:
+                servo = SERVOS.index(fault.where)
+                drives[servo] = _fail(drives[servo], fault)
+            else:
+                vehicle = change_vehicle(vehicle, **{fault.what: fault.size[0]})
+        lateral, longitudinal, collective, pedal = drives
+        self._helicopter.refit(vehicle, (lateral, longitudinal, collective, pedal))
+
+
+def vehicle_schedule(faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters) -> Schedule:
+    """Returns when a helicopter alone fails: its servos, its mass and its lift."""
+    vehicle = FailingVehicle(helicopter, parameters)
+    own = {number: fault for number, fault in enumerate(faults) if fault.where in (*SERVOS, "vehicle")}
+    return Schedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))
+
+
+def _fail(drive: Drive, fault: Fault) -> Drive:
+    match fault.what:
+        case "jam":
+            return replace(drive, rate=0.0)
+        case "slow":
+            return replace(drive, rate=fault.size[0] * drive.rate)
+        case _:
+            return replace(drive, bandwidth=min(drive.bandwidth, 1.0 / fault.size[0]))

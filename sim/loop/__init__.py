@@ -1,0 +1,1 @@
+"""The simulation loop: signals, streams of random numbers, numeric back-ends."""

@@ -1,0 +1,93 @@
+"""How the vehicle's expressions are evaluated: interpreted by CasADi, or as machine code; the bits agree.
+
+Machine code is the C that CasADi writes of an expression, compiled once by the machine's own compiler,
+without anything that would reorder arithmetic. Before it is used it is held to the interpreter, bit by bit,
+on random numbers, so that a flight does not depend on whether there is a compiler.
+"""
+
+import os
+import tempfile
+from enum import StrEnum
+from functools import cache
+from importlib.metadata import version
+from pathlib import Path
+
+import casadi as ca
+import numpy as np
+
+from flight.errors import FlightError
+from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
+
+# Random arguments of several sizes that machine code must answer as the interpreter does.
+_PROBES = 8
+# Thousands of lines without a branch: more effort takes half as long again and makes nothing faster.
+_FLAGS = ("-O1", *IEEE_FLAGS)
+
+
+class Backend(StrEnum):
+    """What evaluates expressions."""
+
+    INTERPRETED = "interpreted"
+    COMPILED = "compiled"
+
+
+class OtherBitsError(FlightError):
+    """Machine code does not give the numbers of the expression that it was made of."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__(f"the machine code of {name!r} gives other bits than its expression: not used")
+
+
+def name_backend(backend: Backend) -> str:
+    """Returns the back-end as a log names it, such as `casadi-3.8.2 compiled`."""
+    return f"casadi-{version('casadi')} {backend}"
+
+
+@cache
+def best_backend() -> Backend:
+    """Returns `COMPILED` where a compiler works, else `INTERPRETED`."""
+    x = ca.SX.sym("x")
+    try:
+        realise(ca.Function("probe", [x], [ca.sin(x)]), Backend.COMPILED)
+    except (NoMachineCodeError, OtherBitsError):
+        return Backend.INTERPRETED
+    return Backend.COMPILED
+
+
+@cache
+def realise(function: ca.Function, backend: Backend) -> ca.Function:
+    """Returns a function as the back-end evaluates it.
+
+    Raises:
+        NoMachineCodeError: there is no compiler that works.
+        OtherBitsError: what it made is not used.
+    """
+    if backend is Backend.INTERPRETED:
+        return function
+    name = function.name()
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / f"{name}.c"
+        writer = ca.CodeGenerator(source.name)
+        writer.add(function)
+        # Ends with a separator, or it would be part of the name.
+        writer.generate(folder + os.sep)
+        path = shared_library([source], flags=_FLAGS)
+    try:
+        machine_code = ca.external(name, str(path))
+    except RuntimeError as error:
+        raise NoMachineCodeError(str(error).splitlines()[-1]) from None
+    if not same_bits(function, machine_code):
+        raise OtherBitsError(name)
+    return machine_code
+
+
+def same_bits(function: ca.Function, other: ca.Function) -> bool:
+    """Whether two functions answer random arguments with the same bits."""
+    rng = np.random.default_rng(1)
+    for scale in np.geomspace(1e-3, 1e3, _PROBES):
+        arguments = [scale * rng.standard_normal(function.size_in(place)) for place in range(function.n_in())]
+        expected, got = (each.call([ca.DM(argument) for argument in arguments]) for each in (function, other))
+        for one, two in zip(expected, got, strict=True):
+            if not np.array_equal(np.array(one), np.array(two), equal_nan=True):
+                return False
+    return True

@@ -1,0 +1,193 @@
+"""What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
+
+import operator
+from dataclasses import dataclass, fields
+from itertools import pairwise
+
+from pydantic import Field, FiniteFloat, model_validator
+
+from flight.errors import FlightError
+from flight.mission.fault import SENSORS, Fault
+from flight.mission.sequence import Sequence
+from flight.mission.wind_change import WindChange
+from flight.schema import FileModel, parse_json
+from flight.se2 import SE2
+
+DEFAULT_ALTITUDE = 30.0
+
+CONTROL_RATE = 100
+"""Hz."""
+
+FADE = 5.0
+"""Seconds in which a wind fades into the next."""
+
+CONTROL_PERIOD = 1.0 / CONTROL_RATE
+
+
+class _Pose(FileModel):
+    north: FiniteFloat = 0.0
+    east: FiniteFloat = 0.0
+    heading: FiniteFloat = 0.0
+
+
+class NoSensorsError(FlightError):
+    """A sensor was to fail in a flight that has none."""
+
+    def __init__(self, fault: str) -> None:
+        super().__init__(f"fault {fault!r} needs sensors; with ideal ones the vehicle believes the truth")
+
+
+class WindOrderError(FlightError):
+    """The wind was to change again before the last change was over."""
+
+    def __init__(self, times: list[float]) -> None:
+        super().__init__(
+            f"the wind must change {FADE:g} s apart or more, in order, got {', '.join(map(str, times))} s"
+        )
+
+
+@dataclass(frozen=True, slots=True)
+class Departure:
+    """How a flight departs from the plain one; fields as in `FlightSpecification`."""
+
+    ideal_navigation: bool = False
+    adaptive: bool = True
+    faults: tuple[Fault, ...] = ()
+    supervised: bool = False
+    wind_changes: tuple[WindChange, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuses sensors that fail where there are none, and winds that come before the last has come."""
+        failing = [fault.words for fault in self.faults if fault.where in SENSORS]
+        if self.ideal_navigation and failing:
+            raise NoSensorsError(failing[0])
+        times = [change.time for change in self.wind_changes]
+        if any(later < before + FADE for before, later in pairwise(times)):
+            raise WindOrderError(times)
+
+
+PLAIN = Departure()
+SUPERVISED = Departure(supervised=True)
+
+
+class FlightSpecification(FileModel):
+    """One flight of the simulated helicopter.
+
+    Attributes:
+        kind: `sequence`, `campaign` or `mission`.
+        name: of the flight; the name of its log too.
+        seed: of every random number of the flight.
+        wind: wind class; `calm` switches wind and turbulence off.
+        wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
+            to within the heading error of settling; drawn from the seed where None.
+        adaptive: whether the controller's adaptive element learns.
+        altitude: above ground, m.
+        ideal_navigation: whether the vehicle believes the truth, at once.
+        faults: what goes wrong, with times from time 0.
+        wind_changes: other wind classes that come, in the order of their times.
+        supervised: whether the vehicle watches itself, and breaks off what it does at its first alarm.
+        start: true pose at time 0.
+        start_trim: id of the trim held at time 0, and for the settling time before it.
+        settling_time: s.
+        step: plant step, s; the control period is a whole number of it.
+        trims: ids of the trims of a sequence; empty where something else decides.
+        coasting_times: s, one for each of `trims`.
+    """
+
+    kind: str = "sequence"
+    name: str = "flight"
+    seed: int = Field(ge=0)
+    wind: str = "calm"
+    wind_from: FiniteFloat | None = None
+    adaptive: bool = True
+    altitude: FiniteFloat = Field(default=DEFAULT_ALTITUDE, gt=0.0)
+    ideal_navigation: bool = False
+    faults: tuple[Fault, ...] = ()
+    supervised: bool = Field(default=False, exclude_if=operator.not_)
+    wind_changes: tuple[WindChange, ...] = Field(default=(), exclude_if=operator.not_)
+    start: _Pose = _Pose()
+    start_trim: int
+    settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
+    step: FiniteFloat = Field(default=0.005, gt=0.0)
+    trims: tuple[int, ...] = ()
+    coasting_times: tuple[FiniteFloat, ...] = ()
+
+    @model_validator(mode="after")
+    def _whole_steps(self) -> "FlightSpecification":
+        steps = CONTROL_PERIOD / self.step
+        if round(steps) < 1 or abs(steps - round(steps)) > 1e-9:
+            raise ValueError(f"step must divide {CONTROL_PERIOD} s, got {self.step} s")
+        return self
+
+    @model_validator(mode="after")
+    def _possible_departure(self) -> "FlightSpecification":
+        try:
+            _ = self.departure
+        except (NoSensorsError, WindOrderError) as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    @property
+    def departure(self) -> Departure:
+        """How the flight departs from the plain one."""
+        return Departure(**{field.name: getattr(self, field.name) for field in fields(Departure)})
+
+    @property
+    def start_pose(self) -> SE2:
+        """True pose at time 0."""
+        return SE2(self.start.north, self.start.east, self.start.heading)
+
+    @property
+    def sequence(self) -> Sequence:
+        """What is flown.
+
+        Raises:
+            ValueError: the flight follows no sequence.
+        """
+        return Sequence(self.name, self.start_pose, self.trims, self.coasting_times, self.wind)
+
+    def depart(self, departure: Departure) -> "FlightSpecification":
+        """Returns the same flight, departing from the plain one."""
+        changed = {field.name: getattr(departure, field.name) for field in fields(departure)}
+        return self.model_copy(update=changed)
+
+    def to_json(self) -> bytes:
+        """Returns the specification as JSON; every number comes back exactly."""
+        return self.model_dump_json(indent=1).encode()
+
+
+def specify_sequence(
+    sequence: Sequence,
+    *,
+    seed: int,
+    kind: str = "sequence",
+    altitude: float = DEFAULT_ALTITUDE,
+    ideal_navigation: bool = False,
+) -> FlightSpecification:
+    """Returns the flight that follows a sequence."""
+    return FlightSpecification(
+        kind=kind,
+        name=sequence.name,
+        seed=seed,
+        wind=sequence.wind,
+        altitude=altitude,
+        ideal_navigation=ideal_navigation,
+        start=pose(sequence.start),
+        start_trim=sequence.trims[0],
+        trims=sequence.trims,
+        coasting_times=sequence.coasting_times,
+    )
+
+
+def pose(start: SE2) -> _Pose:
+    """Returns a pose in the form that a specification holds."""
+    return _Pose(north=start.x, east=start.y, heading=start.heading)
+
+
+def parse_specification(text: bytes, source: str) -> FlightSpecification:
+    """Reads a specification back.
+
+    Raises:
+        BadFileError: names the source and the first place in it that is wrong.
+    """
+    return parse_json(text, source, FlightSpecification, lambda specification: specification)

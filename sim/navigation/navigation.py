@@ -1,0 +1,223 @@
+"""What the vehicle believes: an error-state Kalman filter on the readings of its sensors.
+
+The equations are those of `filter_equations`; here they are bound to arrays and fed, period by period.
+"""
+
+from functools import cache
+from math import cos, radians, sin
+from typing import Protocol
+
+import casadi as ca
+import numpy as np
+from jaxtyping import Float
+
+from flight.se2 import SE2
+from sim.loop.backend import Backend
+from sim.loop.bound_function import BoundFunction, Recursion, view
+from sim.loop.delay_line import DelayLine
+from sim.loop.motion import Motion
+from sim.loop.signals import Signals
+
+from . import filter as equations
+from .filter import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
+from .sensor_errors import SensorErrors
+from .sensors import Readings, Sensors
+
+# What the filter knows at its start, one sigma: position (m), velocity (m/s), roll, pitch, heading (rad).
+_FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
+# Entries of the error that are vectors of the world, by the place of their north.
+_WORLD_VECTORS = (0, 3, ESTIMATED)
+
+
+# Rows and columns of the covariance's upper half, column by column.
+_COLUMNS, _ROWS = np.tril_indices(ERRORS)
+
+
+class Navigator(Protocol):
+    """What turns the truth of the signals into their estimate, period by period."""
+
+    def run(self) -> None:
+        """Believes what is so at the end of a control period."""
+
+    def spread(self) -> tuple[float, ...] | None:
+        """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world, after which the truth is that of the signals."""
+
+
+class IdealNavigation:
+    """Believes what is so, at once.
+
+    Args:
+        signals: where it finds the truth and leaves the estimate.
+    """
+
+    def __init__(self, signals: Signals) -> None:
+        self._truth, self._estimate = view(signals.truth), view(signals.estimate)
+        self.run()
+
+    def run(self) -> None:
+        """Believes the truth."""
+        self._estimate[:] = self._truth
+
+    def spread(self) -> None:
+        """Knows of no error."""
+        return
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world."""
+        self.run()
+
+
+class Navigation:
+    """Sensors and filter: it turns true motion into an estimate, period by period.
+
+    Args:
+        truth: motion at the start.
+        step: control period in s.
+        gravity: m/s2.
+        rng: source of all its chance.
+        errors: sizes of the sensors' errors, as the filter takes them to be.
+        true_errors: as they are; as the filter takes them to be where None.
+        signals: where it finds the truth and leaves the estimate; its own where None.
+        backend: what evaluates sensors and filter.
+
+    Attributes:
+        fix_tests: innovations of the last fix in standard deviations: position and velocity, world axes.
+        slow_tests: likewise of heading and height.
+    """
+
+    def __init__(
+        self,
+        truth: Motion,
+        *,
+        step: float,
+        gravity: float,
+        rng: np.random.Generator,
+        errors: SensorErrors | None = None,
+        true_errors: SensorErrors | None = None,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        errors = errors or SensorErrors()
+        self.signals = signals = signals or Signals()
+        signals.truth[:] = signals.estimate[:] = truth
+        sensors = Sensors(
+            true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
+        )
+        self.sensors: Readings = sensors
+        """What the filter reads; others that fill the same arrays may stand between."""
+        self._state = np.zeros(STATE)
+        self._begin(truth, errors, rng)
+        self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
+        self._past = np.zeros(NOMINAL + 6)
+        *functions, measure = _functions(errors, step, gravity)
+        self.fix_tests, self.slow_tests = np.zeros(6), np.zeros(2)
+        self._predict, self._correct_fix, self._correct_slow = (
+            Recursion(
+                function,
+                (*seen, sensors.inertial, self._state),
+                (signals.estimate, *tests),
+                backend=backend,
+            )
+            for function, seen, tests in zip(
+                functions,
+                ((), (self._past, sensors.fix), (sensors.heading_and_height,)),
+                ((), (self.fix_tests,), (self.slow_tests,)),
+                strict=True,
+            )
+        )
+        self._sigmas = np.zeros(SPREAD)
+        self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
+
+    def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
+        """Draws a first estimate."""
+        sigmas = np.array([*_FIRST, *(wander.sigma for wander in errors.wanders)])
+        exact = np.array(equations.first_nominal()(ca.DM(list(truth)))).ravel()
+        error = np.concatenate([np.array(_FIRST) * rng.standard_normal(9), np.zeros(6)])
+        self._state[:NOMINAL] = np.array(equations.injection()(exact, error)).ravel()
+        self._covariance = np.diag(sigmas**2)
+        self._state[-1] = truth.heading
+
+    @property
+    def _covariance(self) -> Float[np.ndarray, "19 19"]:
+        upper = np.zeros((ERRORS, ERRORS))
+        upper[_ROWS, _COLUMNS] = self._state[NOMINAL:-1]
+        return np.asarray(upper + np.triu(upper, 1).T)
+
+    @_covariance.setter
+    def _covariance(self, covariance: Float[np.ndarray, "19 19"]) -> None:
+        self._state[NOMINAL:-1] = covariance[_ROWS, _COLUMNS]
+
+    def run(self) -> None:
+        """Believes, from what the sensors read at the end of a control period."""
+        sensors = self.sensors
+        sensors.run()
+        self._predict.step()
+        self._history.push()
+        if sensors.has_fix:
+            self._past[:] = self._history.oldest
+            self._correct_fix.step()
+        if sensors.has_heading_and_height:
+            self._correct_slow.step()
+
+    def spread(self) -> tuple[float, ...]:
+        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
+        self._measure_spread.evaluate()
+        return tuple(self._sigmas.tolist())
+
+    def step(self, truth: Motion) -> Motion:
+        """Returns what is believed now."""
+        self.signals.truth[:] = truth
+        self.run()
+        return Motion._make(self.signals.estimate.tolist())
+
+    def move(self, displacement: SE2) -> None:
+        """Follows a motion of the whole world, after which the truth is that of the signals."""
+        self.sensors.move(displacement)
+        turn = np.eye(ERRORS)
+        c, s = cos(displacement.heading), sin(displacement.heading)
+        for place in _WORLD_VECTORS:
+            turn[place : place + 2, place : place + 2] = ((c, -s), (s, c))
+        self._covariance = turn @ self._covariance @ turn.T
+        for nominal in (self._state, *self._history.rows):
+            _move(nominal, displacement)
+        self._state[-1] += displacement.heading
+        estimate = self.signals.estimate
+        believed = displacement @ Motion._make(estimate.tolist()).pose
+        estimate[:2], estimate[8] = believed.position, believed.heading
+
+    def error(self, truth: Motion) -> Float[np.ndarray, "15"]:
+        """Returns the error of the estimate: position, velocity, rotation in body axes, biases."""
+        nominal = self._state[:NOMINAL]
+        difference = equations.difference()(nominal, ca.DM(list(truth)))
+        return np.concatenate([np.array(difference).ravel(), self.sensors.biases - nominal[10:]])
+
+    def normalised_error(self, truth: Motion) -> float:
+        """Returns the squared error in units of the covariance that the filter claims."""
+        error = self.error(truth)
+        covariance = self._covariance[:ESTIMATED, :ESTIMATED]
+        return float(error @ np.linalg.solve(covariance, error))
+
+
+@cache
+def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Function, ...]:
+    """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
+    age = errors.fix_latency * step
+    return (
+        equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
+        equations.correct_fix(errors.antenna, age, errors.fix_noise),
+        equations.correct_slow(errors.heading_noise, errors.height_sigma),
+        equations.spread(),
+    )
+
+
+def _move(nominal: np.ndarray, displacement: SE2) -> None:
+    """Moves position, velocity and attitude with the world."""
+    pose = displacement @ SE2(nominal[0], nominal[1], 0.0)
+    velocity = SE2(0.0, 0.0, displacement.heading) @ SE2(nominal[3], nominal[4], 0.0)
+    nominal[:2], nominal[3:5] = (pose.x, pose.y), (velocity.x, velocity.y)
+    c, s = cos(displacement.heading / 2.0), sin(displacement.heading / 2.0)
+    w, x, y, z = nominal[6:10]
+    nominal[6:10] = (c * w - s * z, c * x - s * y, c * y + s * x, c * z + s * w)

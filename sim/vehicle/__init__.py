@@ -1,0 +1,1 @@
+"""The rotorcraft: rotor, rigid body, trim, linearisation."""

@@ -1,0 +1,281 @@
+"""The helicopter as a free body in MuJoCo, moved by the loads of `rotor`."""
+
+from collections.abc import Sequence
+from copy import copy
+from dataclasses import dataclass
+from functools import cache
+from itertools import chain
+from math import cos, isfinite, sin
+
+import casadi as ca
+import mujoco
+import numpy as np
+
+import models
+from flight.errors import FlightLostError
+from flight.se2 import SE2
+from sim.loop.backend import Backend
+from sim.loop.bound_function import Recursion
+from sim.loop.motion import Controls, Motion, Wind
+from sim.loop.signals import Signals
+
+from .equilibrium import Equilibrium
+from .parameters import Parameters
+from .plant import REMEMBERED, delay_steps, observation_function, plant_function
+from .rotor_step import Drives, sound_drives
+
+DEFAULT_STEP = 0.005
+# The skids reach this far below the centre of mass, in m.
+_GROUND_HEIGHT = 0.65
+_BODY = 1
+# MuJoCo's warnings of numbers that are not finite or too large.
+_DIVERGED = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class HelicopterState:
+    """All that the helicopter's future depends on, bar wind and commands.
+
+    Attributes:
+        position: north, east, down in m.
+        quaternion: body to world, scalar first.
+        velocity: north, east, down in m/s.
+        rates: body rates in rad/s.
+        rotor_state: as in `rotor.RotorState`.
+        heading: rad, not wrapped.
+        pending: servo commands on their way, one for each plant step of the transport delay.
+    """
+
+    position: tuple[float, ...]
+    quaternion: tuple[float, ...]
+    velocity: tuple[float, ...]
+    rates: tuple[float, ...]
+    rotor_state: tuple[float, ...]
+    heading: float
+    pending: tuple[tuple[float, ...], ...]
+
+
+class Helicopter:
+    """One helicopter in flight.
+
+    Args:
+        parameters: the vehicle; its mass and inertia overrule the shape file's.
+        step: plant step in s.
+        signals: where it finds controls and wind, and leaves truth and servos; its own where None.
+        backend: what evaluates the loads.
+    """
+
+    def __init__(
+        self,
+        parameters: Parameters,
+        *,
+        step: float = DEFAULT_STEP,
+        signals: Signals | None = None,
+        backend: Backend = Backend.INTERPRETED,
+    ) -> None:
+        self.step_length = step
+        self.signals = signals = signals or Signals()
+        self._model = _shared_model(parameters, step)
+        self._data = data = mujoco.MjData(self._model)
+        self._height, self._velocity = memoryview(data.qpos)[2:3], memoryview(data.qvel)
+        self._warnings = memoryview(data.warning.number)[_DIVERGED]
+        self._steps = 0
+        self._delay = delay_steps(parameters, step)
+        # The rotor state, then the commands on their way to the servos.
+        self._memory = np.zeros(REMEMBERED + 4 * self._delay)
+        self._heading = np.zeros(1)
+        self.lacking = np.zeros(4)
+        """How much faster sound servos would have moved in the last plant step, rad/s; 0 where all are."""
+        self._sound, self._backend = parameters, backend
+        self._plant = self._bind(plant_function(parameters, step), backend)
+        self._observe = Recursion(
+            observation_function(),
+            (data.qpos, data.qvel, self._heading),
+            (signals.truth,),
+            backend=backend,
+        )
+
+    def _bind(self, plant: ca.Function, backend: Backend, *results: np.ndarray) -> Recursion:
+        data, signals = self._data, self.signals
+        return Recursion(
+            plant,
+            (data.qpos, data.qvel, signals.controls, signals.wind, self._memory),
+            (data.xfrc_applied[_BODY], signals.servos, *results),
+            backend=backend,
+        )
+
+    def refit(self, parameters: Parameters, drives: Drives) -> None:
+        """Goes on from the same state as another vehicle with other servos; the transport delay stays."""
+        sound = parameters == self._sound and drives == sound_drives(parameters.servos)
+        self.lacking[:] = 0.0
+        self._plant = (
+            self._bind(plant_function(parameters, self.step_length), self._backend)
+            if sound
+            # The bits are those of machine code, without the seconds that a compiler takes.
+            else self._bind(
+                plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
+            )
+        )
+        # Other flights share the model.
+        self._model = copy(self._model)
+        self._model.body_mass[_BODY] = parameters.body.mass
+        # Derived constants, computed in a place of its own, because it moves the state.
+        mujoco.mj_setConst(self._model, mujoco.MjData(self._model))
+
+    @property
+    def time(self) -> float:
+        """Seconds flown since the helicopter was placed."""
+        return self._steps * self.step_length
+
+    def place(self, equilibrium: Equilibrium, *, altitude: float, heading: float) -> None:
+        """Puts the helicopter in steady flight above the origin."""
+        half_roll, half_pitch, half_yaw = equilibrium.roll / 2, equilibrium.pitch / 2, heading / 2
+        turn = equilibrium.velocity.yaw_rate
+        forward, side = equilibrium.velocity.forward, equilibrium.velocity.side
+        self.restore(
+            HelicopterState(
+                position=(0.0, 0.0, -altitude),
+                quaternion=_multiply(
+                    _multiply(
+                        (cos(half_yaw), 0.0, 0.0, sin(half_yaw)), (cos(half_pitch), 0.0, sin(half_pitch), 0.0)
+                    ),
+                    (cos(half_roll), sin(half_roll), 0.0, 0.0),
+                ),
+                velocity=(
+                    cos(heading) * forward - sin(heading) * side,
+                    sin(heading) * forward + cos(heading) * side,
+                    0.0,
+                ),
+                rates=(
+                    -turn * sin(equilibrium.pitch),
+                    turn * sin(equilibrium.roll) * cos(equilibrium.pitch),
+                    turn * cos(equilibrium.roll) * cos(equilibrium.pitch),
+                ),
+                rotor_state=equilibrium.rotor_state,
+                heading=heading,
+                pending=(equilibrium.controls,) * self._delay,
+            )
+        )
+
+    def restore(self, state: HelicopterState) -> None:
+        """Puts the helicopter into a state and starts its clock again."""
+        mujoco.mj_resetData(self._model, self._data)
+        self._data.qpos[:3] = _flip(state.position)
+        self._data.qpos[3:] = (state.quaternion[0], *_flip(state.quaternion[1:]))
+        self._data.qvel[:3] = _flip(state.velocity)
+        self._data.qvel[3:] = _flip(state.rates)
+        self._memory[:] = (*state.rotor_state, *chain(*state.pending))
+        self._heading[0] = state.heading
+        self._steps = 0
+        self.signals.servos[:] = state.rotor_state[:4]
+        self._observe.step()
+
+    def state(self) -> HelicopterState:
+        """Returns the state, to be restored later."""
+        position, velocity = self._data.qpos.tolist(), self._data.qvel.tolist()
+        pending = self._memory[REMEMBERED:].reshape(-1, 4).tolist()
+        return HelicopterState(
+            position=_flip(position[:3]),
+            quaternion=(position[3], *_flip(position[4:])),
+            velocity=_flip(velocity[:3]),
+            rates=_flip(velocity[3:]),
+            rotor_state=tuple(self._memory[:REMEMBERED].tolist()),
+            heading=float(self._heading[0]),
+            pending=tuple(tuple(command) for command in pending),
+        )
+
+    def run(self, steps: int) -> None:
+        """Flies a number of plant steps with the controls and the wind of the signals held.
+
+        Raises:
+            FlightLostError: the motion diverged or met the ground.
+        """
+        model, data, height, velocity = self._model, self._data, self._height, self._velocity
+        plant, mj_step, why = self._plant.step, mujoco.mj_step, ""
+        for _ in range(steps):
+            plant()
+            mj_step(model, data)
+            self._steps += 1
+            # MuJoCo warns, and would start again, where these are not finite.
+            if not isfinite(height[0] + velocity[0] + velocity[3]):
+                why = "the motion diverged"
+                break
+            if height[0] < _GROUND_HEIGHT:
+                why = "the helicopter met the ground"
+                break
+        self._observe.step()
+        if why or any(self._warnings):
+            raise FlightLostError(self.time, why or "the motion diverged")
+
+    def advance(self, controls: Controls, wind: Wind, *, steps: int) -> None:
+        """Flies a number of plant steps with servo commands and wind held.
+
+        Raises:
+            FlightLostError: the motion diverged or met the ground.
+        """
+        self.signals.controls[:], self.signals.wind[:] = controls, wind
+        self.run(steps)
+
+    def servo_positions(self) -> Controls:
+        """Returns where the servos are."""
+        return Controls._make(self.signals.servos.tolist())
+
+    def motion(self) -> Motion:
+        """Returns the true motion."""
+        return Motion._make(self.signals.truth.tolist())
+
+
+def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
+    """Returns the state after the whole world is moved: `pose_after = displacement @ pose_before`."""
+    turn, half = displacement.heading, displacement.heading / 2
+    moved = displacement @ SE2(state.position[0], state.position[1], 0.0)
+    velocity = SE2(0.0, 0.0, turn) @ SE2(state.velocity[0], state.velocity[1], 0.0)
+    return HelicopterState(
+        position=(moved.x, moved.y, state.position[2]),
+        quaternion=_multiply((cos(half), 0.0, 0.0, sin(half)), state.quaternion),
+        velocity=(velocity.x, velocity.y, state.velocity[2]),
+        rates=state.rates,
+        rotor_state=state.rotor_state,
+        heading=state.heading + turn,
+        pending=state.pending,
+    )
+
+
+def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns the shape with the parameters' mass, inertia and gravity; step in s."""
+    spec = mujoco.MjSpec.from_file(str(models.FOLDER / "gtmax.xml"))
+    body, numbers = spec.body("helicopter"), parameters.body
+    body.mass = numbers.mass
+    # Half a turn about the first axis changes the sign of the product of inertia.
+    body.fullinertia = [
+        numbers.inertia_xx,
+        numbers.inertia_yy,
+        numbers.inertia_zz,
+        0.0,
+        numbers.inertia_xz,
+        0.0,
+    ]
+    spec.option.timestep = step
+    spec.option.gravity = [0.0, 0.0, -parameters.environment.gravity]
+    return spec.compile()
+
+
+@cache
+def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
+    """Returns a model that all helicopters of a kind fly by; flying does not change it."""
+    return load_model(parameters, step)
+
+
+def _flip(vector: Sequence[float]) -> tuple[float, float, float]:
+    """Leads from MuJoCo's axes to the project's, or back."""
+    return (float(vector[0]), -float(vector[1]), -float(vector[2]))
+
+
+def _multiply(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float, float]:
+    """Returns the quaternion that rotates by b first, then by a."""
+    return (
+        a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+        a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+        a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+        a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+    )

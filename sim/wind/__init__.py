@@ -1,0 +1,1 @@
+"""Wind classes, turbulence and gusts."""

@@ -1,0 +1,168 @@
+"""Dryden turbulence of MIL-F-8785C at low altitude, discretised exactly, as one CasADi function.
+
+The spectra are those of the standard with the airspeed of the moment; a floor stands in for hover, where a
+frozen field would never pass. The exact step holds for any airspeed and any step, so the airspeed may change
+at every one.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+from math import pi, sqrt
+from typing import NamedTuple
+
+import casadi as ca
+import numpy as np
+from jaxtyping import Float
+
+from flight.units import FOOT
+from sim.loop.motion import Seen
+
+# Below this the frozen field is no model of what a hovering rotor meets; in m/s.
+AIRSPEED_FLOOR = 4.0
+# Range of heights that the low-altitude model states, in m.
+_LOWEST, _HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
+# What a lateral gust is of the two numbers that it remembers.
+_READOUT = (sqrt(3.0), 1.0 - sqrt(3.0))
+
+
+@dataclass(frozen=True, slots=True)
+class Dryden:
+    """The standard's turbulence at one height: intensities in m/s, length scales in m (MIL-F-8785C, 3.7.3.4).
+
+    Attributes:
+        sigma_horizontal: standard deviation of the gusts along x and y.
+        sigma_vertical: standard deviation of the gusts along z.
+        length_horizontal: of the gusts along x and y.
+        length_vertical: of the gusts along z.
+        span: the vehicle's breadth, of which gust rates are made, m.
+    """
+
+    sigma_horizontal: float
+    sigma_vertical: float
+    length_horizontal: float
+    length_vertical: float
+    span: float
+
+    @property
+    def sigma_roll_rate(self) -> float:
+        """Standard deviation of the gust roll rate in rad/s; the integral of the standard's spectrum."""
+        shape = 0.8 * pi**2 / (8.0 * self.span) * (pi / (4.0 * self.span)) ** (1.0 / 3.0)
+        return float(self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0))
+
+
+def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
+    """Returns the low-altitude model of MIL-F-8785C.
+
+    Args:
+        wind_at_20_ft: m/s.
+        height: above ground, m; held to 10 to 1000 ft.
+        span: breadth of the vehicle, m.
+    """
+    height_ft = max(_LOWEST, min(_HIGHEST, height)) / FOOT
+    factor = 0.177 + 0.000823 * height_ft
+    sigma_vertical = 0.1 * wind_at_20_ft
+    return Dryden(
+        sigma_horizontal=sigma_vertical / factor**0.4,
+        sigma_vertical=sigma_vertical,
+        length_horizontal=height_ft / factor**1.2 * FOOT,
+        length_vertical=height_ft * FOOT,
+        span=span,
+    )
+
+
+def step_longitudinal(value: ca.SX, *, ratio: ca.SX, noise: ca.SX) -> ca.SX:
+    """Moves a unit gust with the spectrum of the standard's u on by `ratio` time constants."""
+    keep = ca.exp(-ratio)
+    return keep * value + ca.sqrt(1.0 - keep * keep) * noise
+
+
+class LateralGust(NamedTuple):
+    """Unit gust with the spectrum of the standard's v and w: the two numbers that it remembers."""
+
+    x0: ca.SX
+    x1: ca.SX
+
+    @property
+    def value(self) -> ca.SX:
+        """The gust now, in units of its standard deviation."""
+        return _READOUT[0] * self.x0 + _READOUT[1] * self.x1
+
+    def step(self, *, ratio: ca.SX, noise: tuple[ca.SX, ca.SX]) -> "LateralGust":
+        """Returns the gust `ratio` time constants later."""
+        e = ca.exp(-ratio)
+        e2 = e * e
+        q00 = 0.5 * (1.0 - e2)
+        q01 = 0.25 * (1.0 - e2 * (1.0 + 2.0 * ratio))
+        q11 = 0.25 * (1.0 - e2 * (1.0 + 2.0 * ratio + 2.0 * ratio * ratio))
+        l00 = ca.sqrt(q00)
+        l10 = q01 / l00
+        l11 = ca.sqrt(ca.fmax(0.0, q11 - l10 * l10))
+        return LateralGust(
+            e * self.x0 + l00 * noise[0],
+            e * self.x1 + ratio * e * self.x0 + l10 * noise[0] + l11 * noise[1],
+        )
+
+
+class Turbulence(NamedTuple):
+    """What the air remembers: unit gusts, and v and w smoothed over the span, in m/s.
+
+    The smoothed ones begin without slope; they remember for a second, which the settling time before a flight
+    covers.
+    """
+
+    u: ca.SX
+    v0: ca.SX
+    v1: ca.SX
+    w0: ca.SX
+    w1: ca.SX
+    p: ca.SX
+    v_smooth: ca.SX
+    w_smooth: ca.SX
+
+
+def draw_turbulence(model: Dryden, noise: Sequence[float]) -> Float[np.ndarray, "8"]:
+    """Returns turbulence that has always blown, laid out as `Turbulence`, of 6 standard normal numbers."""
+    gusts = []
+    for first, second in (noise[1:3], noise[3:5]):
+        # The stationary law of a lateral gust: variances 1/2 and 1/4, covariance 1/4.
+        x0 = sqrt(0.5) * first
+        gusts.append((x0, 0.5 * x0 + sqrt(0.125) * second))
+    v, w = (_READOUT[0] * x0 + _READOUT[1] * x1 for x0, x1 in gusts)
+    smooth = (model.sigma_horizontal * v, model.sigma_vertical * w)
+    return np.array([noise[0], *gusts[0], *gusts[1], noise[5], *smooth])
+
+
+@cache
+def wind_function(model: Dryden, step: float) -> ca.Function:
+    """Builds one period of the air.
+
+    Returns:
+        (motion, noise, mean, memory) -> (wind, memory): the motion of the vehicle, 6 standard normal numbers,
+        the mean wind north and east with the cosine and sine of where it comes from, `Turbulence`.
+    """
+    motion, noise = ca.SX.sym("motion", len(Seen._fields)), ca.SX.sym("noise", 6)
+    mean, memory = ca.SX.sym("mean", 4), ca.SX.sym("memory", len(Turbulence._fields))
+    vehicle, before = Seen._make(ca.vertsplit(motion)), Turbulence._make(ca.vertsplit(memory))
+    ahead, aside = ca.cos(vehicle.heading), ca.sin(vehicle.heading)
+    north = ahead * vehicle.forward - aside * vehicle.side - mean[0]
+    east = aside * vehicle.forward + ahead * vehicle.side - mean[1]
+    travelled = ca.fmax(AIRSPEED_FLOOR, ca.sqrt(north**2 + east**2)) * step
+    along, down = travelled / model.length_horizontal, travelled / model.length_vertical
+    n = ca.vertsplit(noise)
+    unit_u = step_longitudinal(before.u, ratio=along, noise=n[0])
+    unit_v = LateralGust(before.v0, before.v1).step(ratio=along, noise=(n[1], n[2]))
+    unit_w = LateralGust(before.w0, before.w1).step(ratio=down, noise=(n[3], n[4]))
+    u, v = model.sigma_horizontal * unit_u, model.sigma_horizontal * unit_v.value
+    w = model.sigma_vertical * unit_w.value
+    # Smoothing lengths of the standard: 4 b / pi for roll and pitch, 3 b / pi for yaw.
+    long, short = 4.0 * model.span / pi, 3.0 * model.span / pi
+    unit_p = step_longitudinal(before.p, ratio=travelled / long, noise=n[5])
+    # The standard's pitch and yaw gust: the slope along x of a gust, smoothed over the span.
+    w_smooth = w + (before.w_smooth - w) * ca.exp(-travelled / long)
+    v_smooth = v + (before.v_smooth - v) * ca.exp(-travelled / short)
+    p, q, r = model.sigma_roll_rate * unit_p, (w - w_smooth) / long, -(v - v_smooth) / short
+    c, s = mean[2], mean[3]
+    wind = ca.vertcat(mean[0] + c * u - s * v, mean[1] + s * u + c * v, w, c * p - s * q, s * p + c * q, r)
+    after = Turbulence(unit_u, *unit_v, *unit_w, unit_p, v_smooth, w_smooth)
+    return ca.Function("blow", [motion, noise, mean, memory], [wind, ca.vertcat(*after)])

@@ -1,0 +1,160 @@
+"""Growing a library: the interpolation's laws, and grown primitives beside the vehicle that they are of."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from jaxtyping import Float
+from scipy.interpolate import RBFInterpolator
+
+from flight.automaton.library import Library
+from flight.automaton.library_file import library_text, parse_library
+from flight.units import FOOT
+from identification.data_sheet import claim_said, data_sheet
+from identification.design.trend_automaton import turns_automaton
+from identification.interpolation.interpolate import CannotGrowError, Growth, grow
+from identification.interpolation.interpolated_maneuvers import GROWN
+from identification.interpolation.spline import Spline
+from identification.trends import trends
+from tests.support.synthetic_growth import TRUTH, flown_library, scatter, true_step
+
+Table = Float[np.ndarray, "n k"]
+Column = Float[np.ndarray, "n"]
+
+
+@pytest.fixture(scope="module")
+def grown() -> Growth:
+    return grow(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown")
+
+
+def held(library: Library) -> float:
+    """Returns the share of grown maneuvers whose true values, with true scatter, are inside the bounds."""
+    inside = []
+    for row in library.maneuvers:
+        if row.notes != GROWN:
+            continue
+        edge = true_step(library, row)
+        truth = TRUTH.maneuver(edge)
+        spread = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
+        own = (row.duration, row.displacement.x, row.displacement.y, row.displacement.heading)
+        error = (row.error.duration, row.error.forward, row.error.side, row.error.heading_change)
+        inside.append((np.abs(np.subtract(own, truth)) + spread <= np.abs(error)).all())
+    return float(np.mean(inside))
+
+
+def test_a_grown_library_has_many_trims_and_maneuvers(grown: Growth) -> None:
+    assert len(grown.library.trims) >= 70
+    assert len(grown.library.maneuvers) >= 500
+
+
+def test_grown_bounds_hold_the_true_vehicle(grown: Growth) -> None:
+    assert held(grown.library) >= 0.95
+
+
+def test_bounds_grown_from_shrunken_ones_do_not(grown: Growth) -> None:
+    """The negative control."""
+    small = grow(flown_library(shrunken=0.5), speed_step=4 * FOOT, yaw_rate_step=0.1, name="small")
+    assert held(small.library) < 0.5
+
+
+def test_flown_maneuvers_and_what_is_known_of_flown_trims_stay_as_they_are(grown: Growth) -> None:
+    flown = flown_library()
+    for trim, own in zip(grown.library.trims, flown.trims, strict=False):
+        assert replace(trim, error=own.error, interpolated=None) == own
+    assert grown.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
+
+
+def test_a_flown_trim_that_grown_maneuvers_lead_to_is_widened_and_claims_what_grown_ones_do(
+    grown: Growth,
+) -> None:
+    entered = {row.to_trim for row in grown.library.maneuvers if row.interpolated}
+    for trim, own in zip(grown.library.trims, flown_library().trims, strict=False):
+        assert trim.id in entered
+        assert trim.interpolated == grown.trim_claim
+        for name in ("forward", "side", "yaw_rate"):
+            assert abs(getattr(trim.error, name)) >= abs(getattr(own.error, name))
+
+
+def test_grown_primitives_have_no_statistics_and_the_claim_of_their_kind(grown: Growth) -> None:
+    new = [row for row in grown.library.maneuvers if row.notes == GROWN]
+    assert len(new) == grown.maneuvers > 0
+    assert all(row.statistics is None and row.interpolated == grown.maneuver_claim for row in new)
+    assert (grown.maneuver_claim.left_out, grown.maneuver_claim.exceeding) == (262, 7)
+    assert grown.maneuver_claim.coverage >= 0.95
+    assert grown.maneuver_claim.flights == 12
+
+
+def test_what_a_grown_library_claims_survives_its_file_and_stands_on_its_sheet(grown: Growth) -> None:
+    assert parse_library(library_text(grown.library), "text") == grown.library
+    sheet = data_sheet(grown.library)
+    for claim in (grown.trim_claim, grown.maneuver_claim):
+        assert claim_said(claim) in sheet
+
+
+def test_a_grown_library_does_not_grow_again(grown: Growth) -> None:
+    with pytest.raises(CannotGrowError, match="grown is grown already"):
+        grow(grown.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
+
+
+def test_no_grown_trim_is_outside_the_flown_range(grown: Growth) -> None:
+    flown = flown_library().trims
+    for trim in grown.library.trims:
+        assert trim.velocity.forward <= max(one.velocity.forward for one in flown)
+        nearest = min(
+            abs(trim.velocity.forward - one.velocity.forward) / (8 * FOOT)
+            + abs(trim.velocity.yaw_rate - one.velocity.yaw_rate) / 0.2
+            for one in flown
+        )
+        assert nearest <= 1.1
+
+
+def test_a_library_without_evidence_does_not_grow() -> None:
+    with pytest.raises(CannotGrowError, match="statistics of at least 8 trims"):
+        grow(turns_automaton(wind="calm", altitude=30.0), speed_step=1.0, yaw_rate_step=0.1, name="none")
+
+
+def left_out(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
+    """Returns value less prediction at rows, from a spline that never saw them; by scipy."""
+    rest = [place for place in range(len(points)) if place not in rows]
+    without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smoothing)
+    return np.asarray(values[rows] - without(points[rows]))
+
+
+@given(st.integers(0, 2**32 - 1), st.integers(1, 4))
+@settings(max_examples=20, deadline=None)
+def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimensions: int) -> None:
+    rng = np.random.default_rng(seed)
+    points, values = rng.uniform(-1, 1, (25, dimensions)), rng.standard_normal(25)
+    spline = Spline.fit(points, values)
+    at = rng.uniform(-1, 1, (7, dimensions))
+    smooth = spline.smoothing
+    again = RBFInterpolator(points, values, kernel="linear", degree=1, smoothing=smooth)
+    assert spline.at(at) == pytest.approx(again(at), abs=1e-8)
+    assert spline.left_out[3] == pytest.approx(left_out(points, values, [3], smooth)[0], abs=1e-8)
+    groups = [sorted({place, (place + 1) % 25, (7 * place) % 25}) for place in range(25)]
+    spline = Spline.fit(points, values, together=groups)
+    errors = left_out(points, values, groups[4], spline.smoothing)
+    assert spline.left_out[4] == pytest.approx(errors[groups[4].index(4)], abs=1e-8)
+
+
+def test_trends_are_read_off_the_primitives_flown() -> None:
+    library = flown_library()
+    seen = trends(library, speed_step=8 * FOOT, rate_step=0.1)
+    assert [round(row.speed / FOOT) for row in seen.speed_errors] == [0, 8, 16, 24]
+    assert seen.speed_errors[0].percent is None
+    assert len(seen.speed_steps) == 6
+    assert len(seen.turn_steps) == 24
+    for row in seen.speed_steps:
+        assert row.percent == pytest.approx(100 * row.error / row.displacement)
+
+
+def test_a_spline_needs_points_that_span_without_those_left_out_together() -> None:
+    along = np.column_stack([np.arange(8.0), np.zeros(8)])
+    points = np.vstack([along, [[1.0, 2.0], [3.0, 1.0]]])
+    groups = [[place] for place in range(8)] + [[8, 9], [8, 9]]
+    values = np.sin(points).sum(axis=1)
+    assert len(Spline.fit(points, values).left_out) == 10
+    with pytest.raises(ValueError, match="span all their coordinates"):
+        Spline.fit(points, values, together=groups)

@@ -1,0 +1,66 @@
+"""`maneuver verify`: every figure beside its bar, and bars that fail when something is broken."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from flight.se2 import Twist
+from maneuver.app import run
+from sim.checks.check import Figure
+from sim.checks.vehicle_check import check_modes, check_shape, check_vehicle
+from sim.vehicle.equilibrium import EquilibriumFinder
+from sim.vehicle.parameters import read_parameters
+
+PARAMETERS = read_parameters()
+
+
+def test_the_vehicle_holds_every_bar() -> None:
+    assert [figure for figure in check_vehicle(PARAMETERS) if not figure.holds] == []
+
+
+def test_a_corrupt_parameter_is_found() -> None:
+    """The negative control: a vehicle 1 % heavier than its shape, and one with a limp hub."""
+    heavy = replace(PARAMETERS, body=replace(PARAMETERS.body, mass=1.01 * PARAMETERS.body.mass))
+    assert [figure.name for figure in check_shape(heavy) if not figure.holds] == ["mass, off by"]
+    limp = replace(PARAMETERS, main_rotor=replace(PARAMETERS.main_rotor, hub_spring=0.01))
+    missed = {figure.name for figure in check_modes(limp) if not figure.holds}
+    assert {"roll, frequency", "pitch, damping"} <= missed
+
+
+def test_a_figure_without_a_number_never_holds() -> None:
+    assert not Figure("trim", "residual", float("nan"), "-", high=1.0).holds
+    assert Figure("trim", "slow mode", 0.3, "1/s").holds
+
+
+def test_the_command_says_each_figure_with_its_bar(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(("verify", "--topics", "modes", "trim", "--json")) == 0
+    figures = json.loads(capsys.readouterr().out)["figures"]
+    assert {figure["topic"] for figure in figures} == {"modes", "trim"}
+    assert all(figure["holds"] for figure in figures)
+    assert run(("verify", "--topics", "modes")) == 0
+    assert "0 missed their bar" in capsys.readouterr().out
+
+
+def test_the_ground_carries_a_part_of_the_rotor() -> None:
+    hover = Twist(0.0, 0.0, 0.0)
+    powers = [EquilibriumFinder(PARAMETERS, height=z).find(hover).power for z in (1.0, 2.0, 4.0, 30.0)]
+    assert powers == sorted(powers)
+    # With speed the ground's image is left behind.
+    fast = Twist(10.0, 0.0, 0.0)
+    near, free = (EquilibriumFinder(PARAMETERS, height=z).find(fast).power for z in (1.0, None))
+    assert near > 0.99 * free
+
+
+def test_the_spectra_are_drawn(tmp_path: Path) -> None:
+    path = tmp_path / "spectrum.png"
+    assert run(("verify", "--topics", "wind", "--spectrum", str(path), "--json")) == 0
+    assert path.read_bytes().startswith(b"\x89PNG")
+
+
+def test_a_topic_that_is_not_there_is_refused_by_name(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(["verify", "--topics", "trim", "wnd"]) == 2
+    said = capsys.readouterr().err
+    assert "no topic wnd; there are trim, power" in said
+    assert said.count("\n") == 1

@@ -1,0 +1,1 @@
+"""Independent references: solvers that share no code with the product."""

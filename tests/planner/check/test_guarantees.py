@@ -1,0 +1,269 @@
+"""A check says what of a plan it showed, and what the plan only claims."""
+
+import json
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from experiments.mission.time_bound import broken_promise, promised_times, with_promise
+from experiments.thesis.printed_libraries import thesis_gtmax
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan, plan_text, read_plan
+from flight.se2 import SE2
+from maneuver.app import run
+from planner.check.guarantees import claims
+from planner.check.plan_check import problems
+from planner.commitment.committed import Committed
+from planner.policies.nominal import Nominal
+from planner.policies.price_of_robustness import PriceOfRobustness
+from planner.policies.worst_case import WorstCase
+from planner.proof.certify_plan import certified
+from scenarios.find import find_library, find_mission
+from tests.maneuver.test_command_line import refusal
+
+from .test_plan_check import case, proved_case
+
+Told = dict[str, Any]
+
+
+def check(
+    folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Told, *more: str
+) -> tuple[int, Told, str]:
+    """Returns the exit code of `plan check`, what it says as JSON, and what it says to people."""
+    path = folder / "plan.json"
+    path.write_text(plan_text(plan) if isinstance(plan, Plan) else json.dumps(plan))
+    capsys.readouterr()
+    code = run(["plan", "check", str(path), "--json", *more])
+    told = json.loads(capsys.readouterr().out)
+    assert run(["plan", "check", str(path), *more]) == code
+    return code, told, capsys.readouterr().out
+
+
+@cache
+def priced() -> tuple[Plan, Mission]:
+    mission = find_mission("gtmax-2")
+    return PriceOfRobustness(thesis_gtmax(), 1.05).plan(mission), mission
+
+
+def test_a_certificate_is_what_makes_a_bound_proved() -> None:
+    plan, library, mission = proved_case()
+    assert problems(plan, library, mission) == ()
+    assert any("no plan of at most 2 trims takes less than" in word for word in claims(plan).proved)
+    assert claims(plan).unproved == ()
+    for status in ("optimal", "feasible"):
+        bare = replace(plan, status=status, certificate=None, lower_bound=plan.cost - 1e-9)
+        assert problems(bare, library, mission) == ()
+        assert not any("takes less" in word for word in claims(bare).proved)
+        assert [f"no plan takes less than {plan.cost:.3f} s" in word for word in claims(bare).unproved] == [
+            True
+        ]
+
+
+def test_proved_and_claimed_are_told_apart_in_text_and_json(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, told, text = check(tmp_path, capsys, case()[0])
+    assert (code, told["passed"], told["problems"]) == (0, True, [])
+    assert [word.split(":")[0] for word in told["unproved"]] == ["optimal"]
+    assert "keeps its word\n  proved:     flown again" in text
+    assert "  not proved: optimal: no plan takes less than" in text
+
+
+def test_a_bound_of_no_time_is_no_claim() -> None:
+    there = Mission("there", SE2.identity(), 2, (0.1, 0.0), 1.0, max_trims=2)
+    plan = certified(WorstCase(thesis_gtmax(), 1.0).plan(there), thesis_gtmax(), there)
+    assert claims(replace(plan, certificate=None)).unproved == ()
+    assert "less than -" not in " ".join(claims(plan).proved)
+
+
+@pytest.mark.parametrize("alpha", [1.0, 0.5, 1.01, None])
+def test_a_price_that_the_plans_own_scenarios_exceed_fails_its_check(alpha: float | None) -> None:
+    plan, mission = priced()
+    nominal = next(scenario.cost for scenario in plan.scenarios if scenario.gamma == 0)
+    assert plan.cost > 1.02 * nominal
+    assert problems(plan, thesis_gtmax(), mission) == ()
+    (problem,) = problems(replace(plan, alpha=alpha), thesis_gtmax(), mission)
+    assert problem.startswith("alpha: ")
+
+
+def test_of_a_price_it_is_said_what_a_file_cannot_show() -> None:
+    plan, _ = priced()
+    about = [sentence.split(":")[0] for sentence in claims(plan).unproved]
+    assert about == ["alpha", "gamma"]
+    assert plan.reason.endswith("keeps to alpha, provably")
+
+
+def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
+    mission = Mission("north", SE2.identity(), 1, (20.0, 0.0), tolerance=3.0, max_trims=2)
+    plan = Committed(thesis_gtmax(), 0.1).plan(replace(mission, start_trim=3))
+    assert plan.found
+    assert any("at every gamma from -0.1 to 0.1" in sentence for sentence in claims(plan).proved)
+    still = Committed(thesis_gtmax(), 0.0).plan(replace(mission, start_trim=3))
+    assert any(sentence.endswith("at gamma 0") for sentence in claims(still).proved)
+
+
+@cache
+def promised(max_trims: int = 4) -> str:
+    library, mission = find_library("gtmax-sim"), replace(find_mission("gtmax-2"), max_trims=max_trims)
+    planner = Nominal(library)
+    plan = with_promise(
+        planner.plan(mission), mission, planner, library, promised_times("gtmax-sim", library)
+    )
+    return plan_text(plan)
+
+
+FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
+    "a time of its own": (
+        lambda plan: plan["time_promise"].update(time=5.0),
+        "time_promise.time: the loop foretells at least",
+    ),
+    "another factor": (lambda plan: plan["time_promise"].update(factor=1.0), "time_promise: nothing like it"),
+    "another wind": (
+        lambda plan: plan["time_promise"].update(wind="severe"),
+        "time_promise: nothing like it",
+    ),
+    "another policy's": (
+        lambda plan: plan["time_promise"].update(policy="worst-case", gamma=1.0),
+        "time_promise: is of worst-case plans at gamma 1",
+    ),
+    "not verified": (lambda plan: plan.update(verified=False), "verified: expected True"),
+    "no tail": (lambda plan: plan.pop("tail"), "tail: missing"),
+    "an alpha": (lambda plan: plan.update(alpha=1.2), "alpha: nominal plans have none"),
+    "another library's name": (lambda plan: plan.update(library="mine"), "library: planned with mine"),
+}
+
+
+@pytest.mark.parametrize("name", FORGERIES)
+def test_a_forged_plan_fails_its_check(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    forge, words = FORGERIES[name]
+    plan = json.loads(promised())
+    code, told, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
+    assert (code, told["problems"]) == (0, [])
+    assert any(word.startswith("time_promise: ") for word in told["unproved"])
+    forge(plan)
+    code, told, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
+    assert (code, told["passed"], told["proved"], told["unproved"]) == (1, False, [], [])
+    assert any(problem.startswith(words) for problem in told["problems"])
+
+
+def test_the_signs_of_a_plan_are_not_judged_with_another_library_or_mission(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "plan.json"
+    path.write_text(plan_text(case()[0]))
+    words = refusal(capsys, "plan", "signs", str(path), "--library", "gtmax-sim")
+    assert "library: planned with thesis-gtmax, not gtmax-sim" in words
+    words = refusal(capsys, "plan", "signs", str(path), "--mission", "gtmax-2")
+    assert "mission: answers gtmax-1, not gtmax-2" in words
+
+
+def test_a_plan_for_a_mission_of_ones_own_says_how_to_name_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "plan.json"
+    path.write_text(plan_text(replace(case()[0], mission="my-own")))
+    for verb in ("check", "signs"):
+        line = refusal(capsys, "plan", verb, str(path))
+        assert "no mission 'my-own'" in line
+        assert "give --mission MISSION.toml" in line
+
+
+def test_a_curve_of_prices_is_told_from_a_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "prices.json"
+    pareto = ["plan", "kinematic-1", "--library", "thesis-kinematic", "--pareto"]
+    assert run([*pareto, "--out", str(path)]) == 0
+    capsys.readouterr()
+    line = refusal(capsys, "plan", "check", str(path))
+    assert line.endswith("this program reads maneuver-plan/1, the file is maneuver-prices/1\n")
+
+
+def test_a_certificate_says_which_walk_is_wrong() -> None:
+    plan, library, mission = proved_case()
+    assert plan.certificate is not None
+    every = plan.certificate.refutations
+    lies = {
+        "stands there 2 times": (*every, every[0]),
+        "there is no walk (3, 99)": (*every, replace(every[0], sequence=(3, 99))),
+        f"covers {len(every) - 1} of the {len(every)} walks there are, not": every[1:],
+        "got 'xxx": (replace(every[0], tree="x" * 10_000), *every[1:]),
+    }
+    for words, refutations in lies.items():
+        lie = replace(plan, certificate=replace(plan.certificate, refutations=refutations))
+        (problem,) = problems(lie, library, mission)
+        assert words in problem
+        assert len(problem) < 250
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ("--pareto --certify", "--certify does not go with --pareto"),
+        ("--pareto --policy committed", "--policy does not go with --pareto"),
+        ("--pareto --gamma 0", "--gamma does not go with --pareto"),
+        ("--pareto --alpha 1.1", "--alpha does not go with --pareto"),
+        ("--alpha 1.1", "--alpha goes with --policy price-of-robustness, got worst-case"),
+        ("--gamma 0 --policy nominal", "--gamma goes with --policy worst-case or committed, got nominal"),
+        ("--gamma 1 --policy price-of-robustness", "--gamma goes with"),
+        ("--deadline 1 --policy price-of-robustness", "--deadline goes with"),
+        ("--certify --policy committed", "--certify goes with --policy nominal or worst-case, got committed"),
+        ("--alpha inf --policy price-of-robustness", "alpha must be >= 1"),
+        ("--max-trims 9", "--max-trims: expected at most 8, got 9"),
+    ],
+)
+def test_an_option_that_would_be_ignored_is_refused(
+    options: str, words: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert words in refusal(capsys, "plan", "gtmax-2", *options.split())
+
+
+def test_in_a_narrow_terminal_the_deciding_level_stays_on_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", "60")
+    assert run(["plan", "gtmax-2"]) == 0
+    (line,) = [line for line in capsys.readouterr().out.splitlines() if "decides" in line]
+    assert line.split()[0] == "-1"
+
+
+def test_where_there_is_no_plan_no_walk_is_called_faster() -> None:
+    plan, library, mission = proved_case()
+    nothing = replace(plan, status="unknown", sequence=(), maneuvers=(), scenarios=())
+    assert "may lead to the goal" in certified(nothing, library, mission).reason
+
+
+@pytest.mark.parametrize("max_trims", [3, 4, 6])
+def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
+    max_trims: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    code, told, _ = check(tmp_path, capsys, json.loads(promised(max_trims)))
+    assert (code, told["problems"]) == (0, [])
+
+
+@pytest.mark.parametrize(
+    ("change", "said"),
+    [({"miss": 0.1}, "miss: "), ({"policy": "nominal"}, "gamma: nominal plans are for 0")],
+)
+def test_a_plan_says_nothing_that_its_policy_does_not_say(change: dict[str, Any], said: str) -> None:
+    mission = find_mission("gtmax-2")
+    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    assert any(one.startswith(said) for one in problems(replace(plan, **change), thesis_gtmax(), mission))
+
+
+def test_a_price_is_never_called_optimal() -> None:
+    mission = find_mission("gtmax-2")
+    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    relabelled = replace(plan, policy="price-of-robustness", alpha=1.5)
+    assert any(one.startswith("status: ") for one in problems(relabelled, thesis_gtmax(), mission))
+
+
+def test_a_promise_of_other_plans_is_found_out_where_none_stands_beside_the_library(tmp_path: Path) -> None:
+    (tmp_path / "plan.json").write_text(promised())
+    plan, library = read_plan(tmp_path / "plan.json"), thesis_gtmax()
+    other = replace(plan, policy="worst-case", gamma=0.5)
+    (problem,) = broken_promise(other, find_mission("gtmax-2"), library, ())
+    assert problem.startswith("time_promise: is of nominal plans at gamma 0")
+    assert broken_promise(plan, find_mission("gtmax-2"), library, ()) == ()

@@ -1,0 +1,28 @@
+"""One campaign in several ways: the logs and the library are the same to the last bit."""
+
+from pathlib import Path
+
+from benchmarks.files.bit_identity import Ways, hash_of
+from maneuver.app import run
+
+THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
+
+
+def test_order_interruption_and_threads_do_not_show_in_logs_and_library(tmp_path: Path) -> None:
+    ways = Ways(tmp_path, flights=2)
+    plain = ways.by_command("1 worker", "--workers", "1", environment=dict.fromkeys(THREADS, "1"))
+    assert ways.shuffled() == plain
+    assert ways.resumed() == plain
+    assert ways.by_command("threads", "--workers", "1", environment=dict.fromkeys(THREADS, "4")) == plain
+    assert ways.replayed() == (0, 2)
+
+
+def test_another_seed_has_another_hash(tmp_path: Path) -> None:
+    found = []
+    for seed in ("1", "2"):
+        folder = tmp_path / seed
+        folder.mkdir()
+        words = ["fly", "--sequence", "slow-walk", "--seed", seed, "--out", str(folder / "log.mcap")]
+        assert run(words) == 0
+        found.append(hash_of(folder))
+    assert found[0] != found[1]

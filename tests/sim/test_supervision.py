@@ -1,0 +1,364 @@
+"""A vehicle that watches itself: it says when something is wrong, and is silent when nothing is."""
+
+import json
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from experiments.faults.fault_matrix import FaultCase, find_fault_matrix
+from experiments.faults.outcome import Outcome, acted, outcome
+from experiments.faults.report import outcomes, together
+from experiments.mission.fly import fly_helicopter, fly_mission
+from experiments.mission.result import MissionResult
+from experiments.mission.safe_envelope import Exit, SafeEnvelope, first_exit
+from experiments.mission.task import MissionTask
+from flight.automaton.maneuver import Maneuver
+from flight.automaton.vehicle import Leg
+from flight.errors import FlightLostError
+from flight.mission.fault import parse_fault
+from flight.se2 import SE2
+from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_of
+from flightlog.channels import ESTIMATE, TRUTH
+from flightlog.decision import DecisionKind
+from flightlog.events import events_of_flight
+from flightlog.file.reader import read_log
+from flightlog.file.writer import publish_log
+from flightlog.log import FlightLog
+from flightlog.topic import Series
+from maneuver.app import run
+from planner.closed_loop.automaton_vehicle import AutomatonVehicle
+from planner.closed_loop.receding_horizon import fly
+from planner.closed_loop.settings import Settings
+from planner.policies.nominal import Nominal
+from scenarios.find import find_library, find_mission
+from sim.loop.specification import Departure, FlightSpecification
+from sim.simulated_helicopter import SimulatedHelicopter
+from sim.supervisor import LIMITS
+from tests.experiments.test_scorecard import result
+
+LIBRARY = find_library("gtmax-sim")
+
+
+def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightLog:
+    """Flies 4 s of slow flight, the change to fast flight, and 3 s of that."""
+    departure = Departure(faults=tuple(map(parse_fault, words)), supervised=supervised)
+    helicopter = SimulatedHelicopter(
+        FlightSpecification(seed=8, start_trim=2, wind=wind).depart(departure), LIBRARY
+    )
+    with suppress(FlightLostError):
+        helicopter.coast(4.0)
+        helicopter.perform(LIBRARY.maneuver(2, 3))
+        helicopter.coast(3.0)
+    return helicopter.log()
+
+
+def alarms(log: FlightLog) -> tuple[Alarm, ...]:
+    return alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+
+
+@pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
+def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
+    said = {alarm.kind for alarm in alarms(flight(wind=wind))}
+    assert said <= (ADVICE if wind == "moderate" else set())
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "within"),
+    [
+        ("gyro stuck 1 inf", AlarmKind.GYRO_STUCK, 0.4),
+        ("gyro dropout 1 inf", AlarmKind.GYRO_STUCK, 0.4),
+        ("accelerometer stuck 1 inf", AlarmKind.ACCELEROMETER_STUCK, 0.4),
+        ("gps stuck 1 inf", AlarmKind.FIXES_STUCK, 0.6),
+        ("gps dropout 1 inf", AlarmKind.FIXES_SILENT, 3.2),
+        ("gps bias 1 inf 2 0 0", AlarmKind.FIXES_AMISS, 1.0),
+        ("magnetometer stuck 1 inf", AlarmKind.HEADING_STUCK, 0.6),
+        ("magnetometer dropout 1 inf", AlarmKind.HEADING_SILENT, 5.2),
+        ("magnetometer bias 1 inf 1", AlarmKind.HEADING_AMISS, 2.0),
+        ("altimeter stuck 1 inf", AlarmKind.ALTIMETER_STUCK, 0.6),
+        ("altimeter dropout 1 inf", AlarmKind.ALTIMETER_SILENT, 5.2),
+        ("altimeter bias 1 inf 5", AlarmKind.ALTIMETER_AMISS, 1.0),
+        ("vehicle lift 1 inf 0.4", AlarmKind.DESCENT, 3.0),
+        ("longitudinal jam 1 inf", AlarmKind.VELOCITY, 6.0),
+        ("pedal jam 1 inf", AlarmKind.YAW_RATE, 10.0),
+        ("controller misses 1 inf 60", AlarmKind.TILT, 13.0),
+    ],
+)
+def test_each_kind_of_trouble_is_noticed_in_time(words: str, kind: AlarmKind, within: float) -> None:
+    log = flight(words)
+    found = {alarm.kind: alarm for alarm in alarms(log)}
+    assert kind in found, found
+    assert 1.0 < found[kind].time <= 1.0 + within
+    assert not found[kind].value <= LIMITS[kind]
+    assert alarms(flight(words, supervised=False)) == ()
+
+
+def test_a_flight_is_the_same_whether_it_is_watched_or_not() -> None:
+    watched, unwatched = flight(), flight(supervised=False)
+    for name, series in unwatched.series.items():
+        assert (watched.series[name].values == series.values).all(), name
+    # Campaigns are not watched; their logs are as they were before there was a supervisor.
+    assert "supervised" not in unwatched.attachments["specification.json"].decode()
+    assert json.loads(watched.attachments["specification.json"])["supervised"] is True
+
+
+def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
+    log = flight("gps stuck 1 inf")
+    publish_log(log, tmp_path / "flight.mcap")
+    again = read_log(tmp_path / "flight.mcap")
+    assert alarms(again) == alarms(log)
+    said = [event.text for event in events_of_flight(again) if event.source == "alarm"]
+    assert said[0].startswith("fixes are the same to the bit: 0.4 s, allowed 0.35 s")
+
+
+class Doubting(AutomatonVehicle):
+    """Finds something wrong with itself in its third leg, and again in every leg after it."""
+
+    legs = 0
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim, and doubts itself."""
+        self.legs += 1
+        return replace(super().coast(duration), alarm="doubt" if self.legs >= 3 else "")
+
+
+def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
+    mission = find_mission("gtmax-1")
+    vehicle = Doubting(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
+    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0))
+    assert (flown.reached, flown.claimed, flown.reason) == (False, False, "alarm: doubt")
+    kinds = [decision.kind for decision in flown.decisions]
+    assert kinds.index(DecisionKind.ALARM) < kinds.index(DecisionKind.FALLBACK)
+    assert vehicle.trim == 1
+    assert flown.legs[-1].duration == 5.0
+
+
+class Mistaken(AutomatonVehicle):
+    """Believes to be east of where it is."""
+
+    east = 2.0
+
+    @property
+    def pose(self) -> SE2:
+        """Believed pose."""
+        pose = super().pose
+        return SE2(pose.x, pose.y + self.east, pose.heading)
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim."""
+        return self._mistaken(super().coast(duration))
+
+    def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs the maneuver."""
+        return self._mistaken(super().perform(maneuver))
+
+    def _mistaken(self, leg: Leg) -> Leg:
+        return replace(leg, believed=np.add(leg.track, (0.0, 0.0, self.east, 0.0)))
+
+
+class Uncertain(AutomatonVehicle):
+    """Knows where it is, to within 2 m."""
+
+    def coast(self, duration: float) -> Leg:
+        """Holds the trim."""
+        return replace(super().coast(duration), spread=2.0)
+
+    def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs the maneuver."""
+        return replace(super().perform(maneuver), spread=2.0)
+
+
+def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> None:
+    mission = find_mission("gtmax-2")
+    vehicle = Mistaken(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
+    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    assert flown.claimed
+    assert not flown.reached
+    assert flown.closest > mission.tolerance
+    assert flown.reason.startswith("took itself to be at the goal")
+
+
+def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal() -> None:
+    mission = find_mission("gtmax-2")
+
+    def flown(certainty: float) -> bool:
+        vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
+        settings = Settings(certainty=certainty, max_activations=40)
+        return fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=settings).claimed
+
+    assert not flown(3.0)
+    assert flown(0.0)
+
+
+def altered(log: FlightLog, place: int, **values: float) -> FlightLog:
+    """The log with other true numbers from a row on."""
+    truth = log[TRUTH]
+    table = truth.values.copy()
+    for name, value in values.items():
+        table[place:, TRUTH.field_names.index(name)] += value
+    return replace(log, series={**log.series, TRUTH.name: Series(TRUTH, truth.time, table)})
+
+
+def test_a_flight_leaves_its_envelope_where_its_truth_does() -> None:
+    log, envelope = flight(), SafeEnvelope()
+    time = log[TRUTH].time[100]
+    assert first_exit(log, envelope) is None
+    for values in ({"roll": 0.8}, {"pitch": -0.8}, {"down": 6.0}, {"north": 1.2}, {"heading": 0.5}):
+        found = first_exit(altered(log, 100, **values), envelope)
+        assert found is not None, values
+        assert found.time == time
+    assert first_exit(altered(log, 100, heading=2 * np.pi), envelope) is None
+    no_number = first_exit(altered(log, 100, roll=np.nan), envelope)
+    assert no_number is not None
+    assert no_number.time == time
+    lost = replace(log, header=replace(log.header, outcome="flight lost: in the ground"))
+    assert first_exit(lost, envelope) == Exit(log.duration, "flight lost: in the ground")
+    with pytest.raises(ValueError, match="must be > 0"):
+        SafeEnvelope(tilt=0.0)
+
+
+GONE = Exit(5.0, "gone")
+
+
+@pytest.mark.parametrize(
+    ("changes", "came_to"),
+    [
+        ({"reached": True, "claimed": True}, Outcome.SAFE),
+        ({"reached": False, "claimed": False}, Outcome.SAFE),
+        ({"reached": False, "claimed": True}, Outcome.WRONG),
+        ({"reached": False, "claimed": False, "left": GONE}, Outcome.WRONG),
+        ({"reached": True, "claimed": True, "left": GONE}, Outcome.WRONG),
+        (
+            {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(4.0, AlarmKind.TILT, 1, 0),)},
+            Outcome.LOST,
+        ),
+        (
+            {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(5.9, AlarmKind.TILT, 1, 0),)},
+            Outcome.LOST,
+        ),
+        (
+            {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(6.1, AlarmKind.TILT, 1, 0),)},
+            Outcome.WRONG,
+        ),
+    ],
+)
+def test_what_a_flight_came_to(changes: dict[str, object], came_to: Outcome) -> None:
+    assert outcome(replace(result("a", 0), **changes)) is came_to  # type: ignore[arg-type]
+
+
+def rows_of(count: int, **changes: object) -> list[MissionResult]:
+    return [replace(result("a", n), effects=(1.0,), **changes) for n in range(count)]  # type: ignore[arg-type]
+
+
+def test_outside_the_contract_nothing_passes_wherever_it_went() -> None:
+    fault = parse_fault("gps dropout 2 inf")
+    rows = rows_of(20)
+    inside = outcomes(FaultCase(fault, contract=True, expected=""), rows)
+    outside = outcomes(FaultCase(fault, contract=False, expected=""), rows)
+    assert (inside.passed, inside.safe, inside.wrong) == (20, 20, 0)
+    assert (outside.passed, outside.safe, outside.wrong) == (None, 20, 0)
+    assert together([inside, outside]).passed is None
+    # 0 of 20: the share p with (1 - p)^20 = 0.05.
+    assert outside.wrong_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
+    assert outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
+    alarmed = rows_of(3, alarms=(Alarm(4.0, AlarmKind.TILT, 1.0, 0.5),))
+    assert outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
+
+
+def test_a_fault_that_did_nothing_is_not_seen_to_act() -> None:
+    assert acted(replace(result("a", 0), effects=(0.3,)))
+    assert not acted(replace(result("a", 0), effects=(0.0,)))
+    assert not acted(result("a", 0))
+
+
+def test_with_protection_a_dead_gyro_is_said_and_without_it_is_not() -> None:
+    def flown(*, supervised: bool) -> MissionResult:
+        departure = Departure(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
+        return fly_mission(
+            MissionTask(find_mission("gtmax-2"), LIBRARY, "worst-case", 1.0, "gtmax", 3, departure=departure)
+        )
+
+    with_it, without = flown(supervised=True), flown(supervised=False)
+    assert acted(with_it)
+    assert acted(without)
+    assert outcome(with_it) is Outcome.LOST
+    assert outcome(without) is Outcome.WRONG
+
+
+def test_missions_are_flown_watched() -> None:
+    task = MissionTask(find_mission("gtmax-2"), LIBRARY, "nominal", 0.0, "gtmax", 1)
+    flown, log = fly_helicopter(task)
+    assert json.loads(log.attachments["specification.json"])["supervised"] is True
+    assert flown.claimed
+    believed = log[ESTIMATE]
+    nearest = np.hypot(believed["north"] - task.mission.goal[0], believed["east"] - task.mission.goal[1])
+    assert nearest.min() < task.mission.tolerance
+
+
+def test_the_shipped_matrix_has_more_than_twelve_kinds_inside_and_out() -> None:
+    matrix = find_fault_matrix("helicopter")
+    kinds = {(case.fault.where, case.fault.what) for case in matrix.cases}
+    assert len(kinds) > 30
+    assert sum(case.contract for case in matrix.cases) > 12
+    assert sum(not case.contract for case in matrix.cases) > 12
+    assert all(case.expected for case in matrix.cases)
+
+
+SMALL = """name = "small"
+[envelope]
+tilt = 0.7
+height = 5.0
+position = 1.0
+heading = 0.35
+[[fault]]
+words = "gps stuck 2 inf"
+contract = false
+expected = "alarm"
+"""
+
+
+def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, out = tmp_path / "small.toml", tmp_path / "out"
+    file.write_text(SMALL)
+    words = ("faults", str(file), "--flights", "1", "--seed", "3", "--workers", "1", "--out", str(out))
+    assert run((*words, "--json")) == 0
+    document = json.loads(capsys.readouterr().out)
+    (row,) = document["faults"]
+    assert row["protected"]["acted"] == row["protected"]["flights"] == 1
+    assert row["protected"]["wrong"] == 0
+    assert row["protected"]["passed"] is None
+    assert len(list((out / "flights").iterdir())) == 3
+    assert "| `gps stuck 2 inf` | 1 | 1 | - |" in (out / "fault-matrix.md").read_text()
+    assert len((out / "fault-matrix.csv").read_text().splitlines()) == 4
+    assert run(words) == 0
+    assert "wrong with protection: 0 of 1" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "problem"),
+    [
+        ("gps stuck 2 inf", "gps stuck two inf", "fault 'gps stuck two inf': expected 'gps stuck START"),
+        ("gps stuck 2 inf", "gps asleep 2 inf", "no 'asleep' of gps"),
+        ("tilt = 0.7", "tilt = 0", "envelope.tilt"),
+        ('expected = "alarm"\n', 'expected = "alarm"\n' + SMALL[SMALL.index("[[") :], "is there twice"),
+        (SMALL[SMALL.index("[[") :], "fault = []\n", "expected one or more"),
+    ],
+)
+def test_a_broken_matrix_is_refused_in_one_line(
+    old: str, new: str, problem: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "broken.toml"
+    file.write_text(SMALL.replace(old, new) if not new.startswith("fault") else new + SMALL.replace(old, ""))
+    assert run(("faults", str(file))) == 2
+    error = capsys.readouterr().err
+    assert problem in error
+    assert error.count("\n") == 1
+
+
+def test_a_matrix_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str]) -> None:
+    assert run(("faults", "nowhere")) == 2
+    assert "no fault matrix 'nowhere': no such file, and the shipped ones are ['helicopter']" in (
+        capsys.readouterr().err
+    )

@@ -1,0 +1,1 @@
+"""Builders of logs, libraries, vehicles and file systems that tests share."""

@@ -20,7 +20,7 @@ class InterpolationFit:
 
     Attributes:
         number: its name, of a trim's deviations or of a maneuver.
-        cross_validation_error: root mean square leave-one-out error, in the number's unit; of a trim's deviations,
+        cross_validation_error: rms leave-one-out error, in the number's unit; of a trim's deviations,
             of their logarithm.
         smoothing: of the spline.
     """

@@ -75,7 +75,7 @@ def extract_evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged 
 
 
 def judged_motion_name(log: FlightLog) -> str:
-    """Returns which motion of a log is judged: `true`, or `estimate_as_truth` where it knows no truth."""
+    """Returns which motion of a log is judged: `true`, or `believed` where it has no truth."""
     return "true" if log.motion.topic.name == TRUTH.name else "believed"
 
 

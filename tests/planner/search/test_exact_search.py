@@ -142,7 +142,7 @@ def test_without_a_compiler_the_answer_is_the_same(seed: int, monkeypatch: pytes
         return WorstCase(library, 0.5).plan(mission)
 
     known = plan()
-    monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+    monkeypatch.setattr("planner.kernel.exact.load_kernel", lambda: None)
     fallback = plan()
     assert fallback.status == known.status
     if known.found:
@@ -180,7 +180,7 @@ def test_a_deadline_gives_the_best_so_far_with_a_bound(
     library = shipped()[0]
     mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8 if compiled else 4)
     if not compiled:
-        monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+        monkeypatch.setattr("planner.kernel.exact.load_kernel", lambda: None)
     planner = WorstCase(library, 0.5, deadline=0.002)
     planner.plan(mission)
     stopped = planner.plan(mission)

@@ -193,7 +193,7 @@ def test_a_mission_with_an_unknown_trim_is_refused(trims: dict[str, int]) -> Non
 
 
 def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("planner.policies.policy.problems", lambda *_, **__: ("broken on purpose",))
+    monkeypatch.setattr("planner.policies.policy.plan_problems", lambda *_, **__: ("broken on purpose",))
     plan = Nominal(thesis_kinematic()).plan(shipped("kinematic-1"))
     assert plan.status == "unknown"
     assert not plan.found

@@ -12,10 +12,10 @@ class FlightError(Exception):
 
     def __reduce__(self) -> tuple[object, ...]:
         """Travels between processes by its text: subclasses build that from arguments of their own."""
-        return _restored, (type(self), str(self))
+        return _rebuild_error, (type(self), str(self))
 
 
-def _restored(kind: type[FlightError], text: str) -> FlightError:
+def _rebuild_error(kind: type[FlightError], text: str) -> FlightError:
     error = kind.__new__(kind)
     Exception.__init__(error, text)
     return error

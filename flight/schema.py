@@ -30,10 +30,10 @@ class FileModel(BaseModel):
 
 def schema_named(known: str) -> AfterValidator:
     """Returns what refuses every schema but one, by name."""
-    return AfterValidator(partial(refuse_other_schema, known=known))
+    return AfterValidator(partial(check_schema_name, known=known))
 
 
-def refuse_other_schema(schema: str, known: str) -> str:
+def check_schema_name(schema: str, known: str) -> str:
     """Returns the name of a file's schema, if it is the one that is known.
 
     Raises:
@@ -89,7 +89,7 @@ def parse_json(
         BadFileError: names the source and the first place in it that is wrong.
     """
     try:
-        refuse_repeated_keys(text)
+        check_unique_keys(text)
         return build(model.model_validate_json(text))
     except ValidationError as error:
         raise BadFileError(source, first_problem(error)) from None
@@ -97,14 +97,14 @@ def parse_json(
         raise BadFileError(source, str(error)) from None
 
 
-def refuse_repeated_keys(text: str | bytes) -> None:
+def check_unique_keys(text: str | bytes) -> None:
     """Refuses JSON text with a key twice in one object: readers differ in which of the two they take.
 
     Raises:
         RepeatedKeyError: there is one; says which.
     """
     try:
-        json.loads(text, object_pairs_hook=_Keys)
+        json.loads(text, object_pairs_hook=_UncheckedObject)
     except RepeatedKeyError:
         raise
     except (ValueError, RecursionError):
@@ -112,7 +112,7 @@ def refuse_repeated_keys(text: str | bytes) -> None:
         return
 
 
-class _Keys:
+class _UncheckedObject:
     """Stands for an object of which only the keys were looked at."""
 
     def __init__(self, pairs: list[tuple[str, object]]) -> None:

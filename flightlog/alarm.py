@@ -96,7 +96,7 @@ def alarm_series(alarms: Sequence[Alarm]) -> Series:
     return Series(ALARM, np.array([a.time for a in alarms], dtype=np.float64), values)
 
 
-def alarms_of(series: Series) -> tuple[Alarm, ...]:
+def alarms_from_series(series: Series) -> tuple[Alarm, ...]:
     """Returns the alarms of a log's topic."""
     rows = zip(series.time.tolist(), series.values.tolist(), strict=True)
     return tuple(Alarm(time, AlarmKind(int(row[0])), row[1], row[2]) for time, row in rows)

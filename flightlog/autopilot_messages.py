@@ -13,7 +13,7 @@ from .log import FlightLog
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class AutopilotMessage:
     """One message: seconds since the log's start (below 0 before it), `INFO`, `WARNING` or `ERROR`, words."""
 
     time: float
@@ -35,7 +35,7 @@ class _Import(BaseModel):
     messages: tuple[_Message, ...] = ()
 
 
-def messages_told(log: FlightLog) -> tuple[Told, ...]:
+def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
     """Returns the autopilot's messages; none in a log that was not imported.
 
     Raises:
@@ -49,4 +49,4 @@ def messages_told(log: FlightLog) -> tuple[Told, ...]:
         raise BadFileError(IMPORT_ATTACHMENT, first_problem(error)) from None
     except ValueError as error:
         raise BadFileError(IMPORT_ATTACHMENT, f"is not JSON: {error}") from None
-    return tuple(Told(one.time, one.level, one.text) for one in content.messages)
+    return tuple(AutopilotMessage(one.time, one.level, one.text) for one in content.messages)

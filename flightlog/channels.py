@@ -120,7 +120,7 @@ PRIMITIVE = Topic(
 )
 
 
-MOST_ACTUATORS = 12
+MAX_ACTUATORS = 12
 
 ACTUATORS = Topic(
     "/actuators",
@@ -128,7 +128,7 @@ ACTUATORS = Topic(
     "controls of a vehicle of another kind; only those that its log has",
     tuple(
         Field(f"control_{number}", "as logged", f"actuator or control {number} of its autopilot")
-        for number in range(1, MOST_ACTUATORS + 1)
+        for number in range(1, MAX_ACTUATORS + 1)
     ),
 )
 

@@ -18,7 +18,7 @@ LARGEST_VALUE = 1e9
 _ROUNDING = 1e-6
 
 
-def refuse_contradictions(log: FlightLog) -> None:
+def check_log_consistency(log: FlightLog) -> None:
     """Refuses a log whose series cannot be a flight's.
 
     Raises:
@@ -33,14 +33,14 @@ def refuse_contradictions(log: FlightLog) -> None:
                 f"got {text[:40]!r}"
             )
     for series in log.series.values():
-        _refuse_impossible(series)
+        _check_values(series)
     if PRIMITIVE.name in log.series:
-        _refuse_unknown_primitives(log[PRIMITIVE])
+        _check_primitive_kinds(log[PRIMITIVE])
         if TRUTH.name in log.series:
-            _refuse_unseen_primitives(log[PRIMITIVE], log[TRUTH])
+            _check_primitives_have_truth(log[PRIMITIVE], log[TRUTH])
 
 
-def _refuse_impossible(series: Series) -> None:
+def _check_values(series: Series) -> None:
     name = series.topic.name
     if not len(series):
         raise ValueError(f"{name} is announced but has no message")
@@ -56,7 +56,7 @@ def _refuse_impossible(series: Series) -> None:
         raise ValueError(f"{name}: time goes back after {series.time[back[0]]:.2f} s")
 
 
-def _refuse_unknown_primitives(series: Series) -> None:
+def _check_primitive_kinds(series: Series) -> None:
     kinds = np.array([kind.value for kind in PrimitiveKind], dtype=float)
     if not np.isin(series["kind"], kinds).all():
         raise ValueError(f"{series.topic.name} kind: expected one of {kinds.astype(int).tolist()}")
@@ -65,7 +65,7 @@ def _refuse_unknown_primitives(series: Series) -> None:
             raise ValueError(f"{series.topic.name} {field}: expected whole numbers")
 
 
-def _refuse_unseen_primitives(primitives: Series, truth: Series) -> None:
+def _check_primitives_have_truth(primitives: Series, truth: Series) -> None:
     """Refuses primitives in which there is no true state: nothing could be said of them."""
     begins = primitives.time
     ends = np.append(begins[1:], max(truth.time[-1], begins[-1]))

@@ -6,15 +6,15 @@ from enum import IntEnum
 import numpy as np
 
 from flight.errors import FlightError
-from flight.mission.goal import first_arrival
+from flight.mission.destination import first_arrival
 
-from .alarm import ADVICE, ALARM, alarms_of
-from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
-from .autopilot_messages import messages_told
+from .alarm import ADVICE, ALARM, alarms_from_series
+from .autopilot_messages import autopilot_messages
 from .channels import PRIMITIVE, TRUTH
-from .fault_record import faults_flown
+from .fault_record import fault_occurrences
 from .log import FlightLog
-from .primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from .mission_attachments import LoggedPlan, logged_goal, logged_plannings
+from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from .trim_labels import trim_label, trim_names
 
 
@@ -43,10 +43,10 @@ class Event:
     text: str
 
 
-def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
+def flight_events(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight, by time; an attachment that is broken is an event too."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _alarms, _told, _arrival):
+    for part in (_primitives, _plannings, _faults, _alarms, _autopilot_messages, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -60,7 +60,7 @@ def _primitives(log: FlightLog) -> list[Event]:
     if PRIMITIVE.name not in log.series:
         return []
     names, events = trim_names(log), []
-    for part in stretches_flown(log):
+    for part in merged_primitives(log):
         events.append(Event(part.start, Level.INFO, "primitive", _sentence(part, names)))
         if part.timed_out:
             text = f"maneuver {part.id} ended by time-out after {part.end - part.start:.2f} s"
@@ -68,7 +68,7 @@ def _primitives(log: FlightLog) -> list[Event]:
     return events
 
 
-def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
+def _sentence(part: FlownPrimitive, names: dict[int, str]) -> str:
     if part.kind is PrimitiveKind.COAST:
         return f"hold {trim_label(part.id, names)}"
     return f"maneuver {part.id}: {trim_label(part.from_trim, names)} to {trim_label(part.to_trim, names)}"
@@ -76,8 +76,8 @@ def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
 
 def _plannings(log: FlightLog) -> list[Event]:
     events = []
-    for number, plan in enumerate(plannings_of_flight(log), start=1):
-        if isinstance(plan, PlanOfFlight):
+    for number, plan in enumerate(logged_plannings(log), start=1):
+        if isinstance(plan, LoggedPlan):
             how = ", ".join(word for word in (plan.policy, plan.status) if word)
             walk = " ".join(map(str, plan.sequence))
             text = f"plan {number}: {plan.cost:.2f} s through trims {walk}{f' ({how})' if how else ''}"
@@ -90,13 +90,13 @@ def _plannings(log: FlightLog) -> list[Event]:
 def _faults(log: FlightLog) -> list[Event]:
     return [
         Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
-        for number, flown in faults_flown(log).items()
+        for number, flown in fault_occurrences(log).items()
     ]
 
 
-def _told(log: FlightLog) -> list[Event]:
+def _autopilot_messages(log: FlightLog) -> list[Event]:
     events = []
-    for one in messages_told(log):
+    for one in autopilot_messages(log):
         level = Level[one.level] if one.level in Level.__members__ else Level.INFO
         earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
         events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
@@ -106,7 +106,7 @@ def _told(log: FlightLog) -> list[Event]:
 def _alarms(log: FlightLog) -> list[Event]:
     if ALARM.name not in log.series:
         return []
-    found = alarms_of(log[ALARM])
+    found = alarms_from_series(log[ALARM])
     return [
         Event(
             alarm.time,
@@ -119,7 +119,7 @@ def _alarms(log: FlightLog) -> list[Event]:
 
 
 def _arrival(log: FlightLog) -> list[Event]:
-    goal = goal_of_flight(log)
+    goal = logged_goal(log)
     if goal is None or TRUTH.name not in log.series:
         return []
     truth = log[TRUTH]

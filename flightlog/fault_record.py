@@ -22,7 +22,7 @@ def faults_text(faults: Sequence[Fault]) -> bytes:
     return _FAULTS.dump_json(tuple(faults), indent=1)
 
 
-def faults_of(log: FlightLog) -> tuple[Fault, ...]:
+def logged_faults(log: FlightLog) -> tuple[Fault, ...]:
     """Returns the faults of a logged flight; none where the log says nothing of them.
 
     Raises:
@@ -38,7 +38,7 @@ def faults_of(log: FlightLog) -> tuple[Fault, ...]:
 
 
 @dataclass(frozen=True, slots=True)
-class FaultFlown:
+class FaultOccurrence:
     """What became of a fault: when it acted, in seconds, and how far it went.
 
     Attributes:
@@ -66,7 +66,7 @@ class FaultFlown:
         return f"{kind.where} {kind.what}{by} until {self.end:.2f} s; {kind.effect}: {self.effect:.3g}{unit}"
 
 
-def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
+def fault_occurrences(log: FlightLog) -> dict[int, FaultOccurrence]:
     """Returns the faults that began in a flight, by their numbers.
 
     Raises:
@@ -74,13 +74,13 @@ def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
     """
     if FAULT.name not in log.series:
         return {}
-    faults, rows, found = faults_of(log), log[FAULT], {}
+    faults, rows, found = logged_faults(log), log[FAULT], {}
     numbers, active = rows["number"], rows["active"] > 0.0
     for start, number in zip(rows.time[active].tolist(), numbers[active].astype(int).tolist(), strict=True):
         if not 1 <= number <= len(faults):
             raise BadFileError(FAULTS_ATTACHMENT, f"expected fault {number}, got {len(faults)} faults")
         ends = rows.time[~active & (numbers == number)].tolist()
-        found[number] = FaultFlown(
+        found[number] = FaultOccurrence(
             fault=faults[number - 1],
             start=start,
             end=ends[0] if ends else log.duration,
@@ -95,9 +95,10 @@ def fault_effects(log: FlightLog) -> tuple[float, ...]:
     Raises:
         BadFileError: the log's list of faults is broken, or does not have a fault that began.
     """
-    flown = faults_flown(log)
+    flown = fault_occurrences(log)
     return tuple(
-        flown[number].effect if number in flown else 0.0 for number, _ in enumerate(faults_of(log), start=1)
+        flown[number].effect if number in flown else 0.0
+        for number, _ in enumerate(logged_faults(log), start=1)
     )
 
 

@@ -48,7 +48,7 @@ class FlightHeader:
         """How plans were searched for; empty where none were."""
         return self.backend.partition(_PLANS)[2]
 
-    def planned_by(self, search: str) -> "FlightHeader":
+    def with_search_backend(self, search: str) -> "FlightHeader":
         """Returns the header of a flight that was planned as it flew."""
         return replace(self, backend=f"{self.vehicle_backend}{_PLANS}{search}")
 

@@ -22,7 +22,7 @@ _INPUTS = (
 )
 
 
-def identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str, str]:
+def flight_identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str, str]:
     """Returns what makes a flight this one: names and digests, the telling ones first.
 
     Whether the vehicle's expressions were compiled is no part of it, because both ways give the same bits;
@@ -34,7 +34,7 @@ def identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str
     return {**known, **digests}
 
 
-def difference(expected: Mapping[str, str], found: Mapping[str, str]) -> str | None:
+def identity_difference(expected: Mapping[str, str], found: Mapping[str, str]) -> str | None:
     """Returns the first thing in which two flights differ, in words; None where they are the same."""
     for name in dict.fromkeys((*expected, *found)):
         wanted, got = expected.get(name, "none"), found.get(name, "none")

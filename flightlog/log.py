@@ -1,7 +1,8 @@
 """The flight log: what was commanded, believed and true, on one time axis.
 
 This module is the contract of the channels that programs read: topics, fields, units, frames; those that
-viewers draw are made from them by `flightlog.viewers.channels`, and never read back. World axes are north,
+viewers draw are made from them by `flightlog.viewers.viewer_channels`, and never read back. World axes are
+north,
 east,
 down. Velocities are given in the heading frame, the level body frame: forward along the heading, side to the
 right, down. Angles are clockwise seen along the axis; headings are not wrapped. Times are seconds since the

@@ -14,7 +14,7 @@ def differences(expected: FlightLog, got: FlightLog) -> tuple[str, ...]:
     return tuple(_header(expected, got)) + tuple(_attachments(expected, got)) + tuple(_topics(expected, got))
 
 
-def bytes_that_differ(one: bytes, other: bytes) -> int:
+def count_differing_bytes(one: bytes, other: bytes) -> int:
     """Returns how many bytes differ, place by place; those that only one has differ too."""
     shared = min(len(one), len(other))
     first, second = (np.frombuffer(content, np.uint8, shared) for content in (one, other))

@@ -91,11 +91,11 @@ class Series:
         Raises:
             MissingFieldError: the log does not know it.
         """
-        if not self.holds(field):
+        if not self.has_fields(field):
             raise MissingFieldError(self.topic, field)
         return np.asarray(self.values[:, self.topic.field_names.index(field)])
 
-    def holds(self, *fields: str) -> bool:
+    def has_fields(self, *fields: str) -> bool:
         """Whether the log knows all these fields; one of another vehicle may lack some."""
         return set(fields) <= set(self.topic.field_names)
 

@@ -4,7 +4,7 @@ from collections.abc import Iterable
 
 from .attachment_names import LIBRARY_ATTACHMENT
 from .log import FlightLog
-from .primitives import PrimitiveKind, stretches_flown
+from .primitives import PrimitiveKind, merged_primitives
 
 # Okabe and Ito's palette without its yellow, which a white page swallows; then Tol's muted one.
 _TRIMS = (
@@ -24,7 +24,7 @@ def trim_palette(log: FlightLog) -> dict[int, str]:
     Raises:
         MissingTopicError: the log lacks primitives.
     """
-    flown = {part.id for part in stretches_flown(log) if part.kind is PrimitiveKind.COAST}
+    flown = {part.id for part in merged_primitives(log) if part.kind is PrimitiveKind.COAST}
     return trim_colors(flown | set(trim_names(log)))
 
 

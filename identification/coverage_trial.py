@@ -29,7 +29,7 @@ class NoClaimError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
+class CoverageTrial:
     """The claim of one primitive beside what new flights did.
 
     Attributes:
@@ -58,9 +58,9 @@ class Trial:
     refuted: bool
 
 
-def promise_trials(
+def coverage_trials(
     library: Library, flights: Sequence[FlightEvidence], *, level: float = 0.05
-) -> tuple[Trial, ...]:
+) -> tuple[CoverageTrial, ...]:
     """Returns a trial for each primitive that claims a coverage, in the library's order.
 
     All claims together are wrongly refuted with a probability of at most `level` (Holm, Scand. J. Statist. 6,
@@ -76,7 +76,7 @@ def promise_trials(
         InconsistentLogsError: a flight is one of those that the library was found from, or was flown with
             other trims, maneuvers or another rule.
     """
-    refuse_inconsistent(library, flights)
+    check_consistency(library, flights)
     claims = [
         (kind, part, part.statistics.coverage)
         for kind, parts in (("trim", library.trims), ("maneuver", library.maneuvers))
@@ -88,22 +88,24 @@ def promise_trials(
     counted = [(kind, part.id, claim, *count_inside(library, part, flights)) for kind, part, claim in claims]
     doubts = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
     return tuple(
-        Trial(
+        CoverageTrial(
             kind="trim" if kind == "trim" else "maneuver",
             id=number,
             claimed=claim,
             flights=count,
             inside=inside,
             unsettled=unsettled,
-            **interval(inside, count),
+            **clopper_pearson_interval(inside, count),
             doubt=doubt,
             refuted=doubt < level,
         )
-        for (kind, number, claim, count, inside, unsettled), doubt in zip(counted, holm(doubts), strict=True)
+        for (kind, number, claim, count, inside, unsettled), doubt in zip(
+            counted, adjust_p_values(doubts), strict=True
+        )
     )
 
 
-def holm(doubts: Sequence[float]) -> list[float]:
+def adjust_p_values(doubts: Sequence[float]) -> list[float]:
     """Returns p-values corrected for their number (Holm 1979): compare them with the level for all."""
     corrected = [0.0] * len(doubts)
     largest = 0.0
@@ -133,11 +135,13 @@ def count_inside(
     library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]
 ) -> tuple[int, int, int]:
     """Returns how many flights show a primitive, in how many it stayed inside, in how many it was lost."""
-    box, samples = _boxed(library, part, flights)
-    return samples.count, int(box.holds(samples.low, samples.high).sum()), len(samples.discarded)
+    box, samples = _box_and_samples(library, part, flights)
+    return samples.count, int(box.contains(samples.low, samples.high).sum()), len(samples.discarded)
 
 
-def _boxed(library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]) -> tuple[Box, Samples]:
+def _box_and_samples(
+    library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]
+) -> tuple[Box, Samples]:
     if isinstance(part, Maneuver):
         return maneuver_box(part), maneuver_samples(flights, part.id)
     bins = [trim.averaged[0].shortest for trim in library.trims if trim.averaged]
@@ -147,7 +151,7 @@ def _boxed(library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvid
     return trim_box(part), trim_samples(flights, part.id, hull=hull)
 
 
-def interval(inside: int, count: int) -> dict[str, float]:
+def clopper_pearson_interval(inside: int, count: int) -> dict[str, float]:
     """Returns the ends, `low` and `high`, of the exact (Clopper-Pearson) 95 % interval of a share."""
     if not count:
         return {"low": 0.0, "high": 1.0}
@@ -155,7 +159,7 @@ def interval(inside: int, count: int) -> dict[str, float]:
     return {"low": float(found.low), "high": float(found.high)}
 
 
-def refuse_inconsistent(library: Library, flights: Sequence[FlightEvidence]) -> None:
+def check_consistency(library: Library, flights: Sequence[FlightEvidence]) -> None:
     """Refuses flights that cannot judge a library.
 
     Raises:

@@ -5,19 +5,19 @@ from collections.abc import Iterable, Sequence
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.maneuver_end import Band
-from flight.automaton.statistics import Interpolated, Statistics
+from flight.automaton.statistics import InterpolationClaim, Statistics
 from flight.automaton.trim import Trim
 
 
 def data_sheet(library: Library) -> str:
     """Returns the data sheet of a library, in SI units."""
     conditions = library.conditions
-    parts = [f"# {library.name}", library.description, _table(("what", "value"), _facts(library))]
+    parts = [f"# {library.name}", library.description, _table(("what", "value"), _fact_rows(library))]
     parts += ["## Trims", _table(_TRIM_HEAD, map(_trim_row, library.trims))]
     if conditions.maneuver_end is not None:
         bands = sorted(conditions.maneuver_end.bands.items())
         parts += ["Bands around the trims:", _table(_BAND_HEAD, (_band_row(*band) for band in bands))]
-    parts += _averaged(library)
+    parts += _averaged_section(library)
     parts += ["## Maneuvers", _table(_MANEUVER_HEAD, map(_maneuver_row, library.maneuvers))]
     notes = [
         f"- maneuver {row.id}: {row.notes}"
@@ -27,12 +27,12 @@ def data_sheet(library: Library) -> str:
     if notes:
         parts += ["## Notes", "\n".join(notes)]
     if any(trim.statistics for trim in library.trims):
-        parts += ["## What is claimed", _CLAIM, *_outliers(library)]
-    parts += _interpolated(library)
+        parts += ["## What is claimed", _CLAIM, *_outlier_section(library)]
+    parts += _interpolated_section(library)
     return "\n\n".join(parts) + "\n"
 
 
-def worth(library: Library) -> str:
+def describe_sample_size(library: Library) -> str:
     """Returns in one sentence on how many flights a library rests, and what that is worth."""
     known = [trim.statistics for trim in library.trims] + [row.statistics for row in library.maneuvers]
     entries = [entry for entry in known if entry is not None]
@@ -47,7 +47,7 @@ def worth(library: Library) -> str:
     )
 
 
-def claim_said(claim: Interpolated) -> str:
+def describe_claim(claim: InterpolationClaim) -> str:
     """Returns for people what is claimed of interpolated primitives, and from what."""
     return (
         f"at least {100 * claim.coverage:.1f} % of them hold {claim.flights} flights each, all numbers at "
@@ -56,7 +56,7 @@ def claim_said(claim: Interpolated) -> str:
     )
 
 
-def _facts(library: Library) -> list[tuple[str, str]]:
+def _fact_rows(library: Library) -> list[tuple[str, str]]:
     conditions = library.conditions
     rule, coasts, altitude = conditions.maneuver_end, conditions.coasting_range, conditions.altitude
     unknown = "not stated"
@@ -109,7 +109,7 @@ def _trim_row(trim: Trim) -> Sequence[str]:
         f"{velocity.forward:.3f} {error.forward:+.3f}",
         f"{velocity.side:.3f} {error.side:+.3f}",
         f"{velocity.yaw_rate:.4f} {error.yaw_rate:+.4f}",
-        *_claim(trim.statistics),
+        *_claim_cells(trim.statistics),
     )
 
 
@@ -122,11 +122,11 @@ def _maneuver_row(maneuver: Maneuver) -> Sequence[str]:
         f"{displacement.x:.2f} {error.forward:+.2f}",
         f"{displacement.y:.2f} {error.side:+.2f}",
         f"{displacement.heading:.3f} {error.heading_change:+.3f}",
-        *_claim(maneuver.statistics),
+        *_claim_cells(maneuver.statistics),
     )
 
 
-def _claim(statistics: Statistics | None) -> tuple[str, str, str, str, str]:
+def _claim_cells(statistics: Statistics | None) -> tuple[str, str, str, str, str]:
     if statistics is None:
         return "-", "-", "-", "-", "-"
     return (
@@ -138,7 +138,7 @@ def _claim(statistics: Statistics | None) -> tuple[str, str, str, str, str]:
     )
 
 
-def _averaged(library: Library) -> list[str]:
+def _averaged_section(library: Library) -> list[str]:
     """Returns the errors by coast duration, and what is to be known of them."""
     rows = [(trim.id, part) for trim in library.trims for part in trim.averaged]
     if not rows:
@@ -164,7 +164,7 @@ def _averaged(library: Library) -> list[str]:
     return ["## Errors by coast duration", said, table]
 
 
-def _outliers(library: Library) -> list[str]:
+def _outlier_section(library: Library) -> list[str]:
     """Returns which flights lie outside the bounds, by seed, where there are some."""
     lost = library.provenance.get("lost") or []
     unsettled = library.provenance.get("unsettled") or {}
@@ -176,22 +176,22 @@ def _outliers(library: Library) -> list[str]:
     return ["Flights outside the bounds:\n\n" + "\n".join(lines)] if lines else []
 
 
-def _interpolated(library: Library) -> list[str]:
+def _interpolated_section(library: Library) -> list[str]:
     """Returns what is claimed of primitives that were never flown, where there are some."""
     trims = [trim.id for trim in library.trims if trim.interpolated]
     rows = [row.id for row in library.maneuvers if row.interpolated]
     lines = [
-        f"- {count} {words}: {claim_said(claim)}"
+        f"- {count} {words}: {describe_claim(claim)}"
         for count, words, claim in (
-            (len(trims), "trims that are grown, or entered by grown maneuvers", _first(library.trims)),
-            (len(rows), "grown maneuvers", _first(library.maneuvers)),
+            (len(trims), "trims that are grown, or entered by grown maneuvers", _first_claim(library.trims)),
+            (len(rows), "grown maneuvers", _first_claim(library.maneuvers)),
         )
         if claim is not None
     ]
     return ["## What is grown", "\n".join(lines)] if lines else []
 
 
-def _first(parts: Sequence[Trim] | Sequence[Maneuver]) -> Interpolated | None:
+def _first_claim(parts: Sequence[Trim] | Sequence[Maneuver]) -> InterpolationClaim | None:
     return next((part.interpolated for part in parts if part.interpolated), None)
 
 

@@ -11,7 +11,7 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
 from identification.statistics.coast_errors import averaged_hull, duration_bins, instantaneous_hull
-from identification.statistics.deviations import DurationBin, identified_maneuver, identified_trim
+from identification.statistics.deviations import DurationBin, identify_maneuver, identify_trim
 from identification.statistics.samples import maneuver_samples, trim_samples
 
 TrimErrors = Literal["instantaneous", "averaged"]
@@ -49,8 +49,8 @@ def identify(
         InconsistentLogsError: there are none, or they differ in vehicle, wind or what was to be flown.
         NeverFlownError: a trim or maneuver of the automaton occurs in no log.
     """
-    bounding, centring = _ordered(flights), _ordered(nominal)
-    _refuse_inconsistent([*bounding, *centring])
+    bounding, centring = _sort_flights(flights), _sort_flights(nominal)
+    _check_consistency([*bounding, *centring])
     if not bounding:
         raise InconsistentLogsError("expected flight logs that give the bounds, got nominal flights alone")
     first = bounding[0]
@@ -80,7 +80,7 @@ def identify(
     )
 
 
-def _ordered(flights: Iterable[FlightEvidence]) -> list[FlightEvidence]:
+def _sort_flights(flights: Iterable[FlightEvidence]) -> list[FlightEvidence]:
     return sorted(flights, key=lambda flight: (flight.header.seed, flight.sha256))
 
 
@@ -90,9 +90,9 @@ def _trims(flights: Sequence[FlightEvidence], kind: TrimErrors, confidence: floa
     bins = duration_bins(durations, flown.conditions.coasting_range) if durations else []
     hull = instantaneous_hull if kind == "instantaneous" or not bins else averaged_hull(bins[0][0])
     return tuple(
-        identified_trim(
+        identify_trim(
             trim,
-            trim_samples(flights, trim.id, hull=hull).required(f"trim {trim.id} is held"),
+            trim_samples(flights, trim.id, hull=hull).require(f"trim {trim.id} is held"),
             confidence,
             commanded=flights[0].trims_commanded,
             averaged=tuple(_bins_of(trim.id, flights, bins)),
@@ -119,10 +119,10 @@ def _maneuver(
     confidence: float,
 ) -> Maneuver:
     seen = f"maneuver {row.id} is performed to its end"
-    nominal = maneuver_samples(centring, row.id).required(seen) if centring else None
-    return identified_maneuver(
+    nominal = maneuver_samples(centring, row.id).require(seen) if centring else None
+    return identify_maneuver(
         row,
-        maneuver_samples(bounding, row.id).required(seen),
+        maneuver_samples(bounding, row.id).require(seen),
         nominal=nominal,
         left=flown.trim(row.from_trim),
         reached=flown.trim(row.to_trim),
@@ -130,7 +130,7 @@ def _maneuver(
     )
 
 
-def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
+def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
     if not flights:
         raise InconsistentLogsError("expected flight logs, got none")
     first = flights[0]
@@ -171,7 +171,7 @@ def _provenance(
 ) -> dict[str, Any]:
     first = bounding[0]
     header, flown = first.header, first.library
-    everyone = _ordered([*bounding, *centring])
+    everyone = _sort_flights([*bounding, *centring])
     ordered = flown.conditions.coasting_range
     return {
         "method": (
@@ -186,12 +186,12 @@ def _provenance(
         **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),
         "nominal": [flight.header.seed for flight in centring],
         "lost": [flight.header.seed for flight in everyone if flight.lost],
-        "unsettled": _unsettled(everyone),
+        "unsettled": _unsettled_seeds(everyone),
         "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in everyone},
     }
 
 
-def _unsettled(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
+def _unsettled_seeds(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
     """Returns the seeds of the flights in which a maneuver did not settle, by the maneuver's id."""
     listed: dict[str, list[int]] = {}
     for flight in flights:

@@ -13,19 +13,19 @@ from scipy.stats import binom
 
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
-from flight.automaton.statistics import Interpolated
+from flight.automaton.statistics import InterpolationClaim
 from flight.automaton.trim import Trim
 from flight.errors import FlightError
-from identification.design.interpolation_schedule import Drawn
+from identification.design.interpolation_schedule import PrimitiveSample
 from identification.segmentation.flight_evidence import FlightEvidence
 
-from .coverage_trial import count_inside, holm, interval, refuse_inconsistent
+from .coverage_trial import adjust_p_values, check_consistency, clopper_pearson_interval, count_inside
 
 Kind = Literal["trim", "maneuver"]
 
 
 @dataclass(frozen=True, slots=True)
-class GrownPrimitive:
+class PrimitiveTrial:
     """What new flights did with one primitive that was drawn.
 
     Attributes:
@@ -49,7 +49,7 @@ class GrownPrimitive:
 
 
 @dataclass(frozen=True, slots=True)
-class GrownTrial:
+class InterpolationTrial:
     """The claim of a kind beside what the drawn primitives did.
 
     Attributes:
@@ -64,7 +64,7 @@ class GrownTrial:
     """
 
     kind: Kind
-    claim: Interpolated
+    claim: InterpolationClaim
     drawn: int
     kept: int
     low: float
@@ -73,9 +73,9 @@ class GrownTrial:
     refuted: bool
 
 
-def grown_trials(
-    library: Library, drawn: Drawn, flights: Sequence[FlightEvidence], *, level: float = 0.05
-) -> tuple[tuple[GrownPrimitive, ...], tuple[GrownTrial, ...]]:
+def interpolation_trials(
+    library: Library, drawn: PrimitiveSample, flights: Sequence[FlightEvidence], *, level: float = 0.05
+) -> tuple[tuple[PrimitiveTrial, ...], tuple[InterpolationTrial, ...]]:
     """Returns what flights did with each primitive drawn, and a trial for each kind.
 
     Args:
@@ -88,15 +88,15 @@ def grown_trials(
         FlightError: there are more flights than the claim is for.
         InconsistentLogsError: a flight was flown with other trims, maneuvers or another rule.
     """
-    refuse_inconsistent(library, flights)
+    check_consistency(library, flights)
     shown = [
-        GrownPrimitive(kind, part.id, *count_inside(library, part, flights))
-        for kind, part in _parts(library, drawn)
+        PrimitiveTrial(kind, part.id, *count_inside(library, part, flights))
+        for kind, part in _sampled_primitives(library, drawn)
     ]
     primitives = tuple(one for one in shown if one.flights)
-    counted: list[tuple[Kind, Interpolated, int, int]] = []
+    counted: list[tuple[Kind, InterpolationClaim, int, int]] = []
     for kind in ("trim", "maneuver"):
-        claim = next((p.interpolated for k, p in _parts(library, drawn) if k == kind), None)
+        claim = next((p.interpolated for k, p in _sampled_primitives(library, drawn) if k == kind), None)
         own = [one for one in primitives if one.kind == kind]
         if claim is None or not own:
             continue
@@ -105,15 +105,25 @@ def grown_trials(
                 f"the claim of grown {kind}s is for {claim.flights} flights each, got {len(flights)} flights"
             )
         counted.append((kind, claim, len(own), sum(one.kept for one in own)))
-    doubts = holm([float(binom.cdf(kept, count, claim.coverage)) for _, claim, count, kept in counted])
+    doubts = adjust_p_values(
+        [float(binom.cdf(kept, count, claim.coverage)) for _, claim, count, kept in counted]
+    )
     trials = tuple(
-        GrownTrial(kind, claim, count, kept, **interval(kept, count), doubt=doubt, refuted=doubt < level)
+        InterpolationTrial(
+            kind,
+            claim,
+            count,
+            kept,
+            **clopper_pearson_interval(kept, count),
+            doubt=doubt,
+            refuted=doubt < level,
+        )
         for (kind, claim, count, kept), doubt in zip(counted, doubts, strict=True)
     )
     return primitives, trials
 
 
-def _parts(library: Library, drawn: Drawn) -> list[tuple[Kind, Trim | Maneuver]]:
+def _sampled_primitives(library: Library, drawn: PrimitiveSample) -> list[tuple[Kind, Trim | Maneuver]]:
     trims: list[tuple[Kind, Trim | Maneuver]] = [("trim", library.trim(number)) for number in drawn.trims]
     rows = {row.id: row for row in library.maneuvers}
     return trims + [("maneuver", rows[number]) for number in drawn.maneuvers]

@@ -95,35 +95,35 @@ def trends(library: Library, *, speed_step: float, rate_step: float) -> Trends:
         speed_step: size of the changes of speed, m/s.
         rate_step: size of the changes of yaw rate, rad/s.
     """
-    straight = [trim for trim in library.trims if trim.statistics and _straight(trim)]
+    straight = [trim for trim in library.trims if trim.statistics and _is_straight(trim)]
     steps = [row for row in library.maneuvers if row.statistics]
     return Trends(
         speed_errors=tuple(sorted((_speed_error(trim) for trim in straight), key=lambda row: row.speed)),
         speed_steps=tuple(
             _speed_step(library, row)
-            for row in _ordered(library, steps, lambda trim: trim.velocity.forward)
+            for row in _sort_rows(library, steps, lambda trim: trim.velocity.forward)
             if _is_speed_step(library, row, speed_step)
         ),
         turn_steps=tuple(
             _turn_step(library, row)
-            for row in _ordered(library, steps, lambda trim: trim.velocity.yaw_rate)
+            for row in _sort_rows(library, steps, lambda trim: trim.velocity.yaw_rate)
             if _is_turn_step(library, row, rate_step)
         ),
     )
 
 
-def _ordered(library: Library, rows: list[Maneuver], key: Callable[[Trim], float]) -> list[Maneuver]:
+def _sort_rows(library: Library, rows: list[Maneuver], key: Callable[[Trim], float]) -> list[Maneuver]:
     return sorted(rows, key=lambda row: (key(library.trim(row.from_trim)), key(library.trim(row.to_trim))))
 
 
-def _straight(trim: Trim) -> bool:
+def _is_straight(trim: Trim) -> bool:
     return abs(trim.velocity.side) < SAME and abs(trim.velocity.yaw_rate) < SAME
 
 
 def _is_speed_step(library: Library, row: Maneuver, size: float) -> bool:
     left, reached = library.trim(row.from_trim), library.trim(row.to_trim)
     change = abs(reached.velocity.forward - left.velocity.forward)
-    return _straight(left) and _straight(reached) and abs(change - size) < SAME
+    return _is_straight(left) and _is_straight(reached) and abs(change - size) < SAME
 
 
 def _is_turn_step(library: Library, row: Maneuver, size: float) -> bool:

@@ -7,9 +7,9 @@ from cyclopts import Parameter
 
 from flight.errors import BadFileError, FlightError
 from flightlog.file.reader import MAGIC
-from flightlog.file.recovery import Salvage, holds, recovered_bytes, salvage
+from flightlog.file.recovery import Salvage, contains_salvage, recovered_bytes, salvage
 from flightlog.file.writer import LARGEST_LOG
-from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.atomic_write import check_output_files, write_atomically
 
 NOTHING_TO_SAVE = 1
 WITH_LOSS = 3
@@ -38,7 +38,7 @@ def recover(
         force: overwrite OUT.
     """
     out = out or log.with_name(f"{log.stem}-recovered.mcap")
-    refuse_files(out, force=force, inputs=[log])
+    check_output_files(out, force=force, inputs=[log])
     damaged = _content(log)
     found = salvage(damaged)
     if not found.messages:
@@ -46,9 +46,9 @@ def recover(
         print(f"nothing to save: {log} has {what} in its {len(damaged)} bytes")
         return NOTHING_TO_SAVE
     content = recovered_bytes(found)
-    if not holds(content, found):
+    if not contains_salvage(content, found):
         raise FlightError(f"{log}: what was recovered cannot be read again; nothing was written")
-    publish_bytes(content, out, force=force)
+    write_atomically(content, out, force=force)
     print(f"recovered  {out}")
     print(
         f"kept       {len(found.messages)} messages of {len(found.channels)} channels, "

@@ -14,7 +14,7 @@ PARTIAL = ".partial"
 _PIECE = 1 << 20
 
 
-class Disk:
+class FileSystem:
     """What publishing asks of the operating system, one call a step; tests and benchmarks put others here."""
 
     def make_folder(self, path: Path) -> None:
@@ -54,10 +54,12 @@ class Disk:
             os.close(descriptor)
 
 
-DISK = Disk()
+FILE_SYSTEM = FileSystem()
 
 
-def publish_bytes(content: bytes, path: Path, *, force: bool = False, disk: Disk = DISK) -> None:
+def write_atomically(
+    content: bytes, path: Path, *, force: bool = False, file_system: FileSystem = FILE_SYSTEM
+) -> None:
     """Writes a file whole or not at all: temporary file, sync, rename, sync of the folder.
 
     When this returns the file outlives the machine's stop. A symbolic link stays, and what it leads to is
@@ -70,7 +72,7 @@ def publish_bytes(content: bytes, path: Path, *, force: bool = False, disk: Disk
     """
     target = file_target(path, force=force)
     try:
-        _publish(content, target, disk)
+        _write_and_rename(content, target, file_system)
     except OSError as error:
         raise CannotWriteError(path, error.strerror or str(error)) from None
 
@@ -98,7 +100,7 @@ def file_target(path: Path, *, force: bool) -> Path:
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
-def publish_again(content: bytes, path: Path, *, force: bool = False) -> None:
+def write_unless_equal(content: bytes, path: Path, *, force: bool = False) -> None:
     """Writes a file whole or not at all, unless it is there with this very content.
 
     Raises:
@@ -106,10 +108,10 @@ def publish_again(content: bytes, path: Path, *, force: bool = False) -> None:
         CannotWriteError: the system says no; nothing is left behind.
     """
     if not path.is_file() or path.read_bytes() != content:
-        publish_bytes(content, path, force=force)
+        write_atomically(content, path, force=force)
 
 
-def publish_folder(path: Path, *, disk: Disk = DISK) -> None:
+def make_durable_folder(path: Path, *, file_system: FileSystem = FILE_SYSTEM) -> None:
     """Makes a folder that outlives the machine, and those above it, where they are not there.
 
     Raises:
@@ -119,61 +121,63 @@ def publish_folder(path: Path, *, disk: Disk = DISK) -> None:
     if path.exists() and not path.is_dir():
         raise AlreadyExistsError(path)
     try:
-        _make_folders(path, disk)
+        _make_folders(path, file_system)
     except OSError as error:
         raise CannotWriteError(path, error.strerror or str(error)) from None
 
 
-def remove_partials(folder: Path, *, of: str = "*") -> None:
+def remove_partial_files(folder: Path, *, of: str = "*") -> None:
     """Removes what writers left that were killed; nobody else may be writing these files.
 
     Args:
         folder: to be cleared.
         of: names of the files that were being written, as a pattern.
     """
-    for path in partials(folder, of=of):
+    for path in partial_files(folder, of=of):
         path.unlink(missing_ok=True)
 
 
-def partials(folder: Path, *, of: str = "*") -> list[Path]:
+def partial_files(folder: Path, *, of: str = "*") -> list[Path]:
     """Returns the files of a folder that were being written, by a pattern of the names they were to have."""
     return sorted(folder.glob(f".{of}.*{PARTIAL}"))
 
 
-def _publish(content: bytes, path: Path, disk: Disk) -> None:
-    _make_folders(path.parent, disk)
+def _write_and_rename(content: bytes, path: Path, file_system: FileSystem) -> None:
+    _make_folders(path.parent, file_system)
     # Two machines may write the same file into a folder that they share.
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PARTIAL}")
     try:
-        _write(content, partial, disk)
-        disk.rename(partial, path)
+        _write(content, partial, file_system)
+        file_system.rename(partial, path)
     except BaseException:
-        disk.remove(partial)
+        file_system.remove(partial)
         raise
-    disk.sync_folder(path.parent)
+    file_system.sync_folder(path.parent)
 
 
-def _write(content: bytes, path: Path, disk: Disk) -> None:
-    descriptor = disk.open(path)
+def _write(content: bytes, path: Path, file_system: FileSystem) -> None:
+    descriptor = file_system.open(path)
     try:
         left = memoryview(content)
         while left:
-            left = left[disk.write(descriptor, bytes(left[:_PIECE])) :]
-        disk.sync(descriptor)
+            left = left[file_system.write(descriptor, bytes(left[:_PIECE])) :]
+        file_system.sync(descriptor)
     finally:
-        disk.close(descriptor)
+        file_system.close(descriptor)
 
 
-def _make_folders(path: Path, disk: Disk) -> None:
+def _make_folders(path: Path, file_system: FileSystem) -> None:
     """Makes a folder and those above it; a name outlives the machine only where its folder was synced."""
     if path.is_dir():
         return
-    _make_folders(path.parent, disk)
-    disk.make_folder(path)
-    disk.sync_folder(path.parent)
+    _make_folders(path.parent, file_system)
+    file_system.make_folder(path)
+    file_system.sync_folder(path.parent)
 
 
-def refuse_files(*files: Path | None, force: bool, inputs: Iterable[Path] = (), ending: str = "") -> None:
+def check_output_files(
+    *files: Path | None, force: bool, inputs: Iterable[Path] = (), ending: str = ""
+) -> None:
     """Refuses, before any work is done, results that cannot be written or would destroy something.
 
     Args:
@@ -198,7 +202,7 @@ def refuse_files(*files: Path | None, force: bool, inputs: Iterable[Path] = (), 
         taken[target] = f"{path}, which it also writes"
 
 
-def refuse_folder(folder: Path, *, force: bool) -> None:
+def check_output_folder(folder: Path, *, force: bool) -> None:
     """Refuses, before any work is done, a folder for results that has something in it, or is none.
 
     Raises:

@@ -9,7 +9,7 @@ from typing import Any
 
 from flight.errors import FlightError
 
-PATIENCE = 15
+CONNECTION_TIMEOUT = 15
 """Seconds in which a scheduler must answer."""
 
 
@@ -56,7 +56,7 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     client: Any
     try:
         # Dask has no types.
-        client = Client(**by_file, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+        client = Client(**by_file, timeout=CONNECTION_TIMEOUT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise NoClusterError(address, " ".join(str(error).split()) or type(error).__name__) from None
     try:
@@ -64,4 +64,4 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     except (CancelledError, CommClosedError, KilledWorker) as error:
         raise ClusterLostError(address, type(error).__name__) from None
     finally:
-        client.close(timeout=PATIENCE)
+        client.close(timeout=CONNECTION_TIMEOUT)

@@ -15,7 +15,7 @@ COMPILERS = ("cc", "gcc", "clang")
 # Numbers as written: no reordering, and no fused multiply-adds, so that every machine gives the same bits.
 IEEE_FLAGS = ("-ffp-contract=off", "-fPIC", "-shared")
 # A compiler that needs longer than this has failed, s.
-_PATIENCE = 120
+_COMPILER_TIMEOUT = 120
 
 
 class NoMachineCodeError(FlightError):
@@ -59,7 +59,7 @@ def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         made = Path(folder) / path.name
         command = [compiler, *flags, str(source), "-o", str(made), "-lm"]
-        done = subprocess.run(command, check=False, capture_output=True, timeout=_PATIENCE)
+        done = subprocess.run(command, check=False, capture_output=True, timeout=_COMPILER_TIMEOUT)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
             raise NoMachineCodeError(said[-1] if said else f"{compiler} failed")

@@ -10,27 +10,27 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from .atomic_write import publish_bytes
+from .atomic_write import write_atomically
 
 
-def replace_whole(content: bytes, path: Path) -> None:
+def overwrite_atomically(content: bytes, path: Path) -> None:
     """Writes a file whole or not at all, whatever was there."""
-    publish_bytes(content, path, force=True)
+    write_atomically(content, path, force=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Means:
+class JobExecutor:
     """What does work.
 
     Attributes:
         executor: runs it.
         by_value: whether its workers send files back; else they write them, into a folder that is shared.
-        publish: writes what was sent.
+        write: writes what was sent.
     """
 
     executor: Executor
     by_value: bool = False
-    publish: Callable[[bytes, Path], None] = replace_whole
+    write: Callable[[bytes, Path], None] = overwrite_atomically
 
 
 # Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes
@@ -45,7 +45,7 @@ def worker_pool(processes: int) -> Iterator[Executor]:
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     try:
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(processes, mp_context=context, initializer=_follow_parent) as pool:
+        with ProcessPoolExecutor(processes, mp_context=context, initializer=_set_up_worker) as pool:
             try:
                 yield pool
             except BaseException:
@@ -59,7 +59,7 @@ def worker_pool(processes: int) -> Iterator[Executor]:
                 os.environ[name] = value
 
 
-def _follow_parent() -> None:
+def _set_up_worker() -> None:
     """Leaves signals to the process that started the work, and ends when that has ended, however it did.
 
     Asked to stop, workers finish the flight in hand.

@@ -10,7 +10,7 @@ from flight.errors import FlightError
 Result = TypeVar("Result")
 
 
-class OtherCodeError(FlightError):
+class CodeMismatchError(FlightError):
     """A process was to work that has other code than the one that asked."""
 
     def __init__(self, expected: str, here: str) -> None:
@@ -20,7 +20,7 @@ class OtherCodeError(FlightError):
         )
 
 
-class State(StrEnum):
+class JobState(StrEnum):
     """What there is of a piece of work."""
 
     WHOLE = "whole"
@@ -30,22 +30,22 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Found(Generic[Result]):
+class JobStatus(Generic[Result]):
     """A piece of work as its file shows it.
 
     Attributes:
         state: of the file.
         result: what the work came to; None unless whole.
-        why: what is wrong with the file, in words.
+        reason: what is wrong with the file, in words.
     """
 
-    state: State
+    state: JobState
     result: Result | None = None
-    why: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Done(Generic[Result]):
+class JobResult(Generic[Result]):
     """A piece of work, done.
 
     Attributes:
@@ -57,17 +57,17 @@ class Done(Generic[Result]):
     result: Result
 
 
-class Work(Protocol[Result]):
+class Job(Protocol[Result]):
     """A piece of work that any process with the same code does to the same bytes."""
 
     @property
     def path(self) -> Path:
         """The file that says that it is done, and what it came to."""
 
-    def found(self) -> Found[Result]:
+    def status(self) -> JobStatus[Result]:
         """Looks at the file; nothing but its content says whether it is whole and of this work."""
 
-    def done(self) -> Done[Result]:
+    def run(self) -> JobResult[Result]:
         """Does the work, and writes nothing.
 
         Raises:
@@ -75,11 +75,11 @@ class Work(Protocol[Result]):
         """
 
 
-def refuse_other_code(expected: str, here: str) -> None:
+def check_code_version(expected: str, here: str) -> None:
     """Refuses to work where the code is not the one that is wanted.
 
     Raises:
         OtherCodeError: it is another.
     """
     if here != expected:
-        raise OtherCodeError(expected, here)
+        raise CodeMismatchError(expected, here)

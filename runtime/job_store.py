@@ -16,10 +16,10 @@ from typing import Generic, TypeVar
 
 from flight.errors import AlreadyExistsError, FlightError
 
-from .atomic_write import partials, publish_bytes, publish_folder, remove_partials
-from .executor import Means
-from .job import Done, Found, State, Work
-from .progress import shown
+from .atomic_write import make_durable_folder, partial_files, remove_partial_files, write_atomically
+from .executor import JobExecutor
+from .job import Job, JobResult, JobState, JobStatus
+from .progress import show_progress
 
 Result = TypeVar("Result")
 Value = TypeVar("Value")
@@ -43,91 +43,91 @@ class NotSharedError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Survey(Generic[Result]):
+class JobStoreStatus(Generic[Result]):
     """What a folder holds of some work.
 
     Attributes:
         folder: that was looked at.
-        works: in their order.
-        found: of each.
-        strangers: files of the same kind that belong to none of them.
-        partial: files that a writer left who was killed.
+        jobs: in their order.
+        status: of each.
+        foreign_files: files of the same kind that belong to none of them.
+        partial_files: files that a writer left who was killed.
     """
 
     folder: Path
-    works: tuple[Work[Result], ...]
-    found: tuple[Found[Result], ...]
-    strangers: tuple[Path, ...]
-    partial: tuple[Path, ...]
+    jobs: tuple[Job[Result], ...]
+    status: tuple[JobStatus[Result], ...]
+    foreign_files: tuple[Path, ...]
+    partial_files: tuple[Path, ...]
 
-    def paths(self, state: State) -> tuple[Path, ...]:
+    def paths(self, state: JobState) -> tuple[Path, ...]:
         """Returns the files that are in a state."""
         return tuple(
-            work.path for work, found in zip(self.works, self.found, strict=True) if found.state is state
+            job.path for job, found in zip(self.jobs, self.status, strict=True) if found.state is state
         )
 
     @property
     def complete(self) -> bool:
         """Whether all is there."""
-        return all(found.state is State.WHOLE for found in self.found)
+        return all(found.state is JobState.WHOLE for found in self.status)
 
 
-def survey(works: Sequence[Work[Result]], folder: Path) -> Survey[Result]:
+def inspect_jobs(jobs: Sequence[Job[Result]], folder: Path) -> JobStoreStatus[Result]:
     """Looks at every file, and alters nothing."""
-    known = {work.path for work in works}
+    known = {job.path for job in jobs}
     kinds = {path.suffix for path in known}
     others = sorted(path for kind in kinds for path in folder.glob(f"[!.]*{kind}") if path not in known)
-    found = tuple(work.found() for work in works)
-    return Survey(folder, tuple(works), found, tuple(others), tuple(partials(folder)))
+    found = tuple(job.status() for job in jobs)
+    return JobStoreStatus(folder, tuple(jobs), found, tuple(others), tuple(partial_files(folder)))
 
 
-def refuse_others(seen: Survey[Result]) -> None:
+def check_own_folder(store: JobStoreStatus[Result]) -> None:
     """Refuses to add to a folder that holds something else.
 
     Raises:
         FlightError: a file of the same name or kind is of other work.
         AlreadyExistsError: the folder holds none of this work, but something.
     """
-    refuse_to_replace(seen)
-    if seen.strangers:
+    check_no_replacement(store)
+    if store.foreign_files:
         raise FlightError(
-            f"{seen.folder} holds {seen.strangers[0].name}, which does not belong to this command "
-            f"({len(seen.strangers)} such); give --force to leave it there, or another folder"
+            f"{store.folder} holds {store.foreign_files[0].name}, which does not belong to this command "
+            f"({len(store.foreign_files)} such); give --force to leave it there, or another folder"
         )
-    begun = any(found.state is not State.MISSING for found in seen.found) or seen.partial
-    if not begun and any(seen.folder.iterdir()):
-        raise AlreadyExistsError(seen.folder)
+    begun = any(found.state is not JobState.MISSING for found in store.status) or store.partial_files
+    if not begun and any(store.folder.iterdir()):
+        raise AlreadyExistsError(store.folder)
 
 
-def refuse_to_replace(seen: Survey[Result]) -> None:
+def check_no_replacement(store: JobStoreStatus[Result]) -> None:
     """Refuses to replace files of other work; what stands beside is let be.
 
     Raises:
         FlightError: a file that would be replaced is of other work.
     """
-    for found in seen.found:
-        if found.state is State.ANOTHER:
-            raise FlightError(f"{found.why}; give --force to replace it, or another folder")
+    for found in store.status:
+        if found.state is JobState.ANOTHER:
+            raise FlightError(f"{found.reason}; give --force to replace it, or another folder")
 
 
-def accept_others(seen: Survey[Result]) -> None:
+def allow_other_files(store: JobStoreStatus[Result]) -> None:
     """Lets files of other work be: those in the way are replaced, those beside it stay."""
 
 
 def complete(
-    works: Sequence[Work[Result]],
+    jobs: Sequence[Job[Result]],
     folder: Path,
     *,
-    means: Means,
+    job_executor: JobExecutor,
     what: str,
-    check: Callable[[Survey[Result]], None] = refuse_others,
+    check: Callable[[JobStoreStatus[Result]], None] = check_own_folder,
 ) -> list[Result]:
     """Does what is missing, and returns what all work came to, in its order.
 
     Args:
-        works: each with a file of its own in the folder.
+        jobs: each with a file of its own in the folder.
         folder: nobody else writes into it meanwhile.
-        means: what does the work, and how files come here.
+        job_executor: what does the work, and how files come here.
         what: is done, for the progress.
         check: raises where the folder holds what must not be touched.
 
@@ -136,51 +136,59 @@ def complete(
         FlightError: the check, the work or the writing says no; what is whole stays.
     """
     existed = folder.exists()
-    with _alone_in(folder):
-        seen = survey(works, folder)
+    with _exclusive_folder(folder):
+        store = inspect_jobs(jobs, folder)
         if existed:
-            check(seen)
-        remove_partials(folder)
-        _say(seen)
-        results = {n: one.result for n, one in enumerate(seen.found) if one.result is not None}
-        missing = {n: work for n, work in enumerate(works) if n not in results}
-        come = _sent_here(missing, means) if means.by_value else _kept_there(missing, means)
+            check(store)
+        remove_partial_files(folder)
+        _print_status(store)
+        results = {n: one.result for n, one in enumerate(store.status) if one.result is not None}
+        missing = {n: job for n, job in enumerate(jobs) if n not in results}
+        come = (
+            _run_and_collect(missing, job_executor)
+            if job_executor.by_value
+            else _run_in_shared_folder(missing, job_executor)
+        )
         with closing(come):
-            results |= shown(come, total=len(works), done=len(results), what=what)
-    return [results[n] for n in range(len(works))]
+            results |= show_progress(come, total=len(jobs), done=len(results), what=what)
+    return [results[n] for n in range(len(jobs))]
 
 
-def _say(seen: Survey[Result]) -> None:
-    whole = len(seen.paths(State.WHOLE))
+def _print_status(store: JobStoreStatus[Result]) -> None:
+    whole = len(store.paths(JobState.WHOLE))
     if whole:
-        print(f"{whole} of {len(seen.works)} are there already", file=sys.stderr)
-    for one in seen.found:
-        if one.state is State.DAMAGED:
-            print(f"done again: {one.why}", file=sys.stderr)
+        print(f"{whole} of {len(store.jobs)} are there already", file=sys.stderr)
+    for one in store.status:
+        if one.state is JobState.DAMAGED:
+            print(f"done again: {one.reason}", file=sys.stderr)
 
 
-def _sent_here(missing: Mapping[int, Work[Result]], means: Means) -> Generator[tuple[int, Result]]:
+def _run_and_collect(
+    missing: Mapping[int, Job[Result]], job_executor: JobExecutor
+) -> Generator[tuple[int, Result]]:
     """Yields numbers and results as they come; workers send files by value."""
-    sent = {means.executor.submit(_do, work): n for n, work in missing.items()}
-    for future in _as_they_come(sent):
+    sent = {job_executor.executor.submit(_run_job, job): n for n, job in missing.items()}
+    for future in _completed_futures(sent):
         done = future.result()
         for path, content in done.files:
-            means.publish(content, path)
+            job_executor.write(content, path)
         yield sent.pop(future), done.result
 
 
-def _kept_there(missing: Mapping[int, Work[Result]], means: Means) -> Generator[tuple[int, Result]]:
+def _run_in_shared_folder(
+    missing: Mapping[int, Job[Result]], job_executor: JobExecutor
+) -> Generator[tuple[int, Result]]:
     """Yields numbers and results as they come; workers write files themselves."""
     here = Path.cwd()
-    kept = {means.executor.submit(_do_and_keep, work, here): n for n, work in missing.items()}
-    for future in _as_they_come(kept):
+    kept = {job_executor.executor.submit(_run_and_write, job, here): n for n, job in missing.items()}
+    for future in _completed_futures(kept):
         result, n = future.result(), kept.pop(future)
         if not missing[n].path.exists():
             raise NotSharedError(missing[n].path)
         yield n, result
 
 
-def _as_they_come(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value]]:
+def _completed_futures(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value]]:
     """Yields what is done; where somebody stops listening, the rest is not begun."""
     try:
         yield from as_completed(futures)
@@ -189,22 +197,22 @@ def _as_they_come(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value
             future.cancel()
 
 
-def _do(work: Work[Result]) -> Done[Result]:
-    return work.done()
+def _run_job(job: Job[Result]) -> JobResult[Result]:
+    return job.run()
 
 
-def _do_and_keep(work: Work[Result], folder: Path) -> Result:
+def _run_and_write(job: Job[Result], folder: Path) -> Result:
     """Works, and writes the files where relative paths start from a folder."""
-    done = work.done()
+    done = job.run()
     for path, content in done.files:
-        publish_bytes(content, folder / path, force=True)
+        write_atomically(content, folder / path, force=True)
     return done.result
 
 
 @contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
+def _exclusive_folder(folder: Path) -> Iterator[None]:
     """Makes a folder, and keeps other programs from writing into it; the system forgets that with us."""
-    publish_folder(folder)
+    make_durable_folder(folder)
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         _lock(descriptor, folder)

@@ -26,7 +26,7 @@ class _Rate(ProgressColumn):
         return Text("-/min" if task.speed is None else f"{60 * task.speed:.0f}/min", "progress.data.speed")
 
 
-def shown(items: Iterable[Item], *, total: int, what: str, done: int = 0) -> Iterator[Item]:
+def show_progress(items: Iterable[Item], *, total: int, what: str, done: int = 0) -> Iterator[Item]:
     """Passes items through, and shows how many have come, how fast, and how long the rest will take.
 
     Args:

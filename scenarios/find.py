@@ -10,11 +10,11 @@ from flight.mission.campaign import Campaign, read_campaign
 from flight.mission.mission import Mission, read_mission
 from flight.mission.sequence import Sequence, read_sequence
 
-FOLDER = Path(__file__).parent
-MISSIONS = FOLDER / "missions"
-SEQUENCES = FOLDER / "sequences"
-CAMPAIGNS = FOLDER / "campaigns"
-FAULTS = FOLDER / "faults"
+SCENARIO_FOLDER = Path(__file__).parent
+MISSIONS = SCENARIO_FOLDER / "missions"
+SEQUENCES = SCENARIO_FOLDER / "sequences"
+CAMPAIGNS = SCENARIO_FOLDER / "campaigns"
+FAULTS = SCENARIO_FOLDER / "faults"
 
 
 class NoSuchFileError(FlightError):

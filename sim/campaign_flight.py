@@ -10,20 +10,20 @@ from flight.mission.sequence import Sequence
 from flightlog.channels import PRIMITIVE, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import difference, identity
+from flightlog.identity import flight_identity, identity_difference
 from flightlog.log import FlightLog
 from runtime.code_version import code_version
-from runtime.job import Done, Found, State, refuse_other_code
+from runtime.job import JobResult, JobState, JobStatus, check_code_version
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification
 from sim.vehicle.parameters import Parameters, read_parameters
 
-from .flight_header import flight_header, flight_inputs
+from .flight_header import flight_attachments, flight_header
 from .simulated_helicopter import SimulatedHelicopter
 
 
 @dataclass(frozen=True, slots=True)
-class FlightFlown:
+class CampaignFlightResult:
     """What became of one flight of a campaign.
 
     Attributes:
@@ -90,7 +90,7 @@ def fly_specification(
 
 @dataclass(frozen=True, slots=True)
 class CampaignFlight:
-    """One flight of a campaign, and the log that keeps it (a `runtime.job.Work`).
+    """One flight of a campaign, and the log that keeps it (a `runtime.job.Job`).
 
     Attributes:
         specification: what is to be flown.
@@ -104,34 +104,34 @@ class CampaignFlight:
     path: Path
     code: str = field(default_factory=code_version)
 
-    def found(self) -> Found[FlightFlown]:
+    def status(self) -> JobStatus[CampaignFlightResult]:
         """Returns what its log says, if it is there, whole, and of this very flight."""
         if not self.path.exists():
-            return Found(State.MISSING)
+            return JobStatus(JobState.MISSING)
         try:
             log = read_log(self.path, topics=(PRIMITIVE, TRUTH))
         except BadFileError as error:
-            return Found(State.DAMAGED, why=str(error))
-        wrong = difference(self._identity(), identity(log.header, log.attachments))
+            return JobStatus(JobState.DAMAGED, reason=str(error))
+        wrong = identity_difference(self._identity(), flight_identity(log.header, log.attachments))
         if wrong is not None:
-            return Found(State.ANOTHER, why=f"{self.path} is of another flight: {wrong}")
-        return Found(State.WHOLE, self._flown(log))
+            return JobStatus(JobState.ANOTHER, reason=f"{self.path} is of another flight: {wrong}")
+        return JobStatus(JobState.WHOLE, self._result(log))
 
-    def done(self) -> Done[FlightFlown]:
+    def run(self) -> JobResult[CampaignFlightResult]:
         """Flies.
 
         Raises:
             OtherCodeError: this process has other code than the one that asked.
         """
-        refuse_other_code(self.code, code_version())
+        check_code_version(self.code, code_version())
         log = fly_specification(self.specification, self.library)
-        return Done(((self.path, log_bytes(log)),), self._flown(log))
+        return JobResult(((self.path, log_bytes(log)),), self._result(log))
 
-    def _flown(self, log: FlightLog) -> FlightFlown:
+    def _result(self, log: FlightLog) -> CampaignFlightResult:
         timeouts = int(log[PRIMITIVE]["timed_out"].sum()) if PRIMITIVE.name in log.series else 0
-        return FlightFlown(self.specification, self.path, log.header.outcome, timeouts, log.duration)
+        return CampaignFlightResult(self.specification, self.path, log.header.outcome, timeouts, log.duration)
 
     def _identity(self) -> dict[str, str]:
         parameters = read_parameters()
         header = flight_header(self.specification, parameters, backend=Backend.INTERPRETED)
-        return identity(header, flight_inputs(self.specification, self.library, parameters))
+        return flight_identity(header, flight_attachments(self.specification, self.library, parameters))

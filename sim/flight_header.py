@@ -39,7 +39,7 @@ def flight_header(
     )
 
 
-def flight_inputs(
+def flight_attachments(
     specification: FlightSpecification, library: Library, parameters: Parameters
 ) -> dict[str, bytes]:
     """Returns the attachments that a flight is made of, by name."""

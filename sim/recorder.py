@@ -12,13 +12,13 @@ from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
 from flightlog.topic import Series, Topic
-from sim.loop.bound_function import Array, view
+from sim.loop.bound_function import Array, memory_view
 from sim.loop.motion import Controls, Motion
 from sim.loop.signals import Signals
 from sim.loop.specification import CONTROL_RATE
 
 # Motion is logged at every second control period, what the vehicle believes of its errors at every tenth.
-PERIODS_A_SAMPLE, PERIODS_A_SPREAD = 2, 10
+PERIODS_PER_SAMPLE, PERIODS_PER_NAVIGATION_SAMPLE = 2, 10
 # Rows of memory that are taken at first.
 _ROWS = 4096
 _HEADING = Motion._fields.index("heading")
@@ -57,7 +57,7 @@ class Recorder:
             (kind, number, from_trim, to_trim.id, target.forward, target.side, target.yaw_rate, timed_out)
         )
 
-    def add_spread(self, sigmas: tuple[float, ...] | None) -> None:
+    def add_standard_deviation(self, sigmas: tuple[float, ...] | None) -> None:
         """Notes what the vehicle believes of its errors now; nothing where it knows of none."""
         if sigmas is not None:
             self._spreads.append(sigmas)
@@ -67,7 +67,7 @@ class Recorder:
 
         A row for every second control period, and the last.
         """
-        periods = np.append(np.arange(first, last, PERIODS_A_SAMPLE), last)
+        periods = np.append(np.arange(first, last, PERIODS_PER_SAMPLE), last)
         truth, estimate = np.split(self._motion.values()[periods][:, : 2 * _MOTION], 2, axis=1)
         times = periods / CONTROL_RATE
         true, believed = (
@@ -75,21 +75,23 @@ class Recorder:
         )
         return true, believed
 
-    def spread(self, first: int, last: int) -> float:
+    def standard_deviation(self, first: int, last: int) -> float:
         """Returns the largest standard deviation of the horizontal position that was claimed, in metres."""
-        rows = self._spreads[first // PERIODS_A_SPREAD : last // PERIODS_A_SPREAD + 1]
+        rows = self._spreads[
+            first // PERIODS_PER_NAVIGATION_SAMPLE : last // PERIODS_PER_NAVIGATION_SAMPLE + 1
+        ]
         return max((hypot(north, east) for north, east, *_ in rows), default=0.0)
 
     def log(self, header: FlightHeader, attachments: Mapping[str, bytes]) -> FlightLog:
         """Returns all that was noted as a flight log."""
         motion, period = self._motion.values(), self._period.values()
         last = len(motion) - 1
-        sampled = np.array(sorted({*range(0, last, PERIODS_A_SAMPLE), *self._beginnings, last}))
+        sampled = np.array(sorted({*range(0, last, PERIODS_PER_SAMPLE), *self._beginnings, last}))
         moments, motion = sampled / CONTROL_RATE, motion[sampled]
         command = np.column_stack([motion[:, _COMMAND_COLUMNS], np.full(len(motion), self._height)])
         beginnings = np.array(self._beginnings, dtype=np.int64) / CONTROL_RATE
         times = np.arange(len(period)) / CONTROL_RATE
-        spreads = PERIODS_A_SPREAD * np.arange(len(self._spreads)) / CONTROL_RATE
+        spreads = PERIODS_PER_NAVIGATION_SAMPLE * np.arange(len(self._spreads)) / CONTROL_RATE
         series = (
             Series(COMMAND, moments, command),
             Series(ESTIMATE, moments, motion[:, _MOTION : 2 * _MOTION]),
@@ -107,9 +109,9 @@ class _Rows:
     """Copies of an array that changes, one below the other."""
 
     def __init__(self, source: Array) -> None:
-        self._source, self._width = view(source), len(source)
+        self._source, self._width = memory_view(source), len(source)
         self._memory = np.empty(_ROWS * self._width)
-        self._view, self._end = view(self._memory), 0
+        self._view, self._end = memory_view(self._memory), 0
 
     def __len__(self) -> int:
         return self._end // self._width
@@ -119,7 +121,7 @@ class _Rows:
         if self._end == len(self._memory):
             # Twice as much, so that a row is copied once on the average, however long the flight.
             self._memory = np.concatenate([self._memory, np.empty_like(self._memory)])
-            self._view = view(self._memory)
+            self._view = memory_view(self._memory)
         end = self._end + self._width
         self._view[self._end : end] = self._source
         self._end = end

@@ -9,7 +9,7 @@ from flight.errors import FlightError
 from flightlog.attachment_names import INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT
 from flightlog.channels import CONTROLS, WIND
 from flightlog.log import FlightLog
-from sim.faults.vehicle_faults import vehicle_schedule
+from sim.faults.vehicle_faults import vehicle_fault_schedule
 from sim.loop.backend import Backend, best_backend, name_backend
 from sim.loop.motion import Controls, Wind
 from sim.loop.specification import CONTROL_PERIOD, parse_specification
@@ -17,7 +17,7 @@ from sim.vehicle.helicopter import Helicopter, HelicopterState
 from sim.vehicle.parameters import model_hash, read_parameters
 
 
-class AnotherVehicleError(FlightError):
+class VehicleMismatchError(FlightError):
     """A log cannot be flown again here: it would be another motion."""
 
     def __init__(self, what: str, logged: str, here: str) -> None:
@@ -37,13 +37,13 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
         AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
         FlightLostError: the flight ended in the ground or diverged.
     """
-    refuse_another_vehicle(log)
+    check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
     text = log.attachments[SPECIFICATION_ATTACHMENT]
     specification, parameters = parse_specification(text, SPECIFICATION_ATTACHMENT), read_parameters()
     step = specification.step
     helicopter = Helicopter(parameters, step=step, backend=backend)
-    faults = vehicle_schedule(specification.faults, helicopter, parameters)
+    faults = vehicle_fault_schedule(specification.faults, helicopter, parameters)
     state = json.loads(log.attachments[INITIAL_STATE_ATTACHMENT])
     heading = state.pop("heading")
     helicopter.restore(
@@ -59,14 +59,14 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
     return np.array(rows)
 
 
-def refuse_another_vehicle(log: FlightLog) -> None:
+def check_vehicle_matches(log: FlightLog) -> None:
     """Refuses a log of a vehicle that is not here.
 
     Raises:
         AnotherVehicleError: it is of another.
     """
     if log.header.model_hash != model_hash():
-        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
+        raise VehicleMismatchError("vehicle", log.header.model_hash, model_hash())
 
 
 def backend_named(name: str) -> Backend:
@@ -77,5 +77,5 @@ def backend_named(name: str) -> Backend:
     """
     here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
     if name not in here:
-        raise AnotherVehicleError("numeric back-end", name, " or ".join(here))
+        raise VehicleMismatchError("numeric back-end", name, " or ".join(here))
     return here[name]

@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
-from flight.automaton.maneuver_end import ManeuverEndJudge, Verdict
+from flight.automaton.maneuver_end import ManeuverEndDetector, ManeuverStatus
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError, NoManeuverEndError
 from flight.se2 import SE2
@@ -17,7 +17,7 @@ from flightlog.primitives import PrimitiveKind
 from sim.control.controller import Controller
 from sim.control.gains import Gains
 from sim.control.maneuver_generator import ManeuverGenerator
-from sim.faults.fault_injection import Faults, Parts
+from sim.faults.fault_injection import FaultInjector, Parts
 from sim.loop.backend import Backend, best_backend
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
@@ -29,9 +29,9 @@ from sim.vehicle.helicopter import Helicopter, move_in_plane
 from sim.vehicle.parameters import Parameters, read_parameters
 from sim.wind.weather import Weather
 
-from .flight_header import flight_header, flight_inputs
-from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
-from .supervisor import Supervisor, limits_for
+from .flight_header import flight_attachments, flight_header
+from .recorder import PERIODS_PER_NAVIGATION_SAMPLE, PERIODS_PER_SAMPLE, Recorder
+from .supervisor import Supervisor, alarm_limits
 
 
 class SimulatedHelicopter:
@@ -88,7 +88,7 @@ class SimulatedHelicopter:
         )
         # What runs before the helicopter moves.
         self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
-        self._faults: Faults | None = None
+        self._faults: FaultInjector | None = None
         self.supervisor: Supervisor | None = None
         self._periods = 0
         self._timed_out = False
@@ -103,7 +103,7 @@ class SimulatedHelicopter:
         self._recorder.add_motion()
         self._initial_state = self._helicopter.state()
         if specification.faults and self._lost is None:
-            self._faults = faults = Faults(
+            self._faults = faults = FaultInjector(
                 specification.faults,
                 signals=signals,
                 helicopter=self._helicopter,
@@ -114,7 +114,7 @@ class SimulatedHelicopter:
             self._parts = faults.parts
         if specification.supervised and self._lost is None:
             self.supervisor = Supervisor(
-                signals, self.navigation, height=specification.altitude, limits=limits_for(library)
+                signals, self.navigation, height=specification.altitude, limits=alarm_limits(library)
             )
 
     def _settle(self) -> None:
@@ -129,10 +129,10 @@ class SimulatedHelicopter:
             self._advance()
         displacement = specification.start_pose @ self.truth.pose.inverse()
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
-        self._wind.turn(displacement.heading)
+        self._wind.rotate_world(displacement.heading)
         self._wind.begin()
-        self._controller.turn(displacement.heading)
-        self.navigation.move(displacement)
+        self._controller.rotate_world(displacement.heading)
+        self.navigation.move_world(displacement)
 
     def _navigator(self) -> Navigator:
         if self._specification.ideal_navigation:
@@ -174,7 +174,7 @@ class SimulatedHelicopter:
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
         first = self._periods
-        with self._keeping(first):
+        with self._attach_track_if_lost(first):
             for _ in range(round(duration / CONTROL_PERIOD)):
                 self._advance()
                 if self._alarm_since(first):
@@ -194,21 +194,21 @@ class SimulatedHelicopter:
             )
         self._trim = self._library.trim(maneuver.to_trim)
         target = self._trim.velocity
-        self._generator.aim(target)
+        self._generator.set_target(target)
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
-        first, believed = self._periods, self._signals.estimate
-        judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
-        verdict = Verdict.UNDER_WAY
-        with self._keeping(first):
-            while verdict is Verdict.UNDER_WAY and not self._alarm_since(first):
+        first, estimate = self._periods, self._signals.estimate
+        judge = ManeuverEndDetector(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
+        verdict = ManeuverStatus.UNDER_WAY
+        with self._attach_track_if_lost(first):
+            while verdict is ManeuverStatus.UNDER_WAY and not self._alarm_since(first):
                 self._advance()
-                if self._periods % PERIODS_A_SAMPLE == 0:
-                    verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
-        self._timed_out = verdict is Verdict.TIMED_OUT
+                if self._periods % PERIODS_PER_SAMPLE == 0:
+                    verdict = judge.update(self.time, Motion._make(estimate.tolist()).velocity)
+        self._timed_out = verdict is ManeuverStatus.TIMED_OUT
         return self._leg(first, settled=not self._timed_out)
 
     @contextmanager
-    def _keeping(self, first: int) -> Iterator[None]:
+    def _attach_track_if_lost(self, first: int) -> Iterator[None]:
         """Hands on what was flown, from a control period on, of a primitive in which the vehicle is lost."""
         try:
             yield
@@ -218,13 +218,13 @@ class SimulatedHelicopter:
 
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
-        track, believed = self._recorder.tracks(first, self._periods)
+        track, estimated_track = self._recorder.tracks(first, self._periods)
         return Leg(
             (self._periods - first) / CONTROL_RATE,
             settled=settled,
             track=track,
-            believed=believed,
-            spread=self._recorder.spread(first, self._periods),
+            estimated_track=estimated_track,
+            standard_deviation=self._recorder.standard_deviation(first, self._periods),
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
         )
@@ -246,7 +246,7 @@ class SimulatedHelicopter:
             self._specification, self._parameters, backend=self._backend, outcome=self._outcome
         )
         files = {
-            **flight_inputs(self._specification, self._library, self._parameters),
+            **flight_attachments(self._specification, self._library, self._parameters),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
@@ -258,8 +258,8 @@ class SimulatedHelicopter:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
-        if self._periods % PERIODS_A_SPREAD == 0:
-            self._recorder.add_spread(self.navigation.spread())
+        if self._periods % PERIODS_PER_NAVIGATION_SAMPLE == 0:
+            self._recorder.add_standard_deviation(self.navigation.standard_deviation())
         if self._faults:
             self._faults.begin()
         for run in self._parts:

@@ -20,12 +20,12 @@ from sim.navigation.navigation import Navigation, Navigator
 from sim.wind.turbulence_meter import TurbulenceMeter
 from sim.wind.wind import WIND_CLASSES
 
-PERIODS_A_LOOK = 10
+PERIODS_PER_CHECK = 10
 """Control periods between two looks; as many as between two fixes."""
 
-_LOOK = PERIODS_A_LOOK * CONTROL_PERIOD
+_CHECK_INTERVAL = PERIODS_PER_CHECK * CONTROL_PERIOD
 # Share of what was seen that a look keeps: means are over a second.
-_KEPT = exp(-_LOOK)
+_DECAY = exp(-_CHECK_INTERVAL)
 
 LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
     {
@@ -55,16 +55,16 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
 for as
 long. How hard it may blow is the library's to say."""
 
-BEYOND = 2.5
+TURBULENCE_FACTOR = 2.5
 """How much harder than the wind of a library it may seem to blow before the vehicle says so."""
 
 _INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmKind.ALTIMETER_AMISS})
 
 
-def limits_for(library: Library) -> Mapping[AlarmKind, float]:
+def alarm_limits(library: Library) -> Mapping[AlarmKind, float]:
     """Returns what is allowed where a library is flown with: turbulence as far as its wind class is known."""
     known = WIND_CLASSES.get(library.conditions.wind)
-    beyond = inf if known is None or not known.wind_at_20_ft else BEYOND * known.wind_at_20_ft
+    beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
     return {**LIMITS, AlarmKind.TURBULENCE: beyond}
 
 
@@ -93,8 +93,8 @@ class Supervisor:
         self._estimate, self._reference = signals.estimate, signals.reference
         self._height, self._limits = height, limits
         self._squares = dict.fromkeys((AlarmKind.VELOCITY, AlarmKind.DESCENT, AlarmKind.YAW_RATE), 0.0)
-        self._readings = _Readings(navigation) if isinstance(navigation, Navigation) else None
-        self._meter = TurbulenceMeter(_LOOK)
+        self._readings = _ReadingMonitor(navigation) if isinstance(navigation, Navigation) else None
+        self._meter = TurbulenceMeter(_CHECK_INTERVAL)
         self._periods = 0
         self.alarms: list[Alarm] = []
         self.largest: dict[AlarmKind, float] = {}
@@ -104,8 +104,8 @@ class Supervisor:
         self._periods += 1
         if self._readings is not None:
             self._readings.note()
-        if self._periods % PERIODS_A_LOOK == 0:
-            self._look()
+        if self._periods % PERIODS_PER_CHECK == 0:
+            self._check_limits()
 
     @property
     def turbulence(self) -> float | None:
@@ -125,16 +125,16 @@ class Supervisor:
             return log
         return replace(log, series={**log.series, ALARM.name: alarm_series(self.alarms)})
 
-    def _look(self) -> None:
+    def _check_limits(self) -> None:
         known = {alarm.kind for alarm in self.alarms}
-        for kind, value in self._found():
+        for kind, value in self._monitored_values():
             self.largest[kind] = max(value, self.largest.get(kind, 0.0))
             limit = self._limits[kind]
             # False too where the value is no number.
             if not value <= limit and kind not in known:
                 self.alarms.append(Alarm(self._periods * CONTROL_PERIOD, kind, value, limit))
 
-    def _found(self) -> Iterator[tuple[AlarmKind, float]]:
+    def _monitored_values(self) -> Iterator[tuple[AlarmKind, float]]:
         motion = self._estimate.tolist()
         if not all(map(isfinite, motion)):
             yield AlarmKind.NO_NUMBER, 1.0
@@ -149,17 +149,17 @@ class Supervisor:
             AlarmKind.YAW_RATE: yaw_rate - reference[6],
         }
         for kind, error in off.items():
-            mean = _KEPT * self._squares[kind] + (1.0 - _KEPT) * error**2
+            mean = _DECAY * self._squares[kind] + (1.0 - _DECAY) * error**2
             self._squares[kind] = mean
             yield kind, sqrt(mean)
-        self._meter.see((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
+        self._meter.update((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
         if (turbulence := self.turbulence) is not None:
             yield AlarmKind.TURBULENCE, turbulence
         if self._readings is not None:
-            yield from self._readings.look()
+            yield from self._readings.monitored_values()
 
 
-class _Readings:
+class _ReadingMonitor:
     """What sensors and filter say to one another."""
 
     def __init__(self, navigation: Navigation) -> None:
@@ -180,7 +180,7 @@ class _Readings:
         self._fixed |= sensors.has_fix
         self._seen |= sensors.has_heading_and_height
 
-    def look(self) -> Iterator[tuple[AlarmKind, float]]:
+    def monitored_values(self) -> Iterator[tuple[AlarmKind, float]]:
         """Yields what there is to be said of the readings since the last look."""
         sensors = self._navigation.sensors
         for kind, part in self._inertial.items():
@@ -202,19 +202,19 @@ class _Readings:
             ),
         )
         for silent, stuck, came, reading in fresh:
-            self._silent[silent] = 0.0 if came else self._silent.get(silent, 0.0) + _LOOK
+            self._silent[silent] = 0.0 if came else self._silent.get(silent, 0.0) + _CHECK_INTERVAL
             yield silent, self._silent[silent]
             if came:
                 yield stuck, self._unchanged(stuck, reading)
         yield from self._innovations()
         self._fixed = self._seen = False
-        north, east, *_ = self._navigation.spread()
+        north, east, *_ = self._navigation.standard_deviation()
         yield AlarmKind.POSITION_UNKNOWN, hypot(north, east)
 
     def _unchanged(self, kind: AlarmKind, reading: object) -> float:
         """Returns for how many seconds a reading has been the same to the bit."""
         same = reading == self._last.get(kind)
-        self._stuck[kind] = self._stuck.get(kind, 0.0) + _LOOK if same else 0.0
+        self._stuck[kind] = self._stuck.get(kind, 0.0) + _CHECK_INTERVAL if same else 0.0
         self._last[kind] = reading
         return self._stuck[kind]
 
@@ -225,7 +225,9 @@ class _Readings:
         count = len(self._navigation.fix_tests)
         for place, test in (*enumerate(fix), *enumerate(slow, start=count)):
             if not isnan(test):
-                self._means[place] = _KEPT * self._means[place] + (1.0 - _KEPT) * max(-GATE, min(GATE, test))
+                self._means[place] = _DECAY * self._means[place] + (1.0 - _DECAY) * max(
+                    -GATE, min(GATE, test)
+                )
         *fixes, heading, height = map(abs, self._means)
         yield AlarmKind.FIXES_AMISS, max(fixes)
         yield AlarmKind.HEADING_AMISS, heading

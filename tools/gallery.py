@@ -93,15 +93,15 @@ def main() -> int:
     with TemporaryDirectory() as name:
         folder = Path(name)
         for line in FLIGHTS.values():
-            _maneuver(line, folder)
+            _run_command(line, folder)
         shots = [shot for shot in SHOTS if shot.review != IMPORTED or len(sys.argv) > 1]
         if len(sys.argv) > 1:
             shutil.copy(sys.argv[1], folder / "sample_px4_events.ulg")
-            _maneuver(IMPORT, folder)
+            _run_command(IMPORT, folder)
         for review in dict.fromkeys(shot.review for shot in shots):
-            _maneuver(f"review {review} --html --force --out pages", folder)
+            _run_command(f"review {review} --html --force --out pages", folder)
         for line, picture in DRAWN.items():
-            _maneuver(line, folder)
+            _run_command(line, folder)
             if picture is not None:
                 shutil.copy(folder / picture, DOCS)
         with browser(folder / "profile") as tab:
@@ -110,7 +110,7 @@ def main() -> int:
     return 0
 
 
-def _maneuver(line: str, folder: Path) -> None:
+def _run_command(line: str, folder: Path) -> None:
     """Runs one command with its file names in a folder."""
     before = Path.cwd()
     os.chdir(folder)

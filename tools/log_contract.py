@@ -11,7 +11,7 @@ from flightlog.decision import DECISION
 from flightlog.header import FlightHeader
 from flightlog.topic import Topic
 from flightlog.viewers import z_up_frames as z_up
-from flightlog.viewers.channels import VIEWER_TOPICS, ViewerTopic
+from flightlog.viewers.viewer_channels import VIEWER_TOPICS, ViewerTopic
 
 PAGE = Path(__file__).parent.parent / "docs" / "flight-log.md"
 
@@ -28,7 +28,7 @@ for
 viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never read
 back. [review.md](review.md) says how to open a log in the viewers.
 
-This page is made from `flightlog/log.py` and `flightlog/viewers/channels.py` by `python -m
+This page is made from `flightlog/log.py` and `flightlog/viewers/viewer_channels.py` by `python -m
 tools.log_contract`.
 
 ## Example
@@ -95,7 +95,7 @@ def _viewers() -> str:
 
     frames = (
         f"World `{z_up.WORLD}`, x east, y north, z up; vehicle `{z_up.VEHICLE}` and, where it believes "
-        f"to be, `{z_up.BELIEVED_VEHICLE}`, x forward, y left, z up."
+        f"to be, `{z_up.ESTIMATED_VEHICLE}`, x forward, y left, z up."
     )
     return f"## For viewers\n\n{frames}\n\n" + _table(
         ("topic", "message", "what is to be seen"), map(row, VIEWER_TOPICS)

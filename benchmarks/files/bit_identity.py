@@ -26,8 +26,8 @@ from random import Random
 from typing import Any
 
 from benchmarks.upper_limit import upper_limit
-from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
-from runtime.executor import Means
+from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
 from tests.support.small_campaign import write_small_campaign
 
@@ -56,7 +56,7 @@ def _hand_to(waiting: Future[Any]) -> Any:
     return lambda done: waiting.set_result(done.result())
 
 
-class Ways:
+class LibraryRuns:
     """The ways to make one library.
 
     Args:
@@ -92,8 +92,8 @@ class Ways:
         name = "shuffled"
         with ThreadPoolExecutor(1) as pool:
             shuffled = _Shuffled(pool, Random(1), batch=self._flights)
-            fly_whole_campaign(
-                self._order(), self._folder / name / "logs", means=Means(shuffled, by_value=True)
+            fly_campaign(
+                self._order(), self._folder / name / "logs", job_executor=JobExecutor(shuffled, by_value=True)
             )
         return self.by_command(name, "--workers", "1")
 
@@ -101,8 +101,8 @@ class Ways:
         """Flies every other flight beforehand."""
         folder = self._folder / "resumed" / "logs"
         folder.mkdir(parents=True)
-        for flight in self._order().works(folder)[::2]:
-            for path, content in flight.done().files:
+        for flight in self._order().jobs(folder)[::2]:
+            for path, content in flight.run().files:
                 path.write_bytes(content)
         return self.by_command("resumed", "--workers", "2")
 
@@ -146,7 +146,7 @@ def hash_of(folder: Path) -> str:
 
 def hashes(folder: Path, *, flights: int, workers: tuple[int, ...]) -> Iterator[tuple[str, str]]:
     """Yields each way with its hash."""
-    ways = Ways(folder, flights=flights)
+    ways = LibraryRuns(folder, flights=flights)
     for count in workers:
         name = f"{count} worker{'s' * (count > 1)}"
         yield name, ways.by_command(name, "--workers", str(count))
@@ -178,7 +178,7 @@ def main() -> None:
         print(
             f"{len(set(found))} hash of {arguments.flights} logs, library and data sheet in {len(found)} ways"
         )
-        ways = Ways(Path(name), flights=arguments.flights)
+        ways = LibraryRuns(Path(name), flights=arguments.flights)
         differ, logs = ways.replayed()
     limit = 100 * upper_limit(differ, logs)
     print(f"{differ} of {logs} logs differ when flown again from themselves; 95 % upper limit {limit:.1f} %")

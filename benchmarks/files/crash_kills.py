@@ -28,7 +28,7 @@ SEED = 1
 
 
 @dataclass(slots=True)
-class Killing:
+class KilledCampaign:
     """A campaign that is killed again and again.
 
     Attributes:
@@ -119,7 +119,7 @@ def killed(kills: int, *, flights: int, workers: int, seed: int) -> Counter[str]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         campaign = write_small_campaign(folder, flights=flights)
-        killing = Killing(campaign, workers, Random(seed))
+        killing = KilledCampaign(campaign, workers, Random(seed))
         (folder / "undisturbed").mkdir()
         killing.undisturbed(folder / "undisturbed")
         number = 0

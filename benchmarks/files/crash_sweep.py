@@ -25,36 +25,36 @@ from random import Random
 from typing import Any
 
 from benchmarks.upper_limit import upper_limit
-from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
 from experiments.campaign.evidence import gather_evidence
+from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
 from flight.automaton.library_file import library_text
 from flight.errors import CannotWriteError
 from identification.data_sheet import data_sheet
 from identification.identify import identify
-from runtime.atomic_write import Disk, publish_bytes, remove_partials
-from runtime.executor import Means
+from runtime.atomic_write import FileSystem, remove_partial_files, write_atomically
+from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
-from tests.support.crash_disk import Loss, NotingDisk, Step, after_crash
+from tests.support.crash_file_system import CrashLoss, FileOperation, RecordingFileSystem, after_crash
 from tests.support.small_campaign import write_small_campaign
 
-Writer = Callable[[bytes, Path, Disk], None]
+Writer = Callable[[bytes, Path, FileSystem], None]
 Files = dict[str, bytes]
 
 
-def whole_writer(content: bytes, path: Path, disk: Disk) -> None:
+def whole_writer(content: bytes, path: Path, file_system: FileSystem) -> None:
     """Writes as the program does."""
-    publish_bytes(content, path, force=True, disk=disk)
+    write_atomically(content, path, force=True, file_system=file_system)
 
 
-def naive_writer(content: bytes, path: Path, disk: Disk) -> None:
+def naive_writer(content: bytes, path: Path, file_system: FileSystem) -> None:
     """Writes a file in its place, and hopes."""
-    descriptor = disk.open(path)
+    descriptor = file_system.open(path)
     while content:
-        content = content[disk.write(descriptor, content) :]
-    disk.close(descriptor)
+        content = content[file_system.write(descriptor, content) :]
+    file_system.close(descriptor)
 
 
-class Remembering(Executor):
+class CachingExecutor(Executor):
     """Runs work at once, in this process, and each flight only once."""
 
     def __init__(self) -> None:
@@ -83,7 +83,7 @@ class Sweep:
 
     order: CampaignOrder
     place: Path
-    executor: Remembering
+    executor: CachingExecutor
     expected: Files
 
     @classmethod
@@ -91,34 +91,36 @@ class Sweep:
         """Flies the campaign once, undisturbed."""
         campaign = find_campaign(str(write_small_campaign(folder, flights=flights)))
         order = CampaignOrder(campaign, seed=1, flights=flights, wind=campaign.wind)
-        sweep = cls(order, folder / "place", Remembering(), {})
+        sweep = cls(order, folder / "place", CachingExecutor(), {})
         sweep.lay_out({})
-        sweep.run(whole_writer, Disk())
+        sweep.run(whole_writer, FileSystem())
         sweep.expected = sweep.files()
         return sweep
 
-    def run(self, writer: Writer, disk: Disk, *, reported: list[tuple[int, str]] | None = None) -> None:
+    def run(
+        self, writer: Writer, file_system: FileSystem, *, reported: list[tuple[int, str]] | None = None
+    ) -> None:
         """Flies what is missing, and identifies the library.
 
         Args:
             writer: of the files.
-            disk: that they are written to.
+            file_system: that they are written to.
             reported: takes the number of steps after which each file was said to be there.
         """
 
-        def publish(content: bytes, path: Path) -> None:
-            writer(content, path, disk)
-            if reported is not None and isinstance(disk, NotingDisk):
-                reported.append((len(disk.steps), self._name(path)))
+        def write(content: bytes, path: Path) -> None:
+            writer(content, path, file_system)
+            if reported is not None and isinstance(file_system, RecordingFileSystem):
+                reported.append((len(file_system.steps), self._name(path)))
 
-        means = Means(self.executor, by_value=True, publish=publish)
-        flown = fly_whole_campaign(self.order, self.place / "flights", means=means)
+        job_executor = JobExecutor(self.executor, by_value=True, write=write)
+        flown = fly_campaign(self.order, self.place / "flights", job_executor=job_executor)
         logs = [flight.path for flight in flown.flights]
         # What `regenerate` does before it writes a library.
-        remove_partials(self.place, of="small*")
+        remove_partial_files(self.place, of="small*")
         library = identify(gather_evidence(logs, executor=_Inline()), name="small")
         for ending, text in ((".json", library_text(library)), (".md", data_sheet(library))):
-            publish(text.encode(), self.place / f"small{ending}")
+            write(text.encode(), self.place / f"small{ending}")
 
     def files(self) -> Files:
         """Returns every file that there is, by its name below the place."""
@@ -140,7 +142,7 @@ class Sweep:
         if any(visible.get(name) != self.expected[name] for name in reported):
             wrong.add("reported file lost")
         self.lay_out(found)
-        self.run(whole_writer, Disk())
+        self.run(whole_writer, FileSystem())
         after = self.files()
         if after.keys() - self.expected.keys():
             wrong.add("file too many")
@@ -165,20 +167,20 @@ class _Inline(Executor):
         return future
 
 
-def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[Step], list[tuple[int, str]]]:
+def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[FileOperation], list[tuple[int, str]]]:
     """Returns every step of an undisturbed run, and after how many each file was said to be there."""
-    disk, reported = NotingDisk(piece), list[tuple[int, str]]()
+    file_system, reported = RecordingFileSystem(piece), list[tuple[int, str]]()
     sweep.lay_out({})
-    sweep.run(writer, disk, reported=reported)
-    return disk.steps, reported
+    sweep.run(writer, file_system, reported=reported)
+    return file_system.steps, reported
 
 
-def crash_everywhere(sweep: Sweep, writer: Writer, *, piece: int, seed: int) -> dict[Loss, Counter[str]]:
+def crash_everywhere(sweep: Sweep, writer: Writer, *, piece: int, seed: int) -> dict[CrashLoss, Counter[str]]:
     """Stops after every step, with every loss, and counts what is wrong after each; `points` counts all."""
     steps, reported = note(sweep, writer, piece=piece)
-    counts = {loss: Counter[str]() for loss in Loss}
+    counts = {loss: Counter[str]() for loss in CrashLoss}
     for number in range(len(steps) + 1):
-        for loss in Loss:
+        for loss in CrashLoss:
             found = sweep.relative(after_crash(steps[:number], loss, Random(f"{seed} {number} {loss}")))
             said = {name for step, name in reported if step <= number}
             wrong = sweep.faults(found, said)
@@ -193,7 +195,7 @@ def fill_everywhere(sweep: Sweep, *, piece: int) -> Counter[str]:
     for number in range(len(steps)):
         sweep.lay_out({})
         with suppress(CannotWriteError):
-            sweep.run(whole_writer, NotingDisk(piece, full_after=number))
+            sweep.run(whole_writer, RecordingFileSystem(piece, full_after=number))
         found = sweep.files()
         hidden = {"half-written file left"} if any("/." in name for name in found) else set()
         wrong = hidden | sweep.faults(found, set())
@@ -215,12 +217,12 @@ def main() -> None:
         for what, writer in (("the program's writer", whole_writer), ("a naive writer", naive_writer)):
             counts = crash_everywhere(sweep, writer, piece=arguments.piece, seed=arguments.seed)
             for loss, found in counts.items():
-                _say(f"{what}, {loss}", found)
-            _say(f"{what}, all", sum(counts.values(), Counter[str]()))
-        _say("the program's writer, disk full", fill_everywhere(sweep, piece=arguments.piece))
+                _print_counts(f"{what}, {loss}", found)
+            _print_counts(f"{what}, all", sum(counts.values(), Counter[str]()))
+        _print_counts("the program's writer, disk full", fill_everywhere(sweep, piece=arguments.piece))
 
 
-def _say(what: str, found: Counter[str]) -> None:
+def _print_counts(what: str, found: Counter[str]) -> None:
     caught, points = found["caught"], found["points"]
     details = ", ".join(
         f"{words} {count}" for words, count in found.items() if words not in {"points", "caught"}

@@ -51,7 +51,7 @@ class _TooLongError(BaseException):
 
 
 @dataclass(frozen=True, slots=True)
-class Kind:
+class FileKind:
     """A kind of file: where a good one is, the command that reads one, and how its structure is changed.
 
     Attributes:
@@ -71,7 +71,7 @@ class Kind:
     checked: bool = False
 
 
-def kinds(folder: Path) -> tuple[Kind, ...]:
+def kinds(folder: Path) -> tuple[FileKind, ...]:
     """Returns every kind of file that a user may hand over, with a good one of each, made in a folder."""
     plan, log = folder / "plan.json", folder / "log.mcap"
     with _silence():
@@ -85,14 +85,14 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
     campaign = (CAMPAIGNS / "gtmax.toml").read_bytes()
     vehicle, model = ((models.FOLDER / f"gtmax.{ending}").read_bytes() for ending in ("toml", "xml"))
     return (
-        Kind("library", library, ".json", _command("library", "check"), changed_json),
-        Kind("mission", mission, ".toml", _command("plan", "--library", "thesis-gtmax"), changed_toml),
-        Kind("plan", plan.read_bytes(), ".json", _command("plan", "check"), changed_json),
-        Kind("sequence", sequence, ".toml", _reading(read_sequence), changed_toml),
-        Kind("vehicle", vehicle, ".toml", _reading(read_parameters), changed_toml),
-        Kind("model", model, ".xml", _reading(_shape), changed_xml),
-        Kind("campaign", campaign, ".toml", _reading(read_campaign), changed_toml),
-        Kind(
+        FileKind("library", library, ".json", _command("library", "check"), changed_json),
+        FileKind("mission", mission, ".toml", _command("plan", "--library", "thesis-gtmax"), changed_toml),
+        FileKind("plan", plan.read_bytes(), ".json", _command("plan", "check"), changed_json),
+        FileKind("sequence", sequence, ".toml", _reading(read_sequence), changed_toml),
+        FileKind("vehicle", vehicle, ".toml", _reading(read_parameters), changed_toml),
+        FileKind("model", model, ".xml", _reading(_shape), changed_xml),
+        FileKind("campaign", campaign, ".toml", _reading(read_campaign), changed_toml),
+        FileKind(
             "log",
             whole,
             ".mcap",
@@ -100,7 +100,7 @@ def kinds(folder: Path) -> tuple[Kind, ...]:
             lambda _, chance: changed_log(flown, chance),
             True,
         ),
-        Kind("torn log", whole, ".mcap", _command("recover", "--force"), changed_bytes),
+        FileKind("torn log", whole, ".mcap", _command("recover", "--force"), changed_bytes),
     )
 
 
@@ -130,7 +130,7 @@ def _reading(read: Callable[[Path], object]) -> Callable[[Path], int]:
     return use
 
 
-def outcome(kind: Kind, chance: Random, folder: Path) -> str:
+def outcome(kind: FileKind, chance: Random, folder: Path) -> str:
     """Mutates a file, uses it, and returns what came of that; `wrong: ...` where it must not be."""
     keeps_format = chance.random() < 0.5
     content = kind.change(kind.content, chance) if keeps_format else changed_bytes(kind.content, chance)

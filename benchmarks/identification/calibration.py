@@ -15,19 +15,19 @@ from statistics import median
 import numpy as np
 from jaxtyping import Float
 
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.automaton.statistics import Statistics
 from identification.coverage_trial import maneuver_box, trim_box
 from identification.design.schedule import schedule
 from identification.identify import identify
-from identification.segmentation.flight_evidence import FlightEvidence, evidence
+from identification.segmentation.flight_evidence import FlightEvidence, extract_evidence
 from identification.statistics.box import Box
 from identification.statistics.coverage import samples_needed
 from scenarios.find import find_campaign
 from tests.support.deviation_laws import LAWS, Law
-from tests.support.planted_flights import Planted, planted_log
+from tests.support.planted_flights import PlantedDeviations, planted_log
 
 COVERAGE = CONFIDENCE = 0.95
 PRIMITIVES = 200
@@ -162,12 +162,12 @@ def planted_flights(
     rows = {number: law.draw(rng, flown, 4) * scale for number, scale in scales.maneuvers.items()}
     flights = []
     for number, tour in enumerate(tours):
-        planted = Planted(
+        planted = PlantedDeviations(
             {trim: drawn[number] for trim, drawn in trims.items()},
             {row: drawn[number] for row, drawn in rows.items()},
         )
         log = planted_log(library, text, tour, planted, seed=number)
-        flights.append(evidence(log, name=f"flight {number}", sha256=f"{number:064x}"))
+        flights.append(extract_evidence(log, name=f"flight {number}", sha256=f"{number:064x}"))
     return flights
 
 

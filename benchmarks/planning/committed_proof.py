@@ -17,10 +17,10 @@ import numpy as np
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.check.plan_check import problems
-from planner.commitment.committed import Committed
-from planner.walks.goal import EQUALITY_TOLERANCE
-from planner.walks.kinematics import motion
+from planner.check.plan_check import plan_problems
+from planner.commitment.committed import CommittedPlanner
+from planner.walks.goal_condition import EQUALITY_TOLERANCE
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 from tests.oracles.statements import Question
 
@@ -34,7 +34,7 @@ AGREEMENT = 1e-3
 
 
 @dataclass(slots=True)
-class Counts:
+class ProofCounts:
     """What went wrong, and how far brute force came."""
 
     statuses: dict[str, int] = field(default_factory=dict)
@@ -49,7 +49,7 @@ class Counts:
 def main(missions: int, seed: int) -> int:
     """Prints the counts; returns how much is wrong."""
     rng = np.random.default_rng(seed)
-    every, counts = shipped_libraries(), Counts()
+    every, counts = shipped_libraries(), ProofCounts()
     for _ in range(missions):
         library, gamma = every[int(rng.integers(3))], float(rng.choice(LEVELS))
         mission = random_mission(rng, library, int(rng.choice([2, 3])))
@@ -81,15 +81,15 @@ def varied(mission: Mission, library: Library, rng: np.random.Generator) -> Miss
 
 
 def compare(
-    library: Library, mission: Mission, gamma: float, rng: np.random.Generator, counts: Counts
+    library: Library, mission: Mission, gamma: float, rng: np.random.Generator, counts: ProofCounts
 ) -> None:
     """Plans a mission, and looks for something better."""
     began = process_time()
-    planner = Committed(library, gamma)
+    planner = CommittedPlanner(library, gamma)
     plan = planner.plan(mission)
     counts.seconds.append(process_time() - began)
     counts.statuses[plan.status] = counts.statuses.get(plan.status, 0) + 1
-    counts.failed += bool(problems(plan, library, mission)) or "failed its check" in plan.reason
+    counts.failed += bool(plan_problems(plan, library, mission)) or "failed its check" in plan.reason
     known = plan if plan.found else plan.at_smallest_tolerance
     if known is not None:
         counts.missed += largest_miss(library, known, mission) > known.tolerance
@@ -107,7 +107,9 @@ def compare(
 def largest_miss(library: Library, plan: Plan, mission: Mission) -> float:
     """Returns the largest miss in metres over many levels."""
     levels = np.linspace(-plan.gamma, plan.gamma, FLOWN).tolist()
-    ends = (motion(library, plan.sequence, one).end(mission.start, plan.coasting_times) for one in levels)
+    ends = (
+        walk_motion(library, plan.sequence, one).end(mission.start, plan.coasting_times) for one in levels
+    )
     return max(end.distance_to(mission.goal) for end in ends)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.policies.certified_gamma import bearable_to
+from planner.policies.certified_gamma import certified_gamma
 from planner.policies.nominal import Nominal
 from planner.policies.price_of_robustness import ALL_BUT, GAMMA_RESOLUTION, PriceOfRobustness
 from planner.policies.worst_case import WorstCase
@@ -44,7 +44,7 @@ def main(missions: int, seed: int) -> int:
         done += 1
         limit = alpha * nominal.cost + 1e-9
         gamma = PriceOfRobustness(library, alpha).plan(mission).gamma
-        left.append(gamma - bearable_to(library, mission, limit=limit, gamma=gamma))
+        left.append(gamma - certified_gamma(library, mission, limit=limit, gamma=gamma))
         costs = {level: worst(library, mission, level) for level in np.linspace(0, 1, SCANNED + 1).tolist()}
         broken = [level for level, cost in costs.items() if cost > limit + ROUNDING]
         first = min(broken, default=inf)

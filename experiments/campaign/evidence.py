@@ -16,12 +16,17 @@ from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import PRIMITIVE
 from flightlog.file.reader import read_log
 from flightlog.fingerprint import fingerprint
-from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, evidence, motion_judged
+from identification.segmentation.flight_evidence import (
+    FlightEvidence,
+    StateJudged,
+    extract_evidence,
+    judged_motion_name,
+)
 from identification.segmentation.motion_model import sampled_motion
 from identification.segmentation.motion_walk import walks_of
-from identification.segmentation.segmentation import Walk, cut
-from identification.segmentation.trim_discovery import Resolution, discovered_automaton
-from runtime.progress import shown
+from identification.segmentation.segmentation import ObservedWalk, cut_into_segments
+from identification.segmentation.trim_discovery import Resolution, discover_automaton
+from runtime.progress import show_progress
 
 
 def gather_evidence(
@@ -32,8 +37,8 @@ def gather_evidence(
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    cut = executor.map(partial(evidence_of, of=of), paths)
-    return list(shown(cut, total=len(paths), what="identifying"))
+    segmented = executor.map(partial(evidence_of, of=of), paths)
+    return list(show_progress(segmented, total=len(paths), what="identifying"))
 
 
 def gather_motion_evidence(
@@ -55,16 +60,16 @@ def gather_motion_evidence(
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    seen = list(shown(executor.map(_motion_of, paths), total=len(paths), what="reading"))
+    seen = list(show_progress(executor.map(_motion_of, paths), total=len(paths), what="reading"))
     motions = [one.motion for one in seen]
     library = trims or seen[0].library
     found = library is None
     if library is None:
-        library = discovered_automaton(motions, vehicle=seen[0].vehicle, resolution=resolution)
+        library = discover_automaton(motions, vehicle=seen[0].vehicle, resolution=resolution)
     walks = walks_of(motions, library)
     cutting = executor.map(_motion_evidence_of, paths, walks, repeat(library))
-    flights = list(shown(cutting, total=len(paths), what="identifying"))
-    return _without_the_unseen(flights, library) if found else flights
+    flights = list(show_progress(cutting, total=len(paths), what="identifying"))
+    return _drop_unobserved_trims(flights, library) if found else flights
 
 
 def has_commands(path: Path) -> bool:
@@ -73,7 +78,7 @@ def has_commands(path: Path) -> bool:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionSeen:
+class MotionRecord:
     """What the walk is found from, and what names it."""
 
     vehicle: str
@@ -81,30 +86,30 @@ class MotionSeen:
     motion: Float[np.ndarray, "n 3"]
 
 
-def _motion_of(path: Path) -> MotionSeen:
+def _motion_of(path: Path) -> MotionRecord:
     log = read_log(path)
     library = log.library() if LIBRARY_ATTACHMENT in log.attachments else None
     try:
-        return MotionSeen(log.header.vehicle, library, sampled_motion(log))
+        return MotionRecord(log.header.vehicle, library, sampled_motion(log))
     except FlightError as error:
         raise FlightError(f"{path}: {error}") from None
 
 
-def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvidence:
+def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> FlightEvidence:
     log = read_log(path)
     return FlightEvidence(
         str(path),
         fingerprint(log),
         log.header,
         library,
-        cut(log, walk, library),
+        cut_into_segments(log, walk, library),
         log.duration,
         found_by="motion",
-        judged=motion_judged(log),
+        judged=judged_motion_name(log),
     )
 
 
-def _without_the_unseen(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
+def _drop_unobserved_trims(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
     """Leaves out discovered trims that no coast shows: passing through a velocity is not holding it."""
     held = {coast.trim for flight in flights for coast in flight.segments.coasts}
     rule = library.conditions.maneuver_end
@@ -130,7 +135,7 @@ def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
         FlightError: the log is broken or lacks something.
     """
     log = read_log(path)
-    return evidence(log, name=str(path), sha256=fingerprint(log), of=of)
+    return extract_evidence(log, name=str(path), sha256=fingerprint(log), of=of)
 
 
 def log_paths(logs: list[Path]) -> list[Path]:

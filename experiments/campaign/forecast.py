@@ -10,7 +10,7 @@ from time import perf_counter
 
 from flight.automaton.library import Library
 from flight.mission.campaign import Campaign
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from identification.identify import identify
 from identification.segmentation.flight_evidence import FlightEvidence
 from identification.statistics.samples import NeverFlownError
@@ -18,8 +18,8 @@ from runtime.executor import worker_pool
 from sim.campaign_flight import fly_specification
 from sim.loop.specification import FlightSpecification
 
-from .campaign import MEASURING, campaign_library, specify_campaign
 from .evidence import evidence_of
+from .fly_campaign import MEASURING, campaign_library, specify_campaign
 
 # Each worker is measured by one flight, and one more for every so many that it has to fly; three at most.
 _FLIGHTS_PER_ROUND, _MOST_ROUNDS = 30, 3
@@ -41,7 +41,7 @@ class Forecast:
     measured: int
     speed: float
 
-    def said(self) -> str:
+    def describe(self) -> str:
         """Returns the forecast for people."""
         return (
             f"about {self.flight_hours:.1f} flight hours and {self.minutes:.1f} minutes here "
@@ -49,7 +49,7 @@ class Forecast:
         )
 
 
-def forecast(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
+def forecast_campaign(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
     """Flies a few flights, none of them the campaign's, and judges the whole from them.
 
     Args:
@@ -61,12 +61,12 @@ def forecast(campaign: Campaign, *, wind: str, seed: int, flights: int, workers:
     """
     began = perf_counter()
     with worker_pool(workers) as executor:
-        return forecast_by(
+        return forecast_with_executor(
             executor, campaign, wind=wind, seed=seed, flights=flights, workers=workers, began=began
         )
 
 
-def forecast_by(
+def forecast_with_executor(
     executor: Executor,
     campaign: Campaign,
     *,
@@ -96,8 +96,8 @@ def forecast_by(
     specifications = specify_campaign(
         campaign, library, seed=seed, flights=rounds * workers, wind=wind, role=MEASURING
     )
-    fly = partial(_flown_and_cut, library=library)
-    list(executor.map(fly, [_shortened(one) for one in specifications[:workers]]))
+    fly = partial(_fly_and_cut, library=library)
+    list(executor.map(fly, [_shorten(one) for one in specifications[:workers]]))
     ready = perf_counter()
     cut = list(executor.map(fly, specifications))
     # So few flights may not show each maneuver to its end; the time that was taken counts all the same.
@@ -113,16 +113,16 @@ def forecast_by(
     )
 
 
-def _shortened(specification: FlightSpecification) -> FlightSpecification:
+def _shorten(specification: FlightSpecification) -> FlightSpecification:
     return specification.model_copy(
         update={"trims": specification.trims[:2], "coasting_times": specification.coasting_times[:2]}
     )
 
 
-def _flown_and_cut(specification: FlightSpecification, library: Library) -> FlightEvidence:
+def _fly_and_cut(specification: FlightSpecification, library: Library) -> FlightEvidence:
     """Returns what identification keeps of a flight that leaves nothing else behind."""
     log = fly_specification(specification, library)
     with TemporaryDirectory(prefix="maneuver-") as folder:
         path = Path(folder) / f"{specification.name}.mcap"
-        publish_log(log, path, force=False)
+        write_log(log, path, force=False)
         return evidence_of(path)

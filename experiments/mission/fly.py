@@ -1,4 +1,4 @@
-"""Missions flown in closed loop: what `fly`, `validate` and `demo` share."""
+"""Missions flown in closed loop: what `fly_closed_loop`, `validate` and `demo` share."""
 
 import hashlib
 from collections.abc import Iterator
@@ -7,22 +7,22 @@ from math import isfinite
 
 import numpy as np
 
-from experiments.campaign.campaign import derived_seed
+from experiments.campaign.fly_campaign import derived_seed
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Vehicle
-from flightlog.alarm import ALARM, Alarm, alarms_of
+from flightlog.alarm import ALARM, Alarm, alarms_from_series
 from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.decision import DECISION, decision_series
 from flightlog.fault_record import fault_effects
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_gammas
-from planner.closed_loop.flight_record import Flown
-from planner.closed_loop.receding_horizon import fly
-from planner.closed_loop.tube import leaves_tube
-from planner.commitment.committed import Committed
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.closed_loop.tube import tube_exit_time
+from planner.commitment.committed import CommittedPlanner
 from planner.kernel.build import search_backend
-from planner.policies.adaptive_gamma import CalibratedGamma
+from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
 from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
 from planner.policies.worst_case import WorstCase
@@ -31,12 +31,12 @@ from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 from sim.wind.wind import wind_class
 
-from .blame import Performance, performances
+from .error_attribution import Performance, performances
 from .mission_log import mission_json, mission_specification, plans_json
+from .mission_task import MissionTask, Plant
 from .policies import FlownPolicy
-from .result import MissionResult, leg_flown
-from .safe_envelope import Exit, first_exit
-from .task import MissionTask, Plant
+from .result import MissionResult, downsample_leg
+from .safe_envelope import EnvelopeExit, first_exit
 from .timed_planner import TimedPlanner
 
 # Beside those of `campaign_flights`.
@@ -60,7 +60,7 @@ def fly_mission(task: MissionTask) -> MissionResult:
     """Flies a mission once, and keeps the helicopter's log where one is wanted."""
     result, log = fly_and_log(task)
     if log is not None and task.log is not None:
-        publish_log(log, task.log, force=task.force)
+        write_log(log, task.log, force=task.force)
     return result
 
 
@@ -69,7 +69,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     judged: tuple[Performance, ...] = ()
     log: FlightLog | None = None
     alarms: tuple[Alarm, ...] = ()
-    left: Exit | None = None
+    left: EnvelopeExit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
     planner = TimedPlanner(_planner(task), task.library)
@@ -77,7 +77,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     if task.plant == "helicopter":
         flown, log = fly_helicopter(task, planner)
         judged, left = performances(log), first_exit(log, task.envelope)
-        alarms = alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+        alarms = alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
         effects = fault_effects(log)
         left_tube = tuple((share, _left_tube(task.library, flown, share)) for share in TUBES)
     else:
@@ -101,7 +101,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         log=task.log,
         planning_times=tuple(planner.times),
         performances=judged,
-        legs=tuple(leg_flown(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        legs=tuple(downsample_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
         alarms=alarms,
         left=left,
         effects=effects,
@@ -115,7 +115,7 @@ def plant_name(plant: Plant) -> str:
     return plant if isinstance(plant, str) else f"gamma {plant:+g}"
 
 
-def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
+def fly_automaton(task: MissionTask, planner: Planner | None = None) -> FlightRecord:
     """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
     mission = task.mission
     gamma: float | Iterator[float]
@@ -134,7 +134,7 @@ def fly_helicopter(
     *,
     parameters: Parameters | None = None,
     backend: Backend | None = None,
-) -> tuple[Flown, FlightLog]:
+) -> tuple[FlightRecord, FlightLog]:
     """Flies a mission by the simulated helicopter, and returns what it came to with its log.
 
     Args:
@@ -150,7 +150,7 @@ def fly_helicopter(
     flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
-    return flown, replace(log, header=log.header.planned_by(search_backend()), series=series)
+    return flown, replace(log, header=log.header.with_search_backend(search_backend()), series=series)
 
 
 def planner_of(
@@ -159,11 +159,11 @@ def planner_of(
     """Returns the planner of a policy for a library."""
     if policy == "nominal":
         return Nominal(library, max_nodes=max_nodes)
-    if policy == "calibrated":
+    if policy == "adaptive-gamma":
         wind = wind_class(library.conditions.wind).wind_at_20_ft
-        return CalibratedGamma(library, wind, max_nodes=max_nodes)
+        return AdaptiveGammaPlanner(library, wind, max_nodes=max_nodes)
     if policy == "committed":
-        return Committed(library, gamma, max_nodes=max_nodes)
+        return CommittedPlanner(library, gamma, max_nodes=max_nodes)
     return WorstCase(library, gamma, max_nodes=max_nodes)
 
 
@@ -171,10 +171,10 @@ def _planner(task: MissionTask) -> Planner:
     return planner_of(task.policy, task.library, gamma=task.gamma, max_nodes=task.max_nodes)
 
 
-def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
+def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> FlightRecord:
     planner = planner or _planner(task)
-    learn = planner.learn if isinstance(planner, TimedPlanner | CalibratedGamma) else None
-    return fly(
+    learn = planner.learn if isinstance(planner, TimedPlanner | AdaptiveGammaPlanner) else None
+    return fly_closed_loop(
         vehicle,
         task.mission,
         planner=planner,
@@ -184,5 +184,5 @@ def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) ->
     )
 
 
-def _left_tube(library: Library, flown: Flown, share: float) -> float | None:
-    return leaves_tube(library, flown.steps, flown.legs, flown.times, share=share)
+def _left_tube(library: Library, flown: FlightRecord, share: float) -> float | None:
+    return tube_exit_time(library, flown.steps, flown.legs, flown.times, share=share)

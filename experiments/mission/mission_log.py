@@ -5,15 +5,15 @@ from dataclasses import asdict, replace
 
 from flight.plan.plan import plan_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
-from flightlog.identity import identity
-from planner.closed_loop.flight_record import Flown
+from flightlog.identity import flight_identity
+from planner.closed_loop.flight_record import FlightRecord
 from planner.kernel.build import search_backend
-from sim.flight_header import flight_header, flight_inputs
+from sim.flight_header import flight_attachments, flight_header
 from sim.loop.backend import Backend
-from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
+from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, specified_pose
 from sim.vehicle.parameters import read_parameters
 
-from .task import MissionTask
+from .mission_task import MissionTask
 
 
 def mission_specification(task: MissionTask) -> FlightSpecification:
@@ -25,17 +25,19 @@ def mission_specification(task: MissionTask) -> FlightSpecification:
         seed=task.seed,
         wind=task.wind,
         altitude=task.library.conditions.altitude or DEFAULT_ALTITUDE,
-        start=pose(mission.start),
+        start=specified_pose(mission.start),
         start_trim=mission.start_trim,
-    ).depart(task.departure)
+    ).with_options(task.flight_options)
 
 
 def mission_identity(task: MissionTask) -> dict[str, str]:
     """Returns which flight the log of a mission must be of."""
     specification, parameters = mission_specification(task), read_parameters()
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
-    inputs = flight_inputs(specification, task.library, parameters)
-    return identity(header.planned_by(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
+    inputs = flight_attachments(specification, task.library, parameters)
+    return flight_identity(
+        header.with_search_backend(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)}
+    )
 
 
 def mission_json(task: MissionTask) -> bytes:
@@ -55,7 +57,7 @@ def mission_json(task: MissionTask) -> bytes:
     return json.dumps(content, indent=1).encode()
 
 
-def plans_json(flown: Flown) -> bytes:
+def plans_json(flown: FlightRecord) -> bytes:
     """Plans with the time each was asked for, and the seconds charged for it.
 
     The time each took by the clock would not repeat; it is there only where it was measured, and charged.

@@ -5,12 +5,12 @@ from typing import Literal, get_args
 
 from flight.errors import FlightError
 
-FlownPolicy = Literal["nominal", "worst-case", "calibrated", "committed"]
-"""What can be flown; `calibrated` is the worst case at a level that follows the turbulence."""
+FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
+"""What can be flown; `adaptive-gamma` is the worst case at a level that follows the turbulence."""
 
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = get_args(FlownPolicy)
 
-COMPARED: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
+COMPARED_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
 """What is flown side by side where nothing else is asked."""
 
 PlannedPolicy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
@@ -21,7 +21,7 @@ DEFAULT_POLICY: PlannedPolicy = "worst-case"
 CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
 """Minima over coasting times at levels known beforehand, which `planner.proof.certify_plan` can prove."""
 
-HEEDED: Mapping[str, tuple[PlannedPolicy, ...]] = {
+OPTION_POLICIES: Mapping[str, tuple[PlannedPolicy, ...]] = {
     "--gamma": ("worst-case", "committed"),
     "--alpha": ("price-of-robustness",),
     "--max-nodes": ("nominal", "worst-case", "committed"),
@@ -32,7 +32,9 @@ HEEDED: Mapping[str, tuple[PlannedPolicy, ...]] = {
 """Which policies heed an option of `maneuver plan`; given with another it is refused, not ignored."""
 
 
-def refuse_misfits(policy: PlannedPolicy | None, options: Mapping[str, object], *, pareto: bool) -> None:
+def check_policy_options(
+    policy: PlannedPolicy | None, options: Mapping[str, object], *, pareto: bool
+) -> None:
     """Refuses an option that would be ignored.
 
     Args:
@@ -51,5 +53,7 @@ def refuse_misfits(policy: PlannedPolicy | None, options: Mapping[str, object], 
         )
     chosen = policy or DEFAULT_POLICY
     for option in given:
-        if chosen not in HEEDED[option]:
-            raise FlightError(f"{option} goes with --policy {' or '.join(HEEDED[option])}, got {chosen}")
+        if chosen not in OPTION_POLICIES[option]:
+            raise FlightError(
+                f"{option} goes with --policy {' or '.join(OPTION_POLICIES[option])}, got {chosen}"
+            )

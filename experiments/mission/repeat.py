@@ -16,19 +16,19 @@ from planner.kernel.build import search_backend
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
-from sim.replay import AnotherVehicleError, backend_named, refuse_another_vehicle
+from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matches
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
 from .mission_log import mission_specification
+from .mission_task import MissionTask
 from .policies import FLOWN_POLICIES
 from .recorded_latency import recorded_latency
-from .task import MissionTask
 
 _MISSION, _SETTINGS = TypeAdapter(Mission), TypeAdapter(Settings)
 
 
-def fly_again(log: FlightLog) -> FlightLog:
+def repeat_flight(log: FlightLog) -> FlightLog:
     """Flies what a log says was flown, with the log's own vehicle and numeric back-end.
 
     What the clock said of planning is an input: the latencies in the log are charged again.
@@ -43,7 +43,7 @@ def fly_again(log: FlightLog) -> FlightLog:
                 f"it has no {name}: only flights of this program's own simulator are flown again, "
                 f"this is of kind {log.header.kind!r}"
             )
-    refuse_another_vehicle(log)
+    check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
     specification = parse_specification(log.attachments[SPECIFICATION_ATTACHMENT], SPECIFICATION_ATTACHMENT)
     parameters = parse_parameters(log.attachments[VEHICLE_ATTACHMENT], VEHICLE_ATTACHMENT)
@@ -57,7 +57,7 @@ def _fly_mission(
 ) -> FlightLog:
     task = mission_task(log, specification)
     if log.header.search_backend != search_backend():
-        raise AnotherVehicleError(
+        raise VehicleMismatchError(
             "search for plans", log.header.search_backend or "unnamed", search_backend()
         )
     if mission_specification(task) != specification:
@@ -95,5 +95,5 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
         seed=specification.seed,
         settings=settings,
         max_nodes=max_nodes,
-        departure=specification.departure,
+        flight_options=specification.flight_options,
     )

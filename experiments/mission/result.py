@@ -8,18 +8,18 @@ import numpy as np
 
 from flight.automaton.vehicle import Leg
 from flightlog.alarm import ADVICE, Alarm
-from planner.closed_loop.remaining_plan import Step
+from planner.closed_loop.remaining_plan import PlanStep
 
-from .blame import Performance
+from .error_attribution import Performance
 from .policies import FlownPolicy
-from .safe_envelope import Exit
+from .safe_envelope import EnvelopeExit
 
 TRACK_STEP = 0.2
 """Seconds between the points of a track that is kept for pictures."""
 
 
 @dataclass(frozen=True, slots=True)
-class LegFlown:
+class FlownLeg:
     """One primitive of a closed-loop flight, for pictures.
 
     Attributes:
@@ -39,7 +39,7 @@ class LegFlown:
 
 @dataclass(frozen=True, slots=True)
 class MissionResult:
-    """What a closed-loop flight came to: `planner.closed_loop.flight_record.Flown` without plans.
+    """What a closed-loop flight came to: `planner.closed_loop.flight_record.FlightRecord` without plans.
 
     Attributes:
         planning_times: seconds of the processor that each planning took; they do not repeat.
@@ -70,9 +70,9 @@ class MissionResult:
     log: Path | None
     planning_times: tuple[float, ...] = ()
     performances: tuple[Performance, ...] = ()
-    legs: tuple[LegFlown, ...] = ()
+    legs: tuple[FlownLeg, ...] = ()
     alarms: tuple[Alarm, ...] = ()
-    left: Exit | None = None
+    left: EnvelopeExit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
 
@@ -82,7 +82,7 @@ class MissionResult:
         return tuple(alarm for alarm in self.alarms if alarm.kind not in ADVICE)
 
 
-def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
+def flown_walk(legs: Sequence[FlownLeg]) -> tuple[list[int], list[float]]:
     """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
     trims, held = [legs[0].trim], [0.0]
     for leg in legs:
@@ -94,10 +94,10 @@ def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
     return trims, held
 
 
-def leg_flown(step: Step, leg: Leg) -> LegFlown:
+def downsample_leg(step: PlanStep, leg: Leg) -> FlownLeg:
     """Keeps a point of the track now and then, and both ends."""
     times = leg.track[:, 0]
     wanted = np.arange(times[0], times[-1], TRACK_STEP)
     rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
     track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
-    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
+    return FlownLeg(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)

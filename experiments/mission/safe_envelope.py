@@ -31,18 +31,18 @@ class SafeEnvelope:
             raise ValueError(f"an envelope's numbers must be > 0, got {self}")
 
 
-SAFE = SafeEnvelope()
+DEFAULT_ENVELOPE = SafeEnvelope()
 
 
 @dataclass(frozen=True, slots=True)
-class Exit:
+class EnvelopeExit:
     """Where a flight left its envelope: seconds since the start, and why, one sentence."""
 
     time: float
     why: str
 
 
-def first_exit(log: FlightLog, envelope: SafeEnvelope) -> Exit | None:
+def first_exit(log: FlightLog, envelope: SafeEnvelope) -> EnvelopeExit | None:
     """Returns where a flight first left its envelope, or was lost; None where it did not.
 
     Raises:
@@ -50,7 +50,7 @@ def first_exit(log: FlightLog, envelope: SafeEnvelope) -> Exit | None:
     """
     truth, believed = log[TRUTH], log[ESTIMATE]
     if not len(truth):
-        return Exit(0.0, log.header.outcome)
+        return EnvelopeExit(0.0, log.header.outcome)
     off = np.hypot(*(believed[axis] - truth[axis] for axis in ("north", "east")))
     tilt = np.maximum(np.abs(truth["roll"]), np.abs(truth["pitch"]))
     turned = np.abs(np.remainder(believed["heading"] - truth["heading"] + np.pi, 2 * np.pi) - np.pi)
@@ -62,13 +62,13 @@ def first_exit(log: FlightLog, envelope: SafeEnvelope) -> Exit | None:
         _exit(truth.time, turned, envelope.heading, "rad off where it takes itself to face"),
     ]
     if log.header.outcome != "completed":
-        exits.append(Exit(log.duration, log.header.outcome))
+        exits.append(EnvelopeExit(log.duration, log.header.outcome))
     return min((one for one in exits if one is not None), key=lambda one: one.time, default=None)
 
 
 def _exit(
     times: Float[np.ndarray, "n"], values: Float[np.ndarray, "n"], limit: float, words: str
-) -> Exit | None:
+) -> EnvelopeExit | None:
     # Not inside, rather than outside: what is no number is not inside.
     outside = np.flatnonzero(~(values <= limit))
-    return Exit(float(times[outside[0]]), f"more than {limit:g} {words}") if len(outside) else None
+    return EnvelopeExit(float(times[outside[0]]), f"more than {limit:g} {words}") if len(outside) else None

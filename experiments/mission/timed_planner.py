@@ -7,7 +7,7 @@ from flight.automaton.library import Library
 from flight.automaton.vehicle import Leg
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.policies.adaptive_gamma import CalibratedGamma
+from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
 from planner.policies.policy import Planner
 
 
@@ -30,7 +30,7 @@ class TimedPlanner:
 
     def learn(self, leg: Leg) -> None:
         """Hands a leg that was flown on to a planner that learns from it."""
-        if isinstance(self._planner, CalibratedGamma):
+        if isinstance(self._planner, AdaptiveGammaPlanner):
             self._planner.learn(leg)
 
     def plan(self, mission: Mission) -> Plan:

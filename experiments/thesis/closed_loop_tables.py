@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.latency import Latency
-from planner.closed_loop.receding_horizon import fly
+from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.settings import Settings
 from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
@@ -36,7 +36,7 @@ NOT_REPRODUCED = (
 
 
 @dataclass(frozen=True, slots=True)
-class Printed:
+class PrintedFlights:
     """What a table prints: seconds flown with each policy, and whether the iteration limit was reached."""
 
     table: int
@@ -49,26 +49,26 @@ class Printed:
 
 
 PRINTED = (
-    Printed(12, "kinematic-1", 0.0, 19.16843263, False, 19.16731709, False),
-    Printed(13, "kinematic-1", 0.3, 39.8894632, True, 18.96135452, False),
-    Printed(14, "kinematic-1", 0.5, 38.9325863, True, 31.87326767, True),
-    Printed(15, "kinematic-1", 0.8, 61.05847568, True, 19.86228881, False),
-    Printed(16, "kinematic-1", 1.0, 52.62802941, True, 19.36730029, False),
-    Printed(17, "kinematic-2", 0.0, 13.80815399, False, 12.06740119, False),
-    Printed(18, "kinematic-2", 1.0, 68.52195604, True, 17.7543132, False),
-    Printed(19, "gtmax-1", 0.1, 26.75174872, False, 16.0581577, False),
-    Printed(20, "gtmax-1", 0.5, 65.37049147, True, 32.03125826, False),
-    Printed(21, "gtmax-1", 0.7, 52.68776743, True, 24.31112894, False),
-    Printed(22, "gtmax-2", 0.1, 38.77440384, True, 11.98088517, False),
-    Printed(23, "gtmax-2", 0.2, 53.02731146, True, 11.79107632, False),
-    Printed(24, "gtmax-2", 0.3, 51.42835246, True, 22.47452309, False),
-    Printed(25, "gtmax-2", 0.6, 43.98039397, True, 21.0515078, False),
-    Printed(26, "gtmax-2", 0.7, 45.7711984, True, 20.41190763, False),
+    PrintedFlights(12, "kinematic-1", 0.0, 19.16843263, False, 19.16731709, False),
+    PrintedFlights(13, "kinematic-1", 0.3, 39.8894632, True, 18.96135452, False),
+    PrintedFlights(14, "kinematic-1", 0.5, 38.9325863, True, 31.87326767, True),
+    PrintedFlights(15, "kinematic-1", 0.8, 61.05847568, True, 19.86228881, False),
+    PrintedFlights(16, "kinematic-1", 1.0, 52.62802941, True, 19.36730029, False),
+    PrintedFlights(17, "kinematic-2", 0.0, 13.80815399, False, 12.06740119, False),
+    PrintedFlights(18, "kinematic-2", 1.0, 68.52195604, True, 17.7543132, False),
+    PrintedFlights(19, "gtmax-1", 0.1, 26.75174872, False, 16.0581577, False),
+    PrintedFlights(20, "gtmax-1", 0.5, 65.37049147, True, 32.03125826, False),
+    PrintedFlights(21, "gtmax-1", 0.7, 52.68776743, True, 24.31112894, False),
+    PrintedFlights(22, "gtmax-2", 0.1, 38.77440384, True, 11.98088517, False),
+    PrintedFlights(23, "gtmax-2", 0.2, 53.02731146, True, 11.79107632, False),
+    PrintedFlights(24, "gtmax-2", 0.3, 51.42835246, True, 22.47452309, False),
+    PrintedFlights(25, "gtmax-2", 0.6, 43.98039397, True, 21.0515078, False),
+    PrintedFlights(26, "gtmax-2", 0.7, 45.7711984, True, 20.41190763, False),
 )
 
 
 @dataclass(frozen=True, slots=True)
-class ClosedLoop:
+class ClosedLoopComparison:
     """One printed closed-loop figure beside ours.
 
     Attributes:
@@ -92,7 +92,7 @@ class ClosedLoop:
     plus: float | None
 
 
-def closed_loops(printed: tuple[Printed, ...] = PRINTED) -> Iterator[ClosedLoop]:
+def compare_closed_loops(printed: tuple[PrintedFlights, ...] = PRINTED) -> Iterator[ClosedLoopComparison]:
     """Flies every table with both policies, the errors with either sign."""
     for row in printed:
         library = find_library("thesis-kinematic" if row.mission.startswith("kin") else "thesis-gtmax")
@@ -101,11 +101,13 @@ def closed_loops(printed: tuple[Printed, ...] = PRINTED) -> Iterator[ClosedLoop]
             ("worst-case", WorstCase(library, row.gamma), row.worst_case, row.worst_case_gave_up),
         )
         for policy, planner, seconds, gave_up in policies:
-            minus, plus = (_flown(row, planner, sign * row.gamma) for sign in (-1, 1))
-            yield ClosedLoop(row.table, row.mission, row.gamma, policy, seconds, not gave_up, minus, plus)
+            minus, plus = (_flight_time(row, planner, sign * row.gamma) for sign in (-1, 1))
+            yield ClosedLoopComparison(
+                row.table, row.mission, row.gamma, policy, seconds, not gave_up, minus, plus
+            )
 
 
-def pattern(rows: list[ClosedLoop]) -> str:
+def count_arrivals(rows: list[ClosedLoopComparison]) -> str:
     """Returns how often each policy reached the goal, printed and ours."""
     counted = []
     for policy in ("nominal", "worst-case"):
@@ -116,11 +118,11 @@ def pattern(rows: list[ClosedLoop]) -> str:
     return f"Goal reached, {'; '.join(counted)}."
 
 
-def _flown(row: Printed, planner: Planner, gamma: float) -> float | None:
+def _flight_time(row: PrintedFlights, planner: Planner, gamma: float) -> float | None:
     """Returns seconds to the goal, or None where the flight was given up."""
     kind = row.mission.split("-", maxsplit=1)[0]
     library = find_library(f"thesis-{kind}")
     mission = replace(find_mission(row.mission), tolerance=TOLERANCE[kind])
     vehicle = AutomatonVehicle(library, start=mission.start, trim=mission.start_trim, gamma=gamma)
-    flown = fly(vehicle, mission, planner=planner, library=library, settings=SETTINGS)
+    flown = fly_closed_loop(vehicle, mission, planner=planner, library=library, settings=SETTINGS)
     return flown.flown_time if flown.reached else None

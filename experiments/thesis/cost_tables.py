@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 
 from flight.automaton.library import Library
-from planner.kernel.build import kernel
+from planner.kernel.build import load_kernel
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from planner.walks.walk import walks
@@ -26,7 +26,7 @@ START_NOT_PRINTED = (
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class PrintedComparison:
     """One printed figure beside the computed one; `verdict` is `same`, `differs`, or why it may differ."""
 
     table: int
@@ -88,22 +88,22 @@ AGREEMENT = 1e-4
 """Seconds within which a computed cost is the printed one."""
 
 
-def sequence_counts(library: Library) -> list[Comparison]:
+def compare_sequence_counts(library: Library) -> list[PrintedComparison]:
     """Returns Table 11 beside the walks that the library has."""
     rows = []
     for trim, printed in zip(library.trims, TABLE_11, strict=True):
         computed = len(walks(library, trim.id, max_trims=4))
         verdict = "same" if computed == printed else "differs"
-        rows.append(Comparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
+        rows.append(PrintedComparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
     return rows
 
 
-def examples() -> list[Comparison]:
+def compare_examples() -> list[PrintedComparison]:
     """Returns problems 4.3, 4.4 and appendix B's tables beside what is computed; none without a compiler."""
-    if kernel() is None:
+    if load_kernel() is None:
         return []
     return [
-        Comparison(
+        PrintedComparison(
             table=table,
             what=what,
             printed=printed,
@@ -115,7 +115,7 @@ def examples() -> list[Comparison]:
     ]
 
 
-def compare(printed: PrintedCost) -> Comparison:
+def compare_cost(printed: PrintedCost) -> PrintedComparison:
     """Returns a printed cost beside the computed one."""
     library = find_library(printed.library)
     # Chapter 7 meets the goal exactly before the loop is closed.
@@ -124,7 +124,7 @@ def compare(printed: PrintedCost) -> Comparison:
     plan = planner.plan(mission)
     policy = "nominal" if printed.gamma is None else f"worst case, gamma {printed.gamma:g}"
     same = plan.found and abs(plan.cost - printed.seconds) <= AGREEMENT
-    return Comparison(
+    return PrintedComparison(
         table=printed.table,
         what=f"{printed.mission}, {policy}",
         printed=printed.seconds,

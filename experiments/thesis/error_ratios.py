@@ -27,7 +27,7 @@ _SMALL_HEADING = (
 )
 _MIRROR = "the printed row is far above its mirror image, row 19 or 16; ours lies near those"
 
-WHY = {
+EXPLANATIONS = {
     **{("trim", trim, "yaw_rate"): _YAW_RATE for trim in (1, 5, 6, 7)},
     **{("maneuver", row, "duration"): _DURATION for row in (*range(1, 7), *range(11, 19), 21, 22)},
     **{("maneuver", row, "forward"): _FORWARD_WITH_DURATION for row in (*range(3, 9), 20)},
@@ -41,7 +41,7 @@ NOT_EXPLAINED = "not explained"
 
 
 @dataclass(frozen=True, slots=True)
-class Ratio:
+class ErrorRatio:
     """One error beside the printed one.
 
     Attributes:
@@ -71,10 +71,10 @@ class Ratio:
     @property
     def why(self) -> str:
         """Why it does not; empty where it does."""
-        return "" if self.same_order else WHY.get((self.kind, self.id, self.name), NOT_EXPLAINED)
+        return "" if self.same_order else EXPLANATIONS.get((self.kind, self.id, self.name), NOT_EXPLAINED)
 
 
-def comparable(library: Library, printed: Library) -> bool:
+def is_comparable(library: Library, printed: Library) -> bool:
     """Whether a library has the printed one's trims, to a centimetre a second, and its edges."""
     ours = {trim.id: trim.velocity for trim in library.trims}
     edges = {(row.from_trim, row.to_trim) for row in library.maneuvers}
@@ -86,13 +86,15 @@ def comparable(library: Library, printed: Library) -> bool:
     ) and all((row.from_trim, row.to_trim) in edges for row in printed.maneuvers)
 
 
-def ratios(library: Library, printed: Library) -> Iterator[Ratio]:
+def error_ratios(library: Library, printed: Library) -> Iterator[ErrorRatio]:
     """Yields every error beside the printed one, row by row of the printed tables."""
     for trim in printed.trims:
         own = library.trim(trim.id).error
         for name in ("forward", "side", "yaw_rate"):
-            yield Ratio("trim", trim.id, name, abs(getattr(own, name)), abs(getattr(trim.error, name)))
+            yield ErrorRatio("trim", trim.id, name, abs(getattr(own, name)), abs(getattr(trim.error, name)))
     for row in printed.maneuvers:
         error = library.maneuver(row.from_trim, row.to_trim).error
         for name in ("duration", "forward", "side", "heading_change"):
-            yield Ratio("maneuver", row.id, name, abs(getattr(error, name)), abs(getattr(row.error, name)))
+            yield ErrorRatio(
+                "maneuver", row.id, name, abs(getattr(error, name)), abs(getattr(row.error, name))
+            )

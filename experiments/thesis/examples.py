@@ -7,7 +7,7 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
-from planner.independent_errors.independent_errors import all_signs
+from planner.independent_errors.independent_errors import enumerate_signs
 from planner.walks.walk import walks
 
 from .example_problems import nominal_example, robust_example
@@ -15,16 +15,20 @@ from .example_problems import nominal_example, robust_example
 ALPHA = 1.5
 """At which problem 4.4 is compared, with a = 1."""
 
-SLIP = "not reproduced: a slip in print; the minimum of x^2 + y^2 on y = x + a is a^2/2 at x = -a/2, y = a/2"
-MIXED_UP = "not reproduced: the rows are mixed up; 50 m at 0.9, 1 and 1.1 m/s take 55.5556, 50 and 45.4545 s"
+PRINTED_SLIP = (
+    "not reproduced: a slip in print; the minimum of x^2 + y^2 on y = x + a is a^2/2 at x = -a/2, y = a/2"
+)
+MIXED_UP_ROWS = (
+    "not reproduced: the rows are mixed up; 50 m at 0.9, 1 and 1.1 m/s take 55.5556, 50 and 45.4545 s"
+)
 MISPRINTED = (
     "not reproduced: a misprint; rows that differ only in the sign of trim 1, not held, say otherwise"
 )
 
 PROBLEMS = (
     ("problem 4.3, x at a = 1", -0.5, ""),
-    ("problem 4.3, y at a = 1", -1.0, SLIP),
-    ("problem 4.3, J at a = 1", -1.0, SLIP),
+    ("problem 4.3, y at a = 1", -1.0, PRINTED_SLIP),
+    ("problem 4.3, J at a = 1", -1.0, PRINTED_SLIP),
     (f"problem 4.4, x at a = 1, alpha = {ALPHA:g}", -sqrt(ALPHA) / 2, ""),
     (f"problem 4.4, y at a = 1, alpha = {ALPHA:g}", sqrt(ALPHA) / 2, ""),
     (f"problem 4.4, a at a = 1, alpha = {ALPHA:g}", sqrt(ALPHA), ""),
@@ -79,14 +83,14 @@ def example_rows() -> list[tuple[int, str, float, float, str]]:
     rows.append((27, "error of trim 2, m/s, as Table 33 has it", TABLE_27_ERROR, error, ENTERED))
     rows.append((29, "sequences of at most 2 trims", 2, len(walks(library, 1, max_trims=2)), ""))
     one, two = (
-        len(all_signs(library, mission, walk, (0.0,) * len(walk)).scenarios) for walk in ((1,), (1, 2))
+        len(enumerate_signs(library, mission, walk, (0.0,) * len(walk)).scenarios) for walk in ((1,), (1, 2))
     )
     rows += [(30, "scenarios of sequence 1", 3, one, ""), (30, "scenarios of sequence 2", 27, two, "")]
     rows.append((32, "rows: its caption is printed above those of Table 33", 27, two, ""))
-    for scenario in all_signs(library, mission, (1,), (50.0,)).scenarios:
+    for scenario in enumerate_signs(library, mission, (1,), (50.0,)).scenarios:
         (sign,) = scenario.signs
-        rows.append((31, f"sign {sign}", TABLE_31[sign], scenario.cost, MIXED_UP))
-    for scenario in all_signs(library, mission, (1, 2), (0.0, 0.0)).scenarios:
+        rows.append((31, f"sign {sign}", TABLE_31[sign], scenario.cost, MIXED_UP_ROWS))
+    for scenario in enumerate_signs(library, mission, (1, 2), (0.0, 0.0)).scenarios:
         slow, change, fast = scenario.signs
         printed = MISPRINTS.get((slow, change, fast), TABLE_33[change, fast])
         why = MISPRINTED if scenario.signs in MISPRINTS else ""

@@ -7,13 +7,13 @@ from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, fields, replace
 
 from experiments.mission.fly import fly_mission, planner_of
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import MissionResult
-from experiments.mission.task import MissionTask
-from experiments.validation.scorecard_files import number
+from experiments.validation.scorecard_files import format_number
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
-from runtime.progress import shown
+from runtime.progress import show_progress
 from scenarios.find import find_library, find_mission
 
 TOLERANCE = 0.9144
@@ -78,7 +78,7 @@ def printed_loops() -> Iterator[PrintedLoop]:
 
 
 @dataclass(frozen=True, slots=True)
-class LoopCompared:
+class LoopComparison:
     """A line of a table beside what is computed from the thesis's own library.
 
     Attributes:
@@ -110,12 +110,14 @@ class LoopCompared:
     our_loop_plus: float | None
 
 
-def compare_loops(executor: Executor) -> list[LoopCompared]:
+def compare_loops(executor: Executor) -> list[LoopComparison]:
     """Returns every line of Tables 12 to 26 beside ours; the automaton flies at minus and at plus gamma."""
     lines = list(printed_loops())
     tasks = [task for line in lines for task in _tasks(line)]
-    flown = list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying Tables 12 to 26"))
-    return [_compared(line, flown[4 * place : 4 * place + 4]) for place, line in enumerate(lines)]
+    flown = list(
+        show_progress(executor.map(fly_mission, tasks), total=len(tasks), what="flying Tables 12 to 26")
+    )
+    return [_compare(line, flown[4 * place : 4 * place + 4]) for place, line in enumerate(lines)]
 
 
 def _tasks(line: PrintedLoop) -> list[MissionTask]:
@@ -137,11 +139,11 @@ def _tasks(line: PrintedLoop) -> list[MissionTask]:
     ]
 
 
-def _compared(line: PrintedLoop, flown: Sequence[MissionResult]) -> LoopCompared:
+def _compare(line: PrintedLoop, flown: Sequence[MissionResult]) -> LoopComparison:
     mission = replace(find_mission(line.mission), tolerance=0.0)
     plan = planner_of(line.policy, find_library(_library(line.mission)), gamma=line.gamma).plan(mission)
     times = [row.flown_time if row.reached else None for row in flown]
-    return LoopCompared(
+    return LoopComparison(
         table=line.table,
         mission=line.mission,
         gamma=line.gamma,
@@ -161,7 +163,7 @@ def _library(mission: str) -> str:
     return "thesis-kinematic" if mission.startswith("kinematic") else "thesis-gtmax"
 
 
-def pattern(rows: Iterable[LoopCompared]) -> dict[str, tuple[int, int, int]]:
+def count_arrivals_by_policy(rows: Iterable[LoopComparison]) -> dict[str, tuple[int, int, int]]:
     """Returns how many lines reached the goal, by policy: printed, thesis's loop, ours; at both signs."""
     found = {}
     known = list(rows)
@@ -175,10 +177,10 @@ def pattern(rows: Iterable[LoopCompared]) -> dict[str, tuple[int, int, int]]:
     return found
 
 
-def loops_csv(rows: Sequence[LoopCompared]) -> str:
+def loops_csv(rows: Sequence[LoopComparison]) -> str:
     """Returns the lines as CSV; an empty field where a flight was given up, or there is no plan."""
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, [field.name for field in fields(LoopCompared)], lineterminator="\n")
+    writer = csv.DictWriter(stream, [field.name for field in fields(LoopComparison)], lineterminator="\n")
     writer.writeheader()
     writer.writerows(asdict(row) for row in rows)
     return stream.getvalue()
@@ -190,7 +192,7 @@ HEADS = (
 )
 
 
-def loops_markdown(rows: Sequence[LoopCompared]) -> str:
+def loops_markdown(rows: Sequence[LoopComparison]) -> str:
     """Returns the lines as a table."""
     lines = ["| " + " | ".join(HEADS) + " |", "| " + " | ".join(["---"] * len(HEADS)) + " |"]
     for row in rows:
@@ -198,7 +200,7 @@ def loops_markdown(rows: Sequence[LoopCompared]) -> str:
             f"gave up at {row.printed_flight:.2f}" if row.printed_gave_up else f"{row.printed_flight:.2f}"
         )
         cells = [str(row.table), row.mission, f"{row.gamma:g}", row.policy, f"{row.printed_plan:.3f}"]
-        cells += [number(row.plan, 3), flight]
+        cells += [format_number(row.plan, 3), flight]
         cells += [_time(time) for time in (row.thesis_loop_minus, row.thesis_loop_plus)]
         cells += [_time(time) for time in (row.our_loop_minus, row.our_loop_plus)]
         lines.append("| " + " | ".join(cells) + " |")

@@ -13,12 +13,12 @@ from review.pictures.stroke import Dashes, Stroke
 MANEUVERED: Dashes = (0.0, (2.5, 1.5))
 """Maneuvers are dashed, trims solid (as in the thesis's figures)."""
 
-POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE, "committed": palette.GOAL}
+POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE_COLOR, "committed": palette.GOAL}
 POLICY_MARKS = {"nominal": "s", "worst-case": "o", "committed": "^"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LegDrawn:
+class LegTrack:
     """One primitive flown.
 
     Attributes:
@@ -35,7 +35,7 @@ class LegDrawn:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FlightDrawn:
+class FlightTrack:
     """One closed-loop flight.
 
     Attributes:
@@ -52,10 +52,10 @@ class FlightDrawn:
     flown_time: float
     predicted_time: float | None
     level: float | None
-    legs: tuple[LegDrawn, ...]
+    legs: tuple[LegTrack, ...]
 
 
-def draw_flight(axes: Axes, flight: FlightDrawn, *, width: float, opacity: float) -> None:
+def draw_flight(axes: Axes, flight: FlightTrack, *, width: float, opacity: float) -> None:
     """Draws a flight's track in its policy's colour: trims solid, maneuvers dashed."""
     color = policy_color(flight.policy)
     for leg in flight.legs:
@@ -69,7 +69,7 @@ def policy_color(policy: str) -> str:
     return POLICY_COLORS.get(policy, palette.INK)
 
 
-def policies_of(flights: Iterable[FlightDrawn]) -> tuple[str, ...]:
+def policies_of(flights: Iterable[FlightTrack]) -> tuple[str, ...]:
     """Returns the policies flown, each once, the shipped ones in their order."""
     flown = {flight.policy for flight in flights}
     order = [policy for policy in POLICY_COLORS if policy in flown]

@@ -14,7 +14,7 @@ ASIDE = 0.012
 
 
 @dataclass(frozen=True, slots=True)
-class LevelFlown:
+class LevelSummary:
     """All flights of one policy at one level.
 
     Attributes:
@@ -34,7 +34,7 @@ class LevelFlown:
     predicted_time: float | None
 
 
-def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figure:
+def gamma_picture(rows: Sequence[LevelSummary], *, title: str, axis: str) -> Figure:
     """Returns three panels over the level: who reaches the goal, who as promised, and the time it takes.
 
     Args:
@@ -42,10 +42,10 @@ def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figur
         title: what was flown.
         axis: what the level is.
     """
-    figure = palette.page(7.6, 8.2)
+    figure = palette.new_figure(7.6, 8.2)
     above, middle, below = figure.subplots(3, 1, sharex=True)
     for axes in (above, middle, below):
-        palette.dress(axes)
+        palette.format_axes(axes)
     for place, policy in enumerate(dict.fromkeys(row.policy for row in rows)):
         own = sorted((row for row in rows if row.policy == policy), key=lambda row: row.level)
         color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
@@ -82,7 +82,7 @@ def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figur
     middle.set_ylabel("share within the promised time", fontsize=palette.TEXT_SIZE)
     below.set_ylabel("median time, s", fontsize=palette.TEXT_SIZE)
     below.set_xlabel(axis, fontsize=palette.TEXT_SIZE)
-    palette.headline(above, title)
+    palette.draw_headline(above, title)
     above.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left")
     below.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left", ncols=2)
     return figure

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from experiments.mission.fly import mission_seed
+from experiments.mission.mission_task import MissionTask, Plant
 from experiments.mission.policies import FlownPolicy
-from experiments.mission.task import MissionTask, Plant
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
@@ -63,7 +63,7 @@ class Grid:
     def _plants(self, gamma: float) -> list[tuple[Plant, str]]:
         if not self.true_gammas:
             return [("helicopter", wind) for wind in self.winds]
-        plants = [_true(word, gamma) for word in self.true_gammas]
+        plants = [_true_plant(word, gamma) for word in self.true_gammas]
         if self.flights != 1 and any(isinstance(plant, float) for plant in plants):
             raise FlightError(
                 f"--plant automaton knows chance only with --true-gamma random: expected --flights 1, "
@@ -75,7 +75,7 @@ class Grid:
         return task.mission.name, task.policy, task.gamma, task.plant, task.wind, task.seed
 
 
-def _true(word: str, gamma: float) -> Plant:
+def _true_plant(word: str, gamma: float) -> Plant:
     match word:
         case "random":
             return "random"

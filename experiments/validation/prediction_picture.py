@@ -6,10 +6,10 @@ from matplotlib.figure import Figure
 
 from review.pictures import palette
 
-from .flight_style import POLICY_MARKS, FlightDrawn, policies_of, policy_color
+from .flight_style import POLICY_MARKS, FlightTrack, policies_of, policy_color
 
 
-def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, float], *, title: str) -> Figure:
+def prediction_picture(flights: Sequence[FlightTrack], factors: Mapping[str, float], *, title: str) -> Figure:
     """Returns flown over predicted time, the prediction kept below the diagonal.
 
     Args:
@@ -17,21 +17,23 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
         factors: by policy, the factor on the prediction that was calibrated.
         title: what was flown.
     """
-    figure = palette.page(7.2, 6.4)
+    figure = palette.new_figure(7.2, 6.4)
     axes = figure.add_subplot()
-    palette.dress(axes)
-    palette.headline(axes, title)
+    palette.format_axes(axes)
+    palette.draw_headline(axes, title)
     known = [flight for flight in flights if flight.predicted_time is not None]
-    predicted = _predicted(known)
+    predicted = _predicted_times(known)
     flown = [flight.flown_time for flight in known if flight.reached]
     right, top = 1.06 * max(predicted, default=1.0), 1.1 * max([*flown, *predicted], default=1.0)
     for policy in policies_of(known):
         own = [flight for flight in known if flight.policy == policy]
         color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
         kept = [flight for flight in own if flight.reached]
-        inside = sum(flight.flown_time <= time for flight, time in zip(kept, _predicted(kept), strict=True))
+        inside = sum(
+            flight.flown_time <= time for flight, time in zip(kept, _predicted_times(kept), strict=True)
+        )
         axes.plot(
-            _predicted(kept),
+            _predicted_times(kept),
             [flight.flown_time for flight in kept],
             linestyle="none",
             marker=mark,
@@ -41,7 +43,7 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
             markeredgewidth=0,
             label=f"{policy}: {inside} of {len(own)} within the prediction",
         )
-        missed = _predicted([flight for flight in own if not flight.reached])
+        missed = _predicted_times([flight for flight in own if not flight.reached])
         axes.plot(missed, [top] * len(missed), linestyle="none", marker="x", color=color, clip_on=False)
         if policy in factors:
             axes.plot(
@@ -61,5 +63,5 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
     return figure
 
 
-def _predicted(flights: Sequence[FlightDrawn]) -> list[float]:
+def _predicted_times(flights: Sequence[FlightTrack]) -> list[float]:
     return [flight.predicted_time for flight in flights if flight.predicted_time is not None]

@@ -14,7 +14,7 @@ CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
+class Proportion:
     """So many of so many, with the 95 % Wilson interval of the share behind it."""
 
     count: int
@@ -23,7 +23,7 @@ class Share:
     high: float
 
     @classmethod
-    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Share":
+    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Proportion":
         """Returns the share of what holds, where only groups are independent of one another.
 
         The interval is Wilson's for as many trials as there are groups: rather too wide than too narrow.
@@ -36,7 +36,7 @@ class Share:
         return cls(count, of, max(middle - half, 0.0), min(middle + half, 1.0))
 
     @classmethod
-    def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Share":
+    def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Proportion":
         """Returns the share of flights for which something holds."""
         count = sum(map(holds, rows))
         interval = binomtest(count, len(rows)).proportion_ci(CONFIDENCE, method="wilson")
@@ -44,7 +44,7 @@ class Share:
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
+class ScorecardCell:
     """All flights of one mission, or of all, under one policy, by one plant, in one wind.
 
     Attributes:
@@ -71,8 +71,8 @@ class Cell:
     gamma: float
     plant: str
     wind: str
-    reached: Share
-    inside: Share
+    reached: Proportion
+    inside: Proportion
     flown_time: float | None
     flown_time_95: float | None
     predicted_time: float | None
@@ -89,7 +89,7 @@ class Cell:
         return self.reached.of
 
 
-def scorecard(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
+def scorecard_cells(results: Iterable[MissionResult]) -> tuple[ScorecardCell, ...]:
     """Returns a cell for each mission, policy, level, plant and wind, in the order first flown."""
     groups: dict[tuple[object, ...], list[MissionResult]] = {}
     for row in results:
@@ -97,12 +97,12 @@ def scorecard(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
     return tuple(_cell(rows[0].mission, rows) for rows in groups.values())
 
 
-def totals(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
+def scorecard_totals(results: Iterable[MissionResult]) -> tuple[ScorecardCell, ...]:
     """Returns a cell for each policy, level, plant and wind: all missions together."""
-    return tuple(_cell("all", rows) for rows in by_condition(results).values())
+    return tuple(_cell("all", rows) for rows in group_by_condition(results).values())
 
 
-def by_condition(results: Iterable[MissionResult]) -> dict[tuple[object, ...], list[MissionResult]]:
+def group_by_condition(results: Iterable[MissionResult]) -> dict[tuple[object, ...], list[MissionResult]]:
     """Returns the flights by policy, level, plant and wind."""
     groups: dict[tuple[object, ...], list[MissionResult]] = {}
     for row in results:
@@ -114,22 +114,22 @@ def _condition(row: MissionResult) -> tuple[object, ...]:
     return row.policy, row.gamma, row.plant, row.wind
 
 
-def _cell(mission: str, rows: Sequence[MissionResult]) -> Cell:
+def _cell(mission: str, rows: Sequence[MissionResult]) -> ScorecardCell:
     first = rows[0]
     reached = [row for row in rows if row.reached]
     predictions = [row.predicted_time for row in rows if row.predicted_time is not None]
     times = [row.flown_time if row.reached else inf for row in rows]
     plannings = [time for row in rows for time in row.planning_times]
-    return Cell(
+    return ScorecardCell(
         mission=mission,
         policy=first.policy,
         gamma=first.gamma,
         plant=first.plant,
         wind=first.wind,
-        reached=Share.counted(rows, lambda row: row.reached),
-        inside=Share.counted(rows, lambda row: ratio(row) <= 1),
+        reached=Proportion.counted(rows, lambda row: row.reached),
+        inside=Proportion.counted(rows, lambda row: time_ratio(row) <= 1),
         flown_time=median(row.flown_time for row in reached) if reached else None,
-        flown_time_95=_finite(quantile(times, 0.95)),
+        flown_time_95=_finite_or_none(quantile(times, 0.95)),
         predicted_time=median(predictions) if predictions else None,
         miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
         activations=median(row.activations for row in rows),
@@ -140,7 +140,7 @@ def _cell(mission: str, rows: Sequence[MissionResult]) -> Cell:
     )
 
 
-def ratio(row: MissionResult) -> float:
+def time_ratio(row: MissionResult) -> float:
     """Returns the flown time in parts of the predicted one; infinite where the goal was not reached."""
     return row.flown_time / row.predicted_time if row.reached and row.predicted_time else inf
 
@@ -150,5 +150,5 @@ def quantile(values: Sequence[float], share: float) -> float:
     return sorted(values)[max(ceil(share * len(values)), 1) - 1]
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return value if isfinite(value) else None

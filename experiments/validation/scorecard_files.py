@@ -6,13 +6,13 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from experiments.mission.blame import Blame
+from experiments.mission.error_attribution import ErrorAttribution
 from experiments.mission.result import MissionResult
-from flight.plural import counted
+from flight.plural import plural
 
-from .scorecard import Cell, Share
-from .time_bound_trial import Promise
-from .tube_trial import TubeCard
+from .scorecard import Proportion, ScorecardCell
+from .time_bound_trial import TimeBoundTrial
+from .tube_trial import TubeTrial
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,11 +31,11 @@ class Scorecard:
 
     command: str
     library: str
-    totals: tuple[Cell, ...]
-    cells: tuple[Cell, ...]
-    promises: tuple[Promise, ...]
-    blamed: dict[str, tuple[Blame, ...]]
-    tubes: tuple[TubeCard, ...] = ()
+    totals: tuple[ScorecardCell, ...]
+    cells: tuple[ScorecardCell, ...]
+    promises: tuple[TimeBoundTrial, ...]
+    blamed: dict[str, tuple[ErrorAttribution, ...]]
+    tubes: tuple[TubeTrial, ...] = ()
 
 
 HEADS = (
@@ -50,19 +50,21 @@ time that the first plan promised. Intervals are Wilson's. `flown` and `predicte
 counts flights that did not reach the goal as endless. Planning times are the processor's."""
 
 
-PROMISE_HEADS = ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %")
+TIME_BOUND_HEADS = ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %")
 
-PROMISE_NOTE = """A factor on the predicted time that so many flights or more keep, with 95 % confidence. What
+TIME_BOUND_NOTE = """\
+A factor on the predicted time that so many flights or more keep, with 95 % confidence. What
 stands beside the library, found on other missions, is tested on all of these; where nothing does, every
 second mission sets the factor, and the others test it. The interval is Wilson's for as many trials as there
 are missions, however often each was flown."""
 
-BLAME_HEADS = (
+ATTRIBUTION_HEADS = (
     *("primitive", "flights", "performances", "outside", "claimed inside", "chance"),
     *("furthest", "of", "flight", "at, s"),
 )
 
-BLAME_NOTE = """Flights in which an error of the library was exceeded, beside the share of flights that the
+ATTRIBUTION_NOTE = """\
+Flights in which an error of the library was exceeded, beside the share of flights that the
 library claims to stay inside; `chance` is that of so many outside, or more, if the claim held. The furthest
 deviation is given in parts of the error."""
 
@@ -83,7 +85,7 @@ plannings, beside the share of flights in which the claims of their primitives, 
 same with smaller errors than the library claims is the control: it has to be refuted."""
 
 
-def markdown(card: Scorecard) -> str:
+def scorecard_markdown(card: Scorecard) -> str:
     """Returns the scorecard as a page."""
     parts = [
         f"# Scorecard, {card.library}",
@@ -92,12 +94,12 @@ def markdown(card: Scorecard) -> str:
         _table(HEADS, [_row(cell) for cell in card.totals]),
         NOTES,
         "## Promised times",
-        PROMISE_NOTE,
+        TIME_BOUND_NOTE,
         _table(
-            PROMISE_HEADS,
-            [_promise_row(promise) for promise in card.promises],
+            TIME_BOUND_HEADS,
+            [_time_bound_row(promise) for promise in card.promises],
         ),
-        *_blame_parts(card.blamed),
+        *_attribution_parts(card.blamed),
         *_tube_parts(card.tubes),
         "## Every mission",
         _table(HEADS, [_row(cell) for cell in card.cells]),
@@ -111,7 +113,7 @@ def markdown(card: Scorecard) -> str:
     return "\n\n".join(parts) + "\n"
 
 
-def comma_separated(card: Scorecard) -> str:
+def scorecard_csv(card: Scorecard) -> str:
     """Returns all cells as CSV; shares as counts with their intervals."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
@@ -121,18 +123,18 @@ def comma_separated(card: Scorecard) -> str:
     return stream.getvalue()
 
 
-def json_text(card: Scorecard, results: Sequence[MissionResult]) -> str:
+def scorecard_json(card: Scorecard, results: Sequence[MissionResult]) -> str:
     """Returns the scorecard with every flight, without tracks, as JSON."""
     document = {
         **asdict(card),
         "totals": [cell_content(cell) for cell in card.totals],
         "cells": [cell_content(cell) for cell in card.cells],
-        "flights": [flight_content(row) for row in results],
+        "flights": [result_content(row) for row in results],
     }
     return json.dumps(document, indent=1) + "\n"
 
 
-def flight_content(row: MissionResult) -> dict[str, object]:
+def result_content(row: MissionResult) -> dict[str, object]:
     """Returns a flight as plain JSON values, without its track and primitives."""
     content = asdict(row)
     for heavy in ("planning_times", "performances", "legs"):
@@ -140,18 +142,18 @@ def flight_content(row: MissionResult) -> dict[str, object]:
     return {**content, "log": None if row.log is None else str(row.log)}
 
 
-def _blame_parts(blamed: dict[str, tuple[Blame, ...]]) -> list[str]:
+def _attribution_parts(blamed: dict[str, tuple[ErrorAttribution, ...]]) -> list[str]:
     parts = []
     for wind, rows in blamed.items():
         parts += [
             f"## Which primitive to blame, wind {wind}",
-            BLAME_NOTE,
-            _table(BLAME_HEADS, [_blame_row(row) for row in rows]),
+            ATTRIBUTION_NOTE,
+            _table(ATTRIBUTION_HEADS, [_attribution_row(row) for row in rows]),
         ]
     return parts
 
 
-def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
+def _tube_parts(tubes: Sequence[TubeTrial]) -> list[str]:
     rows = [
         [
             tube.policy,
@@ -168,22 +170,22 @@ def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
     return ["## Tubes", TUBE_NOTE, _table(TUBE_HEADS, rows)] if rows else []
 
 
-def _blame_row(row: Blame) -> list[str]:
+def _attribution_row(row: ErrorAttribution) -> list[str]:
     return [
         f"{row.kind} {row.id}",
         str(row.flights),
         str(row.performances),
         str(row.outside),
-        number(row.claimed, 3),
+        format_number(row.claimed, 3),
         "-" if row.p_value is None else f"{row.p_value:.2g}",
-        number(row.worst.share),
+        format_number(row.worst.share),
         row.worst.scalar,
         row.flight,
-        number(row.worst.time),
+        format_number(row.worst.time),
     ]
 
 
-def _row(cell: Cell) -> list[str]:
+def _row(cell: ScorecardCell) -> list[str]:
     return [
         cell.mission,
         cell.policy,
@@ -192,46 +194,46 @@ def _row(cell: Cell) -> list[str]:
         cell.wind,
         *_share(cell.reached),
         *_share(cell.inside),
-        number(cell.flown_time),
-        number(cell.flown_time_95),
-        number(cell.predicted_time),
-        number(cell.miss),
+        format_number(cell.flown_time),
+        format_number(cell.flown_time_95),
+        format_number(cell.predicted_time),
+        format_number(cell.miss),
         f"{cell.activations:g}",
         str(cell.failures),
         str(cell.fallbacks),
-        number(None if cell.planning_time_99 is None else 1e3 * cell.planning_time_99),
+        format_number(None if cell.planning_time_99 is None else 1e3 * cell.planning_time_99),
     ]
 
 
-def _promise_row(promise: Promise) -> list[str]:
+def _time_bound_row(promise: TimeBoundTrial) -> list[str]:
     return [
         promise.policy,
         f"{promise.gamma:g}",
         promise.plant,
         promise.wind,
         f"{promise.share:.0%}",
-        number(promise.factor),
+        format_number(promise.factor),
         ("the library: " if promise.stated else "")
-        + f"{counted(promise.missions, 'mission')}, {counted(promise.flights, 'flight')}",
+        + f"{plural(promise.missions, 'mission')}, {plural(promise.flights, 'flight')}",
         *_share(promise.kept),
     ]
 
 
-def _share(share: Share) -> list[str]:
-    return [f"{share.count}/{share.of}", interval(share)]
+def _share(share: Proportion) -> list[str]:
+    return [f"{share.count}/{share.of}", format_interval(share)]
 
 
-def interval(share: Share) -> str:
+def format_interval(share: Proportion) -> str:
     """Returns the interval of a share, in words for a table."""
     return f"{share.low:.3f}-{share.high:.3f}"
 
 
-def number(value: float | None, digits: int = 2) -> str:
+def format_number(value: float | None, digits: int = 2) -> str:
     """Returns a number for a table; a dash where there is none."""
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def cell_content(cell: Cell) -> dict[str, object]:
+def cell_content(cell: ScorecardCell) -> dict[str, object]:
     """Returns a cell as a flat row of plain values: a share as a count and its interval."""
     flat: dict[str, object] = {"flights": cell.flights}
     for key, value in asdict(cell).items():

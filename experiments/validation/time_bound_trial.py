@@ -8,15 +8,15 @@ from scipy.stats import binom
 
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import MissionResult
-from flight.plan.time_bound import TimePromise
+from flight.plan.time_bound import TimeBound
 
-from .scorecard import CONFIDENCE, Share, by_condition, ratio
+from .scorecard import CONFIDENCE, Proportion, group_by_condition, time_ratio
 
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Promise:
+class TimeBoundTrial:
     """A time that is promised with a plan, made on one set of missions and put to the test on another.
 
     Attributes:
@@ -40,13 +40,13 @@ class Promise:
     factor: float | None
     missions: int
     flights: int
-    kept: Share
+    kept: Proportion
     stated: bool = False
 
 
-def promises(
-    results: Iterable[MissionResult], *, share: float, stated: Sequence[TimePromise] = (), seed: int = -1
-) -> tuple[Promise, ...]:
+def time_bound_trials(
+    results: Iterable[MissionResult], *, share: float, stated: Sequence[TimeBound] = (), seed: int = -1
+) -> tuple[TimeBoundTrial, ...]:
     """Returns what can be promised, tested on missions that did not make it.
 
     What stands beside the library is tested on all missions, unless they are those that it was made on.
@@ -59,7 +59,7 @@ def promises(
         seed: that the missions were drawn with.
     """
     made = []
-    for rows in by_condition(results).values():
+    for rows in group_by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
         condition = (first.policy, first.gamma, first.wind, share)
         own = [
@@ -71,26 +71,26 @@ def promises(
             factor, known = own[0].factor, (own[0].missions, own[0].flights)
             tested = groups
         else:
-            factor = kept_factor(groups[::2], share)
+            factor = time_factor(groups[::2], share)
             known, tested = (len(groups[::2]), sum(map(len, groups[::2]))), groups[1::2]
         if tested:
-            made.append(_promise(first, share, factor, known, tested, stated=tested is groups))
+            made.append(_time_bound_trial(first, share, factor, known, tested, stated=tested is groups))
     return tuple(made)
 
 
-def time_promises(
+def find_time_bounds(
     results: Iterable[MissionResult], *, share: float, seed: int
-) -> tuple[tuple[TimePromise, ...], tuple[str, ...]]:
+) -> tuple[tuple[TimeBound, ...], tuple[str, ...]]:
     """Returns what all missions together promise, and of which policies too few flights were there."""
     made, lacking = [], []
-    for rows in by_condition(results).values():
+    for rows in group_by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
-        factor = kept_factor(groups, share)
+        factor = time_factor(groups, share)
         if not isfinite(factor):
             lacking.append(first.policy)
             continue
         made.append(
-            TimePromise(
+            TimeBound(
                 policy=first.policy,
                 gamma=first.gamma,
                 wind=first.wind,
@@ -104,7 +104,7 @@ def time_promises(
     return tuple(made), tuple(lacking)
 
 
-def kept_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
+def time_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
     """Returns the multiple of the predicted time that a share of flights keeps, of other missions too.
 
     It is a tolerance limit (Wilks 1941): with 95 % confidence no smaller share of flights to come keeps it.
@@ -116,7 +116,7 @@ def kept_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> floa
     rank = int(binom.ppf(CONFIDENCE, number, share)) + 1
     if rank > number:
         return inf
-    weighted = sorted((ratio(row), 1.0 / len(group)) for group in groups for row in group)
+    weighted = sorted((time_ratio(row), 1.0 / len(group)) for group in groups for row in group)
     seen = 0.0
     for value, weight in weighted:
         seen += weight
@@ -132,7 +132,7 @@ def _by_mission(rows: Sequence[MissionResult]) -> list[list[MissionResult]]:
     return list(groups.values())
 
 
-def _promise(
+def _time_bound_trial(
     first: MissionResult,
     share: float,
     factor: float,
@@ -140,9 +140,9 @@ def _promise(
     tested: Sequence[Sequence[MissionResult]],
     *,
     stated: bool,
-) -> Promise:
-    kept = [[isfinite(factor) and ratio(row) <= factor for row in group] for group in tested]
-    return Promise(
+) -> TimeBoundTrial:
+    kept = [[isfinite(factor) and time_ratio(row) <= factor for row in group] for group in tested]
+    return TimeBoundTrial(
         policy=first.policy,
         gamma=first.gamma,
         plant=first.plant,
@@ -151,6 +151,6 @@ def _promise(
         factor=factor if isfinite(factor) else None,
         missions=known[0],
         flights=known[1],
-        kept=Share.of_groups(kept),
+        kept=Proportion.of_groups(kept),
         stated=stated,
     )

@@ -17,7 +17,7 @@ DOUBT = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class TubeCard:
+class TubeTrial:
     """Flights of one policy in one wind class against one tube.
 
     Attributes:
@@ -46,7 +46,7 @@ class TubeCard:
         return self.chance < DOUBT
 
 
-def tube_cards(results: Iterable[MissionResult], library: Library) -> tuple[TubeCard, ...]:
+def tube_trials(results: Iterable[MissionResult], library: Library) -> tuple[TubeTrial, ...]:
     """Returns a card for each policy, level, wind class and tube.
 
     A primitive claims a share of flights in which all its performances stay inside its errors. A flight that
@@ -62,7 +62,7 @@ def tube_cards(results: Iterable[MissionResult], library: Library) -> tuple[Tube
             if allowed is not None:
                 key = (row.policy, row.gamma, row.wind, share)
                 found.setdefault(key, []).append((left is not None, allowed))
-    return tuple(_card(*key, flights=flights) for key, flights in found.items())
+    return tuple(_tube_trial(*key, flights=flights) for key, flights in found.items())
 
 
 def allowed_share(row: MissionResult, library: Library) -> float | None:
@@ -77,12 +77,12 @@ def allowed_share(row: MissionResult, library: Library) -> float | None:
     return min(1.0, sum(1.0 - coverage for coverage in claimed))
 
 
-def _card(
+def _tube_trial(
     policy: FlownPolicy, gamma: float, wind: str, share: float, *, flights: Sequence[tuple[bool, float]]
-) -> TubeCard:
+) -> TubeTrial:
     left = sum(gone for gone, _ in flights)
     allowed = [share for _, share in flights]
-    return TubeCard(
+    return TubeTrial(
         policy=policy,
         gamma=gamma,
         wind=wind,
@@ -90,11 +90,11 @@ def _card(
         flights=len(flights),
         left=left,
         allowed=float(np.mean(allowed)),
-        chance=float(count_law(allowed)[left:].sum()),
+        chance=float(count_distribution(allowed)[left:].sum()),
     )
 
 
-def count_law(shares: Sequence[float]) -> Float[np.ndarray, "n"]:
+def count_distribution(shares: Sequence[float]) -> Float[np.ndarray, "n"]:
     """Returns the law of how many of independent things happen, each with a chance of its own."""
     law = np.ones(1)
     for share in shares:

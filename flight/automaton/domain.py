@@ -5,10 +5,10 @@ from collections.abc import Sequence
 from .library import Library
 
 # Metres and metres per second: what differs by less is the same.
-_SAME = 1e-6
+_SPEED_TOLERANCE = 1e-6
 
 
-def vehicle_departures(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
+def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
     """Returns a sentence where another vehicle flies than the library was identified from.
 
     Args:
@@ -21,7 +21,7 @@ def vehicle_departures(library: Library, *, vehicle_hash: str) -> tuple[str, ...
     return (f"the vehicle is {vehicle_hash[:12]}, the library was identified from {known[:12]}",)
 
 
-def air_departures(
+def air_domain_warnings(
     library: Library, *, wind: str, stronger: bool, altitude: float | None = None
 ) -> tuple[str, ...]:
     """Returns a sentence for wind stronger than the library's, and for another altitude.
@@ -36,12 +36,12 @@ def air_departures(
     if stronger:
         said.append(f"the wind is {wind}, stronger than {library.conditions.wind}")
     known = library.conditions.altitude
-    if None not in (known, altitude) and abs((known or 0.0) - (altitude or 0.0)) > _SAME:
+    if None not in (known, altitude) and abs((known or 0.0) - (altitude or 0.0)) > _SPEED_TOLERANCE:
         said.append(f"the altitude is {altitude:g} m, the library's is {known:g} m")
     return tuple(said)
 
 
-def walk_departures(
+def walk_domain_warnings(
     library: Library, trims: Sequence[int], coasting_times: Sequence[float]
 ) -> tuple[str, ...]:
     """Returns a sentence for each kind of departure of a walk: trims, speeds, coasts that were never flown.
@@ -64,15 +64,17 @@ def walk_departures(
     if conditions.speed_range is not None:
         slow, fast = conditions.speed_range
         speeds = {trim: library.trim(trim).velocity.forward for trim in trims}
-        outside = sorted(t for t, v in speeds.items() if not slow - _SAME <= v <= fast + _SAME)
+        outside = sorted(
+            t for t, v in speeds.items() if not slow - _SPEED_TOLERANCE <= v <= fast + _SPEED_TOLERANCE
+        )
         if outside:
             said.append(f"trims {_listed(outside)} are outside the speeds flown, {slow:g} to {fast:g} m/s")
     if conditions.coasting_range is not None:
-        said += _coast_departures(library, trims, coasting_times, *conditions.coasting_range)
+        said += _coast_domain_warnings(library, trims, coasting_times, *conditions.coasting_range)
     return tuple(said)
 
 
-def _coast_departures(
+def _coast_domain_warnings(
     library: Library,
     trims: Sequence[int],
     coasting_times: Sequence[float],
@@ -80,19 +82,19 @@ def _coast_departures(
     longest: float,
 ) -> list[str]:
     coasts = list(zip(trims, coasting_times, strict=True))
-    short = sorted({trim for trim, time in coasts[1:-1] if time < shortest - _SAME})
-    long = sorted({trim for trim, time in coasts if time > longest + _SAME})
+    short = sorted({trim for trim, time in coasts[1:-1] if time < shortest - _SPEED_TOLERANCE})
+    long = sorted({trim for trim, time in coasts if time > longest + _SPEED_TOLERANCE})
     averaged = library.conditions.trim_error_kind == "averaged"
     said = []
     if short:
         unbounded = "; averaged errors do not bound them" if averaged else ""
-        said.append(f"{_held(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
+        said.append(f"{_trims_phrase(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
     if long:
-        said.append(f"{_held(long)} for more than {longest:.1f} s, as never flown")
+        said.append(f"{_trims_phrase(long)} for more than {longest:.1f} s, as never flown")
     return said
 
 
-def _held(trims: Sequence[int]) -> str:
+def _trims_phrase(trims: Sequence[int]) -> str:
     return f"trim {trims[0]} is held" if len(trims) == 1 else f"trims {_listed(trims)} are held"
 
 

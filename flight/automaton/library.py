@@ -10,7 +10,7 @@ from flight.errors import FlightError, NoManeuverError, UnknownTrimError
 
 from .conditions import Conditions
 from .maneuver import Maneuver
-from .statistics import Interpolated
+from .statistics import InterpolationClaim
 from .trim import Trim
 
 
@@ -48,8 +48,8 @@ class Library:
         """Refuses a library that contradicts itself."""
         if not self.trims:
             raise InconsistentLibraryError("trims: a library has at least one trim, got none")
-        _refuse_duplicates("trims", [trim.id for trim in self.trims])
-        _refuse_duplicates("maneuvers", [maneuver.id for maneuver in self.maneuvers])
+        _check_unique_ids("trims", [trim.id for trim in self.trims])
+        _check_unique_ids("maneuvers", [maneuver.id for maneuver in self.maneuvers])
         edges: dict[tuple[int, int], int] = {}
         for place, maneuver in enumerate(self.maneuvers):
             for end, trim in (("from", maneuver.from_trim), ("to", maneuver.to_trim)):
@@ -64,9 +64,9 @@ class Library:
                     f"from trim {edge[0]} to trim {edge[1]}"
                 )
             edges[edge] = maneuver.id
-        self._refuse_missing_bands()
+        self._check_bands()
 
-    def _refuse_missing_bands(self) -> None:
+    def _check_bands(self) -> None:
         rule = self.conditions.maneuver_end
         if rule is not None and set(rule.bands) != set(self._trims):
             raise InconsistentLibraryError(
@@ -86,7 +86,7 @@ class Library:
         return edges
 
     @property
-    def interpolated(self) -> tuple[Interpolated, ...]:
+    def interpolated(self) -> tuple[InterpolationClaim, ...]:
         """What is claimed of each primitive whose errors were interpolated; empty where all were flown."""
         claims = [trim.interpolated for trim in self.trims] + [row.interpolated for row in self.maneuvers]
         return tuple(claim for claim in claims if claim is not None)
@@ -126,7 +126,7 @@ class Library:
         return tuple(self.maneuver(a, b) for a, b in pairwise(walk))
 
 
-def _refuse_duplicates(kind: str, ids: list[int]) -> None:
+def _check_unique_ids(kind: str, ids: list[int]) -> None:
     for place, number in enumerate(ids):
         if number in ids[:place]:
             raise InconsistentLibraryError(

@@ -24,7 +24,7 @@ from .library_schema import (
     velocity_content,
 )
 from .maneuver import Maneuver, ManeuverError
-from .statistics import Interpolated, Statistics
+from .statistics import InterpolationClaim, Statistics
 from .trim import Trim
 
 SCHEMA = "maneuver-library/1"
@@ -158,7 +158,7 @@ def _to_statistics(content: StatisticsPart | None) -> Statistics | None:
     return None if content is None else content.statistics()
 
 
-def _to_claim(content: InterpolatedPart | None) -> Interpolated | None:
+def _to_claim(content: InterpolatedPart | None) -> InterpolationClaim | None:
     return None if content is None else content.interpolated()
 
 

@@ -10,7 +10,7 @@ from flight.se2 import Twist
 
 from .conditions import Conditions, TrimErrorKind
 from .maneuver_end import Band, ManeuverEnd
-from .statistics import AveragedError, Centre, Interpolated, ScalarStatistics, Statistics
+from .statistics import AveragedError, Centre, InterpolationClaim, ScalarStatistics, Statistics
 
 
 class VelocityPart(FileModel):
@@ -67,9 +67,9 @@ class InterpolatedPart(FileModel):
     coverage: FiniteFloat = Field(ge=0, le=1, description="share of primitives that hold so many flights")
     confidence: FiniteFloat = Field(ge=0, le=1)
 
-    def interpolated(self) -> Interpolated:
+    def interpolated(self) -> InterpolationClaim:
         """Returns the claim that the file states."""
-        return Interpolated(**self.model_dump())
+        return InterpolationClaim(**self.model_dump())
 
 
 class AveragedErrorPart(FileModel):
@@ -102,7 +102,7 @@ def averaged_error_content(part: AveragedError) -> dict[str, Any]:
     }
 
 
-def interpolated_content(claim: Interpolated | None) -> dict[str, Any] | None:
+def interpolated_content(claim: InterpolationClaim | None) -> dict[str, Any] | None:
     """Returns the content of a file for the claim of interpolated primitives."""
     return None if claim is None else asdict(claim)
 

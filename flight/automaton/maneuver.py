@@ -5,7 +5,7 @@ from math import isfinite
 
 from flight.se2 import SE2
 
-from .statistics import Interpolated, Statistics
+from .statistics import InterpolationClaim, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class Maneuver:
     error: ManeuverError
     statistics: Statistics | None = None
     notes: str = ""
-    interpolated: Interpolated | None = None
+    interpolated: InterpolationClaim | None = None
 
     def __post_init__(self) -> None:
         """Refuses a duration that is not a time."""

@@ -25,7 +25,7 @@ class Band:
         if not all(isfinite(width) and width > 0 for width in (self.forward, self.side, self.yaw_rate)):
             raise ValueError(f"a band has positive half widths, got {self}")
 
-    def holds(self, velocity: Twist, target: Twist) -> bool:
+    def contains(self, velocity: Twist, target: Twist) -> bool:
         """Whether a velocity is inside the band around a target velocity."""
         return (
             abs(velocity.forward - target.forward) <= self.forward
@@ -50,7 +50,7 @@ class ManeuverEnd:
             )
 
 
-class Verdict(Enum):
+class ManeuverStatus(Enum):
     """What the rule says after a sample."""
 
     UNDER_WAY = "under way"
@@ -58,7 +58,7 @@ class Verdict(Enum):
     TIMED_OUT = "timed out"
 
 
-class ManeuverEndJudge:
+class ManeuverEndDetector:
     """Applies the rule to one maneuver, sample by sample.
 
     Args:
@@ -76,12 +76,12 @@ class ManeuverEndJudge:
         self._deadline = entry_time + rule.timeout - 5e-7
         self._inside_since: float | None = None
 
-    def judge(self, time: float, velocity: Twist) -> Verdict:
+    def update(self, time: float, velocity: Twist) -> ManeuverStatus:
         """Takes the body velocity at a time (not decreasing) and says where the maneuver stands."""
-        if not self._band.holds(velocity, self._target):
+        if not self._band.contains(velocity, self._target):
             self._inside_since = None
         elif self._inside_since is None:
             self._inside_since = time
         if self._inside_since is not None and time - self._inside_since >= self._dwell:
-            return Verdict.ENDED
-        return Verdict.TIMED_OUT if time >= self._deadline else Verdict.UNDER_WAY
+            return ManeuverStatus.ENDED
+        return ManeuverStatus.TIMED_OUT if time >= self._deadline else ManeuverStatus.UNDER_WAY

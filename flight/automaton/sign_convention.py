@@ -18,9 +18,9 @@ def signed_trim_error(size: Twist, velocity: Twist) -> Twist:
         velocity: the nominal body velocity.
     """
     return Twist(
-        _like(size.forward, velocity.forward),
-        _like(size.side, velocity.side),
-        _like(size.yaw_rate, velocity.yaw_rate),
+        _with_sign_of(size.forward, velocity.forward),
+        _with_sign_of(size.side, velocity.side),
+        _with_sign_of(size.yaw_rate, velocity.yaw_rate),
     )
 
 
@@ -40,11 +40,11 @@ def signed_maneuver_error(size: ManeuverError, *, left: Twist, reached: Twist) -
     turn = left.yaw_rate + reached.yaw_rate
     return ManeuverError(
         duration=-abs(size.duration),
-        forward=_like(size.forward, -advance or -1.0),
-        side=_like(size.side, -turn or -1.0),
-        heading_change=_like(size.heading_change, turn or -1.0),
+        forward=_with_sign_of(size.forward, -advance or -1.0),
+        side=_with_sign_of(size.side, -turn or -1.0),
+        heading_change=_with_sign_of(size.heading_change, turn or -1.0),
     )
 
 
-def _like(size: float, value: float) -> float:
+def _with_sign_of(size: float, value: float) -> float:
     return copysign(abs(size), value) if value else abs(size)

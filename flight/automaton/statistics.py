@@ -58,7 +58,7 @@ class Statistics:
 
 
 @dataclass(frozen=True, slots=True)
-class Interpolated:
+class InterpolationClaim:
     """What may be claimed of a primitive whose errors were interpolated between flown ones.
 
     It is claimed of the kind as a whole: of the trims, or of the maneuvers, that were interpolated, a share

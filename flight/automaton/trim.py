@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from flight.se2 import Twist
 
-from .statistics import AveragedError, Interpolated, Statistics
+from .statistics import AveragedError, InterpolationClaim, Statistics
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,7 +27,7 @@ class Trim:
     error: Twist
     statistics: Statistics | None = None
     averaged: tuple[AveragedError, ...] = ()
-    interpolated: Interpolated | None = None
+    interpolated: InterpolationClaim | None = None
 
     def at(self, gamma: float) -> Twist:
         """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""

@@ -13,8 +13,8 @@ from flight.errors import BadFileError
 from flight.schema import FileModel, parse_json, read_text, schema_named
 from flight.se2 import SE2
 
-from .certificate import Certificate, Refutation
-from .time_bound import TimePromise, TimePromisePart
+from .certificate import Certificate, InfeasibilityCertificate
+from .time_bound import TimeBound, TimeBoundPart
 
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Policy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
@@ -90,7 +90,7 @@ class Plan:
     alpha: float | None = None
     tail: tuple[int, ...] = ()
     miss: float | None = None
-    time_promise: TimePromise | None = None
+    time_promise: TimeBound | None = None
     at_smallest_tolerance: "Plan | None" = None
 
     @property
@@ -131,7 +131,7 @@ class _Scenario(FileModel):
     end: _Pose
 
 
-class _Refutation(FileModel):
+class _InfeasibilityCertificate(FileModel):
     sequence: tuple[int, ...]
     gamma: FiniteFloat
     tree: str
@@ -139,7 +139,7 @@ class _Refutation(FileModel):
 
 class _Certificate(FileModel):
     max_trims: PositiveInt
-    refutations: tuple[_Refutation, ...]
+    refutations: tuple[_InfeasibilityCertificate, ...]
 
 
 class _PlanFile(FileModel):
@@ -164,7 +164,7 @@ class _PlanFile(FileModel):
     tail: tuple[int, ...] = ()
     alpha: FiniteFloat | None = None
     miss: NonNegativeFloat | None = None
-    time_promise: TimePromisePart | None = None
+    time_promise: TimeBoundPart | None = None
     at_smallest_tolerance: "_PlanFile | None" = None
 
 
@@ -266,7 +266,9 @@ def _to_plan(content: _PlanFile) -> Plan:
 
 
 def _to_certificate(content: _Certificate) -> Certificate:
-    refutations = tuple(Refutation(one.sequence, one.gamma, one.tree) for one in content.refutations)
+    refutations = tuple(
+        InfeasibilityCertificate(one.sequence, one.gamma, one.tree) for one in content.refutations
+    )
     return Certificate(content.max_trims, refutations)
 
 

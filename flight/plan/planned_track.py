@@ -14,7 +14,7 @@ from flight.se2 import SE2, Twist
 POINTS = 40
 """Points drawn for each primitive."""
 
-LEVELS = 5
+TUBE_GAMMAS = 5
 """Lines of a tube."""
 
 Line = Float[np.ndarray, "n 2"]
@@ -64,7 +64,7 @@ def planned_tube(
         start: pose at the beginning.
         level: largest uncertainty level, >= 0.
     """
-    levels = np.linspace(-level, level, LEVELS)
+    levels = np.linspace(-level, level, TUBE_GAMMAS)
     return np.array(
         [
             np.concatenate(_pieces(library, sequence, coasting_times, start=start, gamma=float(gamma)))

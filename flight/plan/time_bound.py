@@ -17,7 +17,7 @@ SUFFIX = ".times.toml"
 
 
 @dataclass(frozen=True, slots=True)
-class TimePromise:
+class TimeBound:
     """What share of flights is at the goal within what multiple of the time that the loop foretells.
 
     Attributes:
@@ -55,7 +55,7 @@ class TimePromise:
         return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
 
 
-class TimePromisePart(FileModel):
+class TimeBoundPart(FileModel):
     """A promise as it stands in files."""
 
     policy: str
@@ -68,23 +68,23 @@ class TimePromisePart(FileModel):
     seed: int = Field(ge=0)
     time: FiniteFloat | None = Field(default=None, gt=0)
 
-    def promise(self) -> TimePromise:
+    def promise(self) -> TimeBound:
         """Returns it as a value."""
-        return TimePromise(**self.model_dump())
+        return TimeBound(**self.model_dump())
 
 
-class _TimesFile(FileModel):
+class _TimeBoundsFile(FileModel):
     schema_name: Literal["maneuver-times/1"] = Field(alias="schema")
     library_hash: str
-    promise: tuple[TimePromisePart, ...]
+    promise: tuple[TimeBoundPart, ...]
 
 
-def times_path(library: Path) -> Path:
+def time_bounds_path(library: Path) -> Path:
     """Returns where the promises of a library stand."""
     return library.with_name(library.stem + SUFFIX)
 
 
-def times_text(promises: Sequence[TimePromise], *, library_hash: str, command: str) -> str:
+def time_bounds_text(promises: Sequence[TimeBound], *, library_hash: str, command: str) -> str:
     """Returns promises as their file's text.
 
     Args:
@@ -109,7 +109,7 @@ def times_text(promises: Sequence[TimePromise], *, library_hash: str, command: s
     return "\n".join(lines) + "\n"
 
 
-def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] | None:
+def read_time_bounds(library: Path, *, library_hash: str) -> tuple[TimeBound, ...] | None:
     """Returns what is promised of plans with a library; nothing where no file stands beside it.
 
     Args:
@@ -122,12 +122,12 @@ def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] |
     Raises:
         BadFileError: the file is broken.
     """
-    path = times_path(library)
+    path = time_bounds_path(library)
     if not path.exists():
         return ()
 
-    def build(content: _TimesFile) -> tuple[TimePromise, ...] | None:
+    def build(content: _TimeBoundsFile) -> tuple[TimeBound, ...] | None:
         same = content.library_hash == library_hash
         return tuple(part.promise() for part in content.promise) if same else None
 
-    return read_toml(path, _TimesFile, build)
+    return read_toml(path, _TimeBoundsFile, build)

@@ -47,7 +47,7 @@ def _is_tag(name: str) -> bool:
     return name.startswith("t") and name[1:].isdigit()
 
 
-def everywhere(content: np.ndarray[Any, Any], kind: np.dtype[Any]) -> np.ndarray[Any, Any]:
+def view_at_every_byte(content: np.ndarray[Any, Any], kind: np.dtype[Any]) -> np.ndarray[Any, Any]:
     """Returns a view of bytes whose every entry is the message that would begin at that byte."""
     count = max(len(content) - kind.itemsize + 1, 0)
     return np.ndarray((count,), np.dtype((np.void, kind.itemsize)), content.data, strides=(1,))

@@ -21,16 +21,16 @@ from mcap.records import ChunkIndex, Schema
 from mcap.summary import Summary
 
 from flight.errors import BadFileError
-from flight.schema import refuse_other_schema
+from flight.schema import check_schema_name
 from flightlog.alarm import ALARM
 from flightlog.channels import SCHEMA, TOPICS
-from flightlog.consistency import refuse_contradictions
+from flightlog.consistency import check_log_consistency
 from flightlog.decision import DECISION
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
 
-from .message_block import constant_fields, empty_messages, everywhere, topic_type
+from .message_block import constant_fields, empty_messages, topic_type, view_at_every_byte
 from .writer import (
     CONVENTIONS_METADATA,
     HEADER_METADATA,
@@ -61,7 +61,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         content = path.read_bytes()
     except OSError as error:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
-    _check(content, path)
+    _check_complete(content, path)
     try:
         return _parse(content, topics)
     except (
@@ -76,7 +76,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         raise BadFileError(path, f"is no flight log: {error}") from None
 
 
-def _check(content: bytes, path: Path) -> None:
+def _check_complete(content: bytes, path: Path) -> None:
     """Refuses content whose beginning, end or checksums are not those of a complete file."""
     if not content.startswith(MAGIC):
         raise BadFileError(path, "expected an MCAP file, got something else")
@@ -102,7 +102,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
     if summary is None:
         raise ValueError("it has no summary")
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-    refuse_other_schema(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
+    check_schema_name(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
     if HEADER_METADATA not in metadata:
         raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
@@ -112,7 +112,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
         series=_parse_series(content, summary, topics),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
-    refuse_contradictions(log)
+    check_log_consistency(log)
     return log
 
 
@@ -126,7 +126,7 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
 def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> dict[str, Series]:
     by_name = {topic.name: topic for topic in wanted}
     topics = {
-        channel.id: _as_held(by_name[channel.topic], summary.schemas[channel.schema_id])
+        channel.id: _topic_of_schema(by_name[channel.topic], summary.schemas[channel.schema_id])
         for channel in summary.channels.values()
         if channel.topic in by_name
     }
@@ -142,7 +142,7 @@ def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> 
     return series
 
 
-def _as_held(topic: Topic, schema: Schema) -> Topic:
+def _topic_of_schema(topic: Topic, schema: Schema) -> Topic:
     """Returns a topic with the fields that the file's schema has; a log of another vehicle may have fewer."""
     described = described_fields(schema.data, topic.message)
     expected = dict(zip(topic.field_names, topic.numbers, strict=True))
@@ -179,7 +179,7 @@ def _messages_at(records: bytes, offsets: np.ndarray[Any, Any], kind: np.dtype[A
     raw = np.frombuffer(records, np.uint8)
     if len(offsets) and int(offsets.max()) + kind.itemsize > len(raw):
         raise ValueError("a message lies outside its chunk")
-    messages: np.ndarray[Any, Any] = everywhere(raw, kind)[offsets.astype(np.int64)].view(kind)
+    messages: np.ndarray[Any, Any] = view_at_every_byte(raw, kind)[offsets.astype(np.int64)].view(kind)
     expected = empty_messages(kind, 1)
     for name in constant_fields(kind):
         if not (messages[name] == expected[name]).all():

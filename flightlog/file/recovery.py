@@ -101,11 +101,11 @@ def salvage(content: bytes) -> Salvage:
         body = content[start:end]
         try:
             if opcode == Opcode.CHUNK:
-                unpacked += _take_chunk(body, found, limit=LARGEST_LOG - unpacked)
+                unpacked += _add_chunk(body, found, limit=LARGEST_LOG - unpacked)
             elif opcode == Opcode.DATA_END:
-                _end_data(content[: start - _HEAD.size], body, found)
+                _check_data_end(content[: start - _HEAD.size], body, found)
             else:
-                _take(opcode, body, found)
+                _add_record(opcode, body, found)
         except _UNREADABLE:
             if opcode == Opcode.CHUNK:
                 found.damaged_chunks += 1
@@ -159,7 +159,7 @@ def recovered_bytes(found: Salvage) -> bytes:
     return stream.getvalue()
 
 
-def holds(content: bytes, found: Salvage) -> bool:
+def contains_salvage(content: bytes, found: Salvage) -> bool:
     """Returns whether a file, read anew with every checksum, holds what was salvaged, message by message."""
     reader = SeekingReader(io.BytesIO(content), validate_crcs=True, record_size_limit=LARGEST_LOG)
     try:
@@ -183,7 +183,7 @@ def _records(content: bytes, found: Salvage) -> Iterator[tuple[int, int, int]]:
     while position + _HEAD.size <= last:
         opcode, length = _HEAD.unpack_from(content, position)
         end = position + _HEAD.size + length
-        if not 0 < opcode <= _LAST_OPCODE or end > last or not _plausible(content, position):
+        if not 0 < opcode <= _LAST_OPCODE or end > last or not _is_plausible_chunk(content, position):
             resumed = _next_chunk(content, position + 1)
             found.skipped_bytes += resumed - position
             position = resumed
@@ -197,13 +197,13 @@ def _next_chunk(content: bytes, position: int) -> int:
     """Returns where the next chunk that hangs together begins; the end of the content without one."""
     code = bytes([Opcode.CHUNK])
     while (position := content.find(code, position)) >= 0:
-        if _plausible(content, position):
+        if _is_plausible_chunk(content, position):
             return position
         position += 1
     return len(content)
 
 
-def _plausible(content: bytes, position: int) -> bool:
+def _is_plausible_chunk(content: bytes, position: int) -> bool:
     """Returns whether a record that says it is a chunk has the length that its parts add up to."""
     opcode, length = content[position], 0
     if opcode != Opcode.CHUNK:
@@ -219,7 +219,7 @@ def _plausible(content: bytes, position: int) -> bool:
     return bool(length == _CHUNK_NAME - 9 + 4 + name + 8 + size and position + 9 + length <= len(content))
 
 
-def _take_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
+def _add_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
     """Takes the messages of a chunk whose checksum is right, and returns its size unpacked."""
     chunk = Chunk.read(ReadDataStream(io.BytesIO(body)))
     if chunk.uncompressed_size > limit:
@@ -230,21 +230,21 @@ def _take_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
     part = Salvage()
     while stream.count < size:
         opcode, length = stream.read1(), stream.read8()
-        _take(opcode, stream.read(length), part)
+        _add_record(opcode, stream.read(length), part)
     found.schemas.update(part.schemas)
     found.channels.update(part.channels)
     found.messages.extend(part.messages)
     return size
 
 
-def _end_data(before: bytes, body: bytes, found: Salvage) -> None:
+def _check_data_end(before: bytes, body: bytes, found: Salvage) -> None:
     """Notes that the data end here, and whether they are what they were."""
     found.ended = True
     checksum = int.from_bytes(body, "little")
     found.data_intact = zlib.crc32(before) == checksum if checksum else None
 
 
-def _take(opcode: int, body: bytes, found: Salvage) -> None:
+def _add_record(opcode: int, body: bytes, found: Salvage) -> None:
     """Takes a record that is no chunk."""
     stream = ReadDataStream(io.BytesIO(body))
     match opcode:

@@ -16,10 +16,10 @@ from mcap.writer import Writer
 from flightlog.channels import CONVENTIONS
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
-from flightlog.viewers.channels import ViewerChannel, ViewerTopic, viewer_channels
-from runtime.atomic_write import publish_bytes
+from flightlog.viewers.viewer_channels import ViewerChannel, ViewerTopic, viewer_channels
+from runtime.atomic_write import write_atomically
 
-from .message_block import bytes_type, empty_messages, everywhere, topic_type
+from .message_block import bytes_type, empty_messages, topic_type, view_at_every_byte
 
 CHUNK_SECONDS = 10.0
 
@@ -145,7 +145,7 @@ def _add_chunk(writer: Writer, blocks: Sequence[_Block], start: int, end: int) -
         return
     builder = writer._Writer__chunk_builder  # type: ignore[attr-defined]
     statistics = writer._Writer__statistics  # type: ignore[attr-defined]
-    content, places = _in_order([messages for _, messages in parts])
+    content, places = _merge_by_time([messages for _, messages in parts])
     for (channel, messages), offsets in zip(parts, places, strict=True):
         index = builder.message_indices.setdefault(channel, _Index(channel, []))
         index.entries.append(np.stack([messages["log_time"], builder.count + offsets], axis=1).astype("<u8"))
@@ -163,7 +163,7 @@ def _add_chunk(writer: Writer, blocks: Sequence[_Block], start: int, end: int) -
     writer._Writer__finalize_chunk()  # type: ignore[attr-defined]
 
 
-def _in_order(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.ndarray[Any, Any]]]:
+def _merge_by_time(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.ndarray[Any, Any]]]:
     """Returns messages of several layouts as bytes, earlier ones first, and where each of a part begins."""
     times = np.concatenate([messages["log_time"] for messages in parts])
     sizes = np.concatenate([np.full(len(messages), messages.itemsize) for messages in parts])
@@ -173,7 +173,7 @@ def _in_order(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.nda
     places = np.split(begins, np.cumsum([len(messages) for messages in parts])[:-1])
     content = np.empty(int(sizes.sum()), np.uint8)
     for messages, offsets in zip(parts, places, strict=True):
-        places_of_part = everywhere(content, messages.dtype)
+        places_of_part = view_at_every_byte(content, messages.dtype)
         places_of_part[offsets] = messages.view(places_of_part.dtype)
     return content.tobytes(), places
 
@@ -231,11 +231,11 @@ def _all_files(file: Any) -> list[Any]:
     return list({part.name: part for part in (*needed, file)}.values())
 
 
-def publish_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
+def write_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
     """Writes a log whole or not at all.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
         CannotWriteError: the system says no; nothing is left behind.
     """
-    publish_bytes(log_bytes(log), path, force=force)
+    write_atomically(log_bytes(log), path, force=force)

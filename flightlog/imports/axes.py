@@ -36,7 +36,7 @@ class Axes:
         """Returns forward, right and down of vectors in the body's axes."""
         return vectors if self.body == "frd" else vectors * (1.0, -1.0, -1.0)
 
-    def turned(self, quaternions: Quaternions) -> Quaternions:
+    def in_ned_frd(self, quaternions: Quaternions) -> Quaternions:
         """Returns quaternions w, x, y, z from our body to our world, of those from their body to theirs."""
         if self.body == "flu":
             quaternions = _product(quaternions, np.array([_FRD_TO_FLU]))
@@ -45,7 +45,7 @@ class Axes:
         return quaternions
 
 
-def quaternions_of(
+def quaternions_from_euler(
     roll: Float[np.ndarray, "n"], pitch: Float[np.ndarray, "n"], yaw: Float[np.ndarray, "n"]
 ) -> Quaternions:
     """Returns quaternions w, x, y, z of turns about z, then y, then x, each about the axis as turned."""

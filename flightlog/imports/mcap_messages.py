@@ -25,11 +25,11 @@ ATTITUDE = ("orientation", "rotation", "q")
 LINEAR = ("linear", "linear_velocity", "velocity", "vector")
 ANGULAR = ("angular", "angular_velocity")
 
-_DEEPEST = 4
+_MAX_DEPTH = 4
 _XYZ, _WXYZ = ("x", "y", "z"), ("w", "x", "y", "z")
 
 
-class ForeignEncodingError(FlightError):
+class UnknownEncodingError(FlightError):
     """A channel is encoded in a way that is not read here."""
 
     def __init__(self, channel: Channel, schema: Schema | None) -> None:
@@ -41,7 +41,7 @@ class ForeignEncodingError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class VectorPath:
     """Where a vector or quaternion stands in the messages of a topic, and its numbers' order."""
 
     path: Path
@@ -76,15 +76,15 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
         ros = DecoderFactory().decoder_for("cdr", schema)
         if ros is not None:
             return ros
-    raise ForeignEncodingError(channel, schema)
+    raise UnknownEncodingError(channel, schema)
 
 
-def find_vector(message: Any, names: Sequence[str]) -> Found | None:
+def find_vector(message: Any, names: Sequence[str]) -> VectorPath | None:
     """Returns where a vector of one of these names stands, the least deep first."""
     return _find(message, names, _XYZ)
 
 
-def find_quaternion(message: Any) -> Found | None:
+def find_quaternion(message: Any) -> VectorPath | None:
     """Returns where a quaternion stands; a bare list is meant as w, x, y, z, as PX4 has it."""
     return _find(message, ATTITUDE, _WXYZ)
 
@@ -94,9 +94,9 @@ def stamp_of(message: Any) -> int:
     for owner in (_part(message, "header"), message):
         for name in ("stamp", "timestamp"):
             stamp = _part(owner, name)
-            seconds = _first(stamp, ("sec", "seconds", "secs"))
+            seconds = _first_part(stamp, ("sec", "seconds", "secs"))
             if seconds is not None:
-                return int(seconds) * 10**9 + int(_first(stamp, ("nanosec", "nanos", "nsec")) or 0)
+                return int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec")) or 0)
     return 0
 
 
@@ -106,13 +106,13 @@ def frame_of(message: Any) -> str:
     return name if isinstance(name, str) else ""
 
 
-def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> Found | None:
+def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> VectorPath | None:
     level: list[tuple[Path, Any]] = [((), message)]
-    for _ in range(_DEEPEST):
+    for _ in range(_MAX_DEPTH):
         for name in names:
             for path, owner in level:
                 if _vector(_part(owner, name), axes) is not None:
-                    return Found((*path, name), axes)
+                    return VectorPath((*path, name), axes)
         level = [((*path, name), _part(owner, name)) for path, owner in level for name in _names(owner)]
     return None
 
@@ -136,7 +136,7 @@ def _vector(value: Any, axes: tuple[str, ...]) -> tuple[float, ...] | None:
     return tuple(float(part) for part in parts)
 
 
-def _first(value: Any, names: Sequence[str]) -> Any:
+def _first_part(value: Any, names: Sequence[str]) -> Any:
     return next((part for name in names if (part := _part(value, name)) is not None), None)
 
 

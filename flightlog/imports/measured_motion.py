@@ -14,11 +14,11 @@ Column = Float[np.ndarray, "n"]
 BODY_RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
 WORLD_RATES = ("turn_north", "turn_east", "turn_down")
 
-LONGEST_GAP = 10.0
+MAX_GAP = 10.0
 """Usual gaps of a source over which nothing is said between two of its samples."""
 
-_LEAST_GAP = 0.5
-_STEEPEST = 0.01
+_MIN_GAP = 0.5
+_MIN_COS_PITCH = 0.01
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,9 +49,9 @@ def attitude_source(time: Column, quaternions: Float[np.ndarray, "n 4"]) -> Sour
     return Source(time[known], {"roll": roll, "pitch": pitch, "heading": heading})
 
 
-def slope_source(position: Source) -> Source:
+def differentiate_position(position: Source) -> Source:
     """Returns the velocity that a position's slope shows."""
-    known = _cleaned(position)
+    known = _drop_invalid_samples(position)
     if len(known.time) < 2:
         return Source(known.time, {f"velocity_{name}": column for name, column in known.columns.items()})
     return Source(
@@ -71,32 +71,32 @@ def measured_states(sources: Sequence[Source], topic: Topic) -> Series | None:
         sources: of one vehicle, none of them saying what another says.
         topic: whose fields the states have: that of the estimate, or of the truth.
     """
-    cleaned = [part for part in map(_cleaned, sources) if len(part.time) > 1]
+    cleaned = [part for part in map(_drop_invalid_samples, sources) if len(part.time) > 1]
     if not cleaned:
         return None
     time = cleaned[0].time
-    kept = np.all([_near(part.time, time) for part in cleaned], axis=0)
+    kept = np.all([_has_neighbours(part.time, time) for part in cleaned], axis=0)
     time = time[kept]
     if len(time) < 2:
         return None
-    known = {name: column for part in cleaned for name, column in _at(part, time)}
+    known = {name: column for part in cleaned for name, column in _interpolate_source(part, time)}
     known |= dict(_body_rates(known))
-    known |= dict(_derived(known, time))
+    known |= dict(_derived_fields(known, time))
     names = [name for name in topic.field_names if name in known]
     if not names:
         return None
     values = np.column_stack([known[name] for name in names])
-    sound = _sound(values)
+    sound = _is_plausible(values)
     return Series(topic.only(names), time[sound], values[sound]) if sound.sum() > 1 else None
 
 
-def disagreement(states: Series) -> tuple[float, float] | None:
+def velocity_disagreement(states: Series) -> tuple[float, float] | None:
     """Returns how far velocities are from what positions show over a second, and how fast it went: rms, m/s.
 
     None where one of them is not known, or the flight is shorter than that.
     """
     needed = ("north", "east", "forward", "side", "heading")
-    if not states.holds(*needed) or states.time[-1] - states.time[0] < 2.0:
+    if not states.has_fields(*needed) or states.time[-1] - states.time[0] < 2.0:
         return None
     time = states.time
     c, s = np.cos(states["heading"]), np.sin(states["heading"])
@@ -105,36 +105,36 @@ def disagreement(states: Series) -> tuple[float, float] | None:
     squares, speeds = np.zeros(len(begins)), np.zeros(len(begins))
     for place, along in zip(("north", "east"), velocity, strict=True):
         way = np.concatenate([[0.0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(time))])
-        moved, said = (
+        moved, provenance = (
             np.interp(begins + 1.0, time, one) - np.interp(begins, time, one) for one in (states[place], way)
         )
-        squares += (moved - said) ** 2
+        squares += (moved - provenance) ** 2
         speeds += moved**2
     return float(np.sqrt(squares.mean())), float(np.sqrt(speeds.mean()))
 
 
-def _cleaned(source: Source) -> Source:
+def _drop_invalid_samples(source: Source) -> Source:
     """Returns a source without what no flight can be, and without times that do not rise."""
     columns = {name: np.asarray(column, np.float64) for name, column in source.columns.items()}
-    good = np.isfinite(source.time) & _sound(np.column_stack([*columns.values()]))
+    good = np.isfinite(source.time) & _is_plausible(np.column_stack([*columns.values()]))
     latest = np.maximum.accumulate(np.where(good, source.time, -np.inf))
     good &= source.time > np.concatenate([[-np.inf], latest[:-1]])
     return Source(source.time[good], {name: column[good] for name, column in columns.items()})
 
 
-def _sound(values: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
+def _is_plausible(values: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
     return np.asarray((np.abs(values) < LARGEST_VALUE).all(axis=1))
 
 
-def _near(time: Column, wanted: Column) -> Bool[np.ndarray, "n"]:
+def _has_neighbours(time: Column, wanted: Column) -> Bool[np.ndarray, "n"]:
     """Returns where samples stand close enough on both sides."""
-    longest = max(LONGEST_GAP * float(np.median(np.diff(time))), _LEAST_GAP)
+    longest = max(MAX_GAP * float(np.median(np.diff(time))), _MIN_GAP)
     after = np.searchsorted(time, wanted).clip(1, len(time) - 1)
     within = (wanted >= time[0]) & (wanted <= time[-1])
     return np.asarray(within & (time[after] - time[after - 1] <= longest))
 
 
-def _at(source: Source, time: Column) -> Iterator[tuple[str, Column]]:
+def _interpolate_source(source: Source, time: Column) -> Iterator[tuple[str, Column]]:
     for name, column in source.columns.items():
         if name == "heading":
             yield name, np.interp(time, source.time, np.unwrap(column))
@@ -160,7 +160,7 @@ def _body_rates(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]]:
     yield "body_yaw_rate", cr * below - sr * right
 
 
-def _derived(known: Mapping[str, Column], time: Column) -> Iterator[tuple[str, Column]]:
+def _derived_fields(known: Mapping[str, Column], time: Column) -> Iterator[tuple[str, Column]]:
     """Yields fields of a state that follow from those known."""
     if {"velocity_north", "velocity_east", "heading"} <= known.keys():
         c, s = np.cos(known["heading"]), np.sin(known["heading"])
@@ -184,6 +184,6 @@ def _yaw_rate(known: Mapping[str, Column], time: Column) -> Column:
         return np.asarray(np.gradient(known["heading"], time))
     upright = np.cos(known["pitch"])
     # Near the vertical a heading has no rate.
-    level = np.where(np.abs(upright) > _STEEPEST, upright, np.nan)
+    level = np.where(np.abs(upright) > _MIN_COS_PITCH, upright, np.nan)
     turning = known["pitch_rate"] * np.sin(known["roll"]) + known["body_yaw_rate"] * np.cos(known["roll"])
     return np.asarray(turning / level)

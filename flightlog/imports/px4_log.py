@@ -11,20 +11,20 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.autopilot_messages import Told
-from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, MOST_ACTUATORS, TRUTH, WIND
+from flightlog.autopilot_messages import AutopilotMessage
+from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 
-from .imported_log import NOT_KNOWN, Foreign
+from .imported_log import UNKNOWN, ExternalLog
 from .measured_motion import Source, attitude_source, measured_states
-from .ulog_recovery import HEADER, MAGIC, whole_messages
+from .ulog_recovery import HEADER, MAGIC, intact_messages
 
 Messages = Mapping[str, np.ndarray[Any, Any]]
 Column = Float[np.ndarray, "n"]
 
 # Numbers of vehicle_local_position as sources call them, and what PX4 says of their validity.
-_PLACES = {
+_POSITION_TOPICS = {
     "x": ("north", "xy_valid"),
     "y": ("east", "xy_valid"),
     "z": ("down", "z_valid"),
@@ -51,12 +51,12 @@ def read_px4_log(path: Path) -> FlightLog:
         BadFileError: the file is missing, no ULog, or without any motion.
         FlightError: the reader of ULogs is not installed.
     """
-    file = Foreign.read(path)
+    file = ExternalLog.read(path)
     if not file.content.startswith(MAGIC):
         raise BadFileError(path, "expected a ULog of PX4, got something else")
-    whole = whole_messages(file.content)
+    whole = intact_messages(file.content)
     try:
-        topics, known, told = _read(whole.content)
+        topics, known, messages = _read(whole.content)
         series = series_of(topics)
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
@@ -67,14 +67,14 @@ def read_px4_log(path: Path) -> FlightLog:
         outcome = f"recovered with loss: {whole.lost} of {len(file.content)} bytes are no whole message"
     return file.log(
         series.values(),
-        vehicle=known.get("ver_hw", NOT_KNOWN),
+        vehicle=known.get("ver_hw", UNKNOWN),
         outcome=outcome,
-        said={"information": known},
-        told=told,
+        provenance={"information": known},
+        autopilot_messages=messages,
     )
 
 
-def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[Told]]:
+def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[AutopilotMessage]]:
     """Returns fields by topic, of the first of several alike, what the log says of itself, and messages."""
     try:
         from pyulog import ULog
@@ -86,7 +86,7 @@ def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[Tol
     try:
         # What the reader has to say goes to the console otherwise.
         with redirect_stdout(io.StringIO()):
-            log = ULog(_Patience(content))
+            log = ULog(_BoundedReader(content))
     except ULogException as error:
         raise FlightError(f"is no ULog: {' '.join(str(error).split())}") from None
     # On a clock of its own: microseconds of a date leave a double few digits.
@@ -96,13 +96,13 @@ def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[Tol
         if part.multi_id == 0
     }
     known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
-    told = [
-        Told(
+    messages = [
+        AutopilotMessage(
             (one.timestamp - log.start_timestamp) * 1e-6, _level(one.log_level), " ".join(one.message.split())
         )
         for one in log.logged_messages
     ]
-    return topics, known, told
+    return topics, known, messages
 
 
 def _level(level: int) -> str:
@@ -110,7 +110,7 @@ def _level(level: int) -> str:
     return "ERROR" if level <= ord("3") else "WARNING" if level == ord("4") else "INFO"
 
 
-class _Patience:
+class _BoundedReader:
     """A file in memory that ends a reader which goes in circles, as that of ULogs does in damaged ones."""
 
     def __init__(self, content: bytes) -> None:
@@ -153,11 +153,13 @@ def _sources(topics: Mapping[str, Messages], ending: str) -> Iterator[Source]:
     """Yields where the vehicle is, how it stands and how it turns, as far as the log knows."""
     place = topics.get(f"vehicle_local_position{ending}")
     if place is not None:
-        valid = {flag: _flag(place, flag) for _, flag in _PLACES.values()}
-        held = {name: flag for name, (_, flag) in _PLACES.items() if valid[flag].mean() >= LEAST_VALID}
+        valid = {flag: _flag(place, flag) for _, flag in _POSITION_TOPICS.values()}
+        held = {
+            name: flag for name, (_, flag) in _POSITION_TOPICS.items() if valid[flag].mean() >= LEAST_VALID
+        }
         if held:
             rows = np.all([valid[flag] for flag in held.values()], axis=0)
-            columns = {_PLACES[name][0]: _numbers(place, name)[rows] for name in held}
+            columns = {_POSITION_TOPICS[name][0]: _numbers(place, name)[rows] for name in held}
             yield Source(_seconds(place)[rows], columns)
     attitude = topics.get(f"vehicle_attitude{ending}")
     if attitude is not None:
@@ -180,7 +182,7 @@ def _flag(messages: Messages, name: str) -> Bool[np.ndarray, "n"]:
 def _command(topics: Mapping[str, Messages], estimate: Series) -> Series | None:
     """Returns the velocities, yaw rates and heights asked for, where all of them were."""
     asked = topics.get("vehicle_local_position_setpoint")
-    if asked is None or not estimate.holds("heading"):
+    if asked is None or not estimate.has_fields("heading"):
         return None
     time = _seconds(asked)
     heading = np.interp(time, estimate.time, estimate["heading"])
@@ -188,7 +190,7 @@ def _command(topics: Mapping[str, Messages], estimate: Series) -> Series | None:
     values = np.column_stack(
         [c * north + s * east, c * east - s * north, _numbers(asked, "yawspeed"), -_numbers(asked, "z")]
     )
-    return _whole_rows(Series(COMMAND, time, values))
+    return _complete_rows(Series(COMMAND, time, values))
 
 
 def _actuators(topics: Mapping[str, Messages]) -> Series | None:
@@ -198,14 +200,14 @@ def _actuators(topics: Mapping[str, Messages]) -> Series | None:
         return None
     columns = {
         f"control_{number}": _numbers(told, f"control[{number - 1}]")
-        for number in range(1, MOST_ACTUATORS + 1)
+        for number in range(1, MAX_ACTUATORS + 1)
         if f"control[{number - 1}]" in told
     }
     moving = {name: column for name, column in columns.items() if np.isfinite(column).all() and column.any()}
     if not moving:
         return None
     values = np.column_stack([*moving.values()])
-    return _whole_rows(Series(ACTUATORS.only(moving), _seconds(told), values))
+    return _complete_rows(Series(ACTUATORS.only(moving), _seconds(told), values))
 
 
 def _wind(topics: Mapping[str, Messages]) -> Series | None:
@@ -215,10 +217,10 @@ def _wind(topics: Mapping[str, Messages]) -> Series | None:
         return None
     known = np.asarray(told["variance_north"], np.float64) > 0.0
     values = np.column_stack([_numbers(told, f"windspeed_{name}") for name in ("north", "east")])
-    return _whole_rows(Series(WIND.only(["north", "east"]), _seconds(told)[known], values[known]))
+    return _complete_rows(Series(WIND.only(["north", "east"]), _seconds(told)[known], values[known]))
 
 
-def _whole_rows(series: Series) -> Series | None:
+def _complete_rows(series: Series) -> Series | None:
     """Returns a series where all of it is known and its times rise; None where that is nowhere."""
     kept = np.isfinite(series.values).all(axis=1) & (np.diff(series.time, prepend=-np.inf) > 0)
     return Series(series.topic, series.time[kept], series.values[kept]) if kept.any() else None

@@ -19,13 +19,13 @@ _TIME = struct.Struct("<HQ")
 _KINDS = frozenset(b"BFIMPQARDLCSO")
 _DATA, _ANNOUNCED, _FORMAT = ord("D"), ord("A"), ord("F")
 # Messages that must follow one another before a place is trusted again.
-_IN_A_ROW = 8
+_MIN_CONSECUTIVE = 8
 # Microseconds that data may be later than what came before.
 _LATEST = 3_600_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class WholeMessages:
+class IntactMessages:
     """A ULog of whole messages alone: its bytes, and the bytes of the damaged one that were left out."""
 
     content: bytes
@@ -33,31 +33,31 @@ class WholeMessages:
 
 
 @dataclass(slots=True)
-class _Known:
+class _ScanState:
     """What was learnt of a log so far: size by number of a topic (0 before its first data), latest time."""
 
     sizes: dict[int, int] = field(default_factory=dict)
     latest: int = 0
 
 
-def whole_messages(content: bytes) -> WholeMessages:
+def intact_messages(content: bytes) -> IntactMessages:
     """Returns what is whole in the bytes of a ULog; all of an undamaged one."""
-    known, parts = _Known(), [content[:HEADER]]
+    known, parts = _ScanState(), [content[:HEADER]]
     position = begun = HEADER
     while position < len(content):
-        end = _end(content, position, known)
+        end = _message_end(content, position, known)
         if end:
-            _learn(content, position, end, known)
+            _update_scan_state(content, position, end, known)
             position = end
             continue
         parts.append(content[begun:position])
-        position = begun = _resumed(content, position + 1, known)
+        position = begun = _find_next_intact(content, position + 1, known)
     parts.append(content[begun:position])
     kept = b"".join(parts)
-    return WholeMessages(kept, len(content) - len(kept))
+    return IntactMessages(kept, len(content) - len(kept))
 
 
-def _end(content: bytes, position: int, known: _Known) -> int:
+def _message_end(content: bytes, position: int, known: _ScanState) -> int:
     """Returns where the message ends that begins at a place; 0 where none does."""
     if position + _HEAD.size > len(content):
         return 0
@@ -77,7 +77,7 @@ def _end(content: bytes, position: int, known: _Known) -> int:
     return end
 
 
-def _learn(content: bytes, position: int, end: int, known: _Known) -> None:
+def _update_scan_state(content: bytes, position: int, end: int, known: _ScanState) -> None:
     size, kind = _HEAD.unpack_from(content, position)
     if kind == _DATA:
         number, time = _TIME.unpack_from(content, position + _HEAD.size)
@@ -89,19 +89,19 @@ def _learn(content: bytes, position: int, end: int, known: _Known) -> None:
         known.sizes.setdefault(number, 0)
 
 
-def _resumed(content: bytes, position: int, known: _Known) -> int:
+def _find_next_intact(content: bytes, position: int, known: _ScanState) -> int:
     """Returns the next place from which whole messages follow one another; the end without one."""
     while position < len(content):
-        ends = list(_chain(content, position, known))
-        if len(ends) == _IN_A_ROW or (ends and ends[-1] == len(content)):
+        ends = list(_consecutive_ends(content, position, known))
+        if len(ends) == _MIN_CONSECUTIVE or (ends and ends[-1] == len(content)):
             return position
         position += 1
     return len(content)
 
 
-def _chain(content: bytes, position: int, known: _Known) -> Iterator[int]:
-    for _ in range(_IN_A_ROW):
-        position = _end(content, position, known)
+def _consecutive_ends(content: bytes, position: int, known: _ScanState) -> Iterator[int]:
+    for _ in range(_MIN_CONSECUTIVE):
+        position = _message_end(content, position, known)
         if not position:
             return
         yield position

@@ -11,7 +11,7 @@ SECONDS, NANOSECONDS = 2**34 - 1, 2**29 - 1
 """Stand for the time in a template: numbers whose encodings are five bytes long."""
 
 
-def fill(
+def fill_template(
     template: Message, *, times: Int[np.ndarray, "n"], columns: Mapping[float, Float[np.ndarray, "n"]]
 ) -> UInt8[np.ndarray, "n size"]:
     """Returns one message a row, all of the template's size.

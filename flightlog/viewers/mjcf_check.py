@@ -45,18 +45,18 @@ def parse_model(text: bytes, source: str) -> ElementTree.Element:
     if len(parts) > MOST_PARTS:
         raise BadFileError(source, f"expected at most {MOST_PARTS} parts, got {len(parts)}")
     for part in parts:
-        _refuse_harm(part, source)
+        _check_element(part, source)
     return root
 
 
-def _refuse_harm(part: ElementTree.Element, source: str) -> None:
+def _check_element(part: ElementTree.Element, source: str) -> None:
     if part.tag not in _ELEMENTS:
         raise BadFileError(source, f"has <{part.tag:.40}>: expected one of {sorted(_ELEMENTS)}")
     for name, value in part.attrib.items():
         if "file" in name or name in _FOLDERS:
             raise BadFileError(source, f"names a file, {name}={value!r:.60}: expected all in one text")
         for word in value.split():
-            if not _tame(word):
+            if not _is_finite_or_word(word):
                 raise BadFileError(source, f"{part.tag} {name}: expected finite numbers, got {word!r:.40}")
     if part.tag == "texture":
         for name in ("width", "height"):
@@ -64,7 +64,7 @@ def _refuse_harm(part: ElementTree.Element, source: str) -> None:
                 raise BadFileError(source, f"texture {name}: expected at most {_LARGEST_TEXTURE}")
 
 
-def _tame(word: str) -> bool:
+def _is_finite_or_word(word: str) -> bool:
     try:
         return isfinite(float(word))
     except ValueError:

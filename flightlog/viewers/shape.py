@@ -54,10 +54,10 @@ def vehicle_shape(log: FlightLog) -> SceneEntity:
 def _add_solid(entity: SceneEntity, geom: ElementTree.Element, rgba: str) -> None:
     """Adds one solid of the model; MuJoCo's sizes are half of those of viewers."""
     size, color = _numbers(geom.get("size", "")), Color(**dict(zip("rgba", _numbers(rgba), strict=True)))
-    place, turn = _numbers(geom.get("pos", "0 0 0")), _turned(_numbers(geom.get("euler", "0 0 0")))
+    place, turn = _numbers(geom.get("pos", "0 0 0")), _euler_quaternion(_numbers(geom.get("euler", "0 0 0")))
     if "fromto" in geom.attrib:
         ends = np.array(_numbers(geom.attrib["fromto"])).reshape(2, 3)
-        place, turn = ends.mean(axis=0), _along(ends[1] - ends[0])
+        place, turn = ends.mean(axis=0), _rotation_from_up(ends[1] - ends[0])
         size = [size[0], 0.5 * float(np.linalg.norm(ends[1] - ends[0]))]
     pose = Pose(position=_vector(place), orientation=turn)
     match geom.get("type"):
@@ -82,7 +82,7 @@ def _vector(values: Iterable[float]) -> Vector3:
     return Vector3(x=x, y=y, z=z)
 
 
-def _turned(angles: list[float]) -> Quaternion:
+def _euler_quaternion(angles: list[float]) -> Quaternion:
     """Returns the rotation by angles about x, then the turned y, then the turned z, as MJCF means `euler`."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(0.5 * np.array(angles)), np.cos(0.5 * np.array(angles))
     return Quaternion(
@@ -93,7 +93,7 @@ def _turned(angles: list[float]) -> Quaternion:
     )
 
 
-def _along(direction: Vector) -> Quaternion:
+def _rotation_from_up(direction: Vector) -> Quaternion:
     """Returns the shortest rotation that takes up to a direction."""
     x, y, z = direction / np.linalg.norm(direction)
     if z < -0.999999:

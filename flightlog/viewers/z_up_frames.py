@@ -7,7 +7,7 @@ from flightlog.topic import Series
 
 WORLD = "world_east_north_up"
 VEHICLE = "vehicle_forward_left_up"
-BELIEVED_VEHICLE = "believed_vehicle_forward_left_up"
+ESTIMATED_VEHICLE = "believed_vehicle_forward_left_up"
 
 POSE = ("north", "east", "down", "roll", "pitch", "heading")
 """Fields of a state without which there is nothing to place."""

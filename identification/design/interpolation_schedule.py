@@ -27,14 +27,14 @@ _DRAWN, _ANY = 1000, 1
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
+class PrimitiveSample:
     """Ids of the interpolated trims and maneuvers that were drawn."""
 
     trims: tuple[int, ...]
     maneuvers: tuple[int, ...]
 
 
-def draw(library: Library, *, most: int, rng: np.random.Generator) -> Drawn:
+def draw_sample(library: Library, *, most: int, rng: np.random.Generator) -> PrimitiveSample:
     """Returns primitives whose errors were interpolated, drawn at random without repetition.
 
     Args:
@@ -49,17 +49,17 @@ def draw(library: Library, *, most: int, rng: np.random.Generator) -> Drawn:
     entered = {to for _, (left, to) in edges if left in home}
     trims = [trim.id for trim in library.trims if trim.interpolated and trim.id in home & entered]
     rows = [row.id for row in library.maneuvers if row.interpolated and {row.from_trim, row.to_trim} <= home]
-    return Drawn(*(_some(ids, most, rng) for ids in (trims, rows)))
+    return PrimitiveSample(*(_draw_ids(ids, most, rng) for ids in (trims, rows)))
 
 
-def _some(ids: list[int], most: int, rng: np.random.Generator) -> tuple[int, ...]:
+def _draw_ids(ids: list[int], most: int, rng: np.random.Generator) -> tuple[int, ...]:
     places = rng.choice(len(ids), min(most, len(ids)), replace=False)
     return tuple(sorted(ids[place] for place in places.tolist()))
 
 
 def sampled_schedule(
     library: Library,
-    drawn: Drawn,
+    drawn: PrimitiveSample,
     *,
     flights: int,
     rng: np.random.Generator,

@@ -30,21 +30,23 @@ _DWELL, _TIMEOUT = 1.0, 15.0
 # Of a maneuver, where it has not been flown: the thesis's settling time, s.
 _DURATION = 4.0
 
-Place = tuple[float, float]
+GridPoint = tuple[float, float]
 """Forward speed in feet per second and yaw rate in rad/s: round numbers."""
 
 
 def straight_automaton(*, wind: str, altitude: float) -> Library:
     """Returns trims and maneuvers of straight flight with their maneuver-end rule; numbers by kinematics."""
-    return _automaton("trends-straight", sorted(set(_straight())), wind=wind, altitude=altitude)
+    return _automaton("trends-straight", sorted(set(_straight_points())), wind=wind, altitude=altitude)
 
 
 def turns_automaton(*, wind: str, altitude: float) -> Library:
     """Returns trims and maneuvers of turning flight with their maneuver-end rule; numbers by kinematics."""
-    return _automaton("trends-turns", sorted(set(_turns()) | set(_grid())), wind=wind, altitude=altitude)
+    return _automaton(
+        "trends-turns", sorted(set(_turning_points()) | set(_grid())), wind=wind, altitude=altitude
+    )
 
 
-def _automaton(name: str, places: list[Place], *, wind: str, altitude: float) -> Library:
+def _automaton(name: str, places: list[GridPoint], *, wind: str, altitude: float) -> Library:
     trims = tuple(
         Trim(number, _name(*place), _velocity(place), Twist(0.0, 0.0, 0.0))
         for number, place in enumerate(places, start=1)
@@ -52,7 +54,7 @@ def _automaton(name: str, places: list[Place], *, wind: str, altitude: float) ->
     joined = sorted(
         edge
         for (a, one), (b, two) in combinations(enumerate(places, start=1), 2)
-        if _neighbours(one, two)
+        if _are_neighbours(one, two)
         for edge in ((a, b), (b, a))
     )
     by_id = {trim.id: trim for trim in trims}
@@ -70,17 +72,17 @@ def _automaton(name: str, places: list[Place], *, wind: str, altitude: float) ->
     )
 
 
-def _straight() -> Iterator[Place]:
+def _straight_points() -> Iterator[GridPoint]:
     for step in range(FASTEST + 1):
         yield 8.0 * step, 0.0
 
 
-def _turns() -> Iterator[Place]:
+def _turning_points() -> Iterator[GridPoint]:
     for tenth in range(-6, 7):
         yield 8.0, tenth / 10
 
 
-def _grid() -> Iterator[Place]:
+def _grid() -> Iterator[GridPoint]:
     for speed in (0.0, 8.0, 16.0, 24.0):
         for tenth in (-6, -4, -2, 0, 2, 4, 6):
             if speed < 24 or abs(tenth) <= 4:
@@ -91,11 +93,11 @@ def _grid() -> Iterator[Place]:
             yield speed, tenth / 10
 
 
-def _neighbours(one: Place, two: Place) -> bool:
+def _are_neighbours(one: GridPoint, two: GridPoint) -> bool:
     return abs(two[0] - one[0]) / 8 + abs(two[1] - one[1]) / 0.2 <= _FURTHEST
 
 
-def _velocity(place: Place) -> Twist:
+def _velocity(place: GridPoint) -> Twist:
     return Twist(place[0] * FOOT, 0.0, place[1])
 
 

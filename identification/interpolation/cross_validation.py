@@ -15,33 +15,33 @@ SPEED_SCALE, YAW_RATE_SCALE = 8 * FOOT, 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
+class InterpolationFit:
     """How well one number interpolates.
 
     Attributes:
         number: its name, of a trim's deviations or of a maneuver.
-        left_out: root mean square of the leave-one-out errors, in the number's unit; of a trim's deviations,
+        cross_validation_error: rms leave-one-out error, in the number's unit; of a trim's deviations,
             of their logarithm.
         smoothing: of the spline.
     """
 
     number: str
-    left_out: float
+    cross_validation_error: float
     smoothing: float
 
 
-def place(velocity: Twist) -> tuple[float, float]:
+def scaled_velocity(velocity: Twist) -> tuple[float, float]:
     """Returns forward speed and yaw rate in units in which they count alike."""
     return velocity.forward / SPEED_SCALE, velocity.yaw_rate / YAW_RATE_SCALE
 
 
-def largest(statistics: Statistics | None, name: str) -> float:
+def largest_deviation(statistics: Statistics | None, name: str) -> float:
     """Returns the largest deviation of one number of a flown primitive."""
     assert statistics is not None
     return next(one.largest_deviation for one in statistics.scalars if one.name == name)
 
 
-def flights_each(found: Iterable[Statistics | None]) -> int:
+def least_flights(found: Iterable[Statistics | None]) -> int:
     """Returns in how many flights each of these primitives was flown at least."""
     return min(one.samples for one in found if one is not None)
 

@@ -11,16 +11,17 @@ from flight.automaton.maneuver_end import Band, ManeuverEnd
 from flight.automaton.trim import Trim
 from flight.se2 import Twist
 
-from .cross_validation import place
+from .cross_validation import scaled_velocity
 from .spline import Spline
 
-# A grown trim is inside the flown ones' hull and no further than this from one, in the scales of `place`.
+# An interpolated trim is inside the hull of the flown ones and no further than this from one, scaled as by
+# `scaled_velocity`.
 FURTHEST = 0.75
 
 Table = Float[np.ndarray, "n k"]
 
 
-def grown_trims(
+def interpolate_trims(
     flown: Sequence[Trim], rule: ManeuverEnd, *, speed_step: float, yaw_rate_step: float
 ) -> tuple[tuple[Trim, ...], dict[int, Band]]:
     """Returns trims on a grid inside the flown ones' hull, where none was flown, without errors; their bands.
@@ -31,12 +32,12 @@ def grown_trims(
         speed_step: of the grid, m/s.
         yaw_rate_step: of the grid, rad/s.
     """
-    places = np.array([place(trim.velocity) for trim in flown])
+    places = np.array([scaled_velocity(trim.velocity) for trim in flown])
     grid = _grid(flown, places, speed_step, yaw_rate_step)
-    at = np.array([place(velocity) for velocity in grid]).reshape(-1, 2)
+    at = np.array([scaled_velocity(velocity) for velocity in grid]).reshape(-1, 2)
     first = max(trim.id for trim in flown) + 1
     trims = tuple(
-        Trim(number, f"grown: {_words(velocity)}", velocity, Twist(0.0, 0.0, 0.0))
+        Trim(number, f"grown: {_describe(velocity)}", velocity, Twist(0.0, 0.0, 0.0))
         for number, velocity in enumerate(grid, start=first)
     )
     return trims, _bands(flown, places, rule, at, first)
@@ -62,13 +63,13 @@ def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step
     for i in range(ceil(min(speeds) / speed_step - 1e-9), int(max(speeds) / speed_step + 1e-9) + 1):
         for j in range(ceil(min(rates) / yaw_rate_step - 1e-9), int(max(rates) / yaw_rate_step + 1e-9) + 1):
             velocity = Twist(round(i * speed_step, 6), 0.0, round(j * yaw_rate_step, 6))
-            here = np.array(place(velocity))
+            here = np.array(scaled_velocity(velocity))
             distance = np.linalg.norm(places - here, axis=1).min()
             if 1e-6 < distance <= FURTHEST and hull.find_simplex(here, tol=1e-9) >= 0:
                 found.append(velocity)
     return found
 
 
-def _words(velocity: Twist) -> str:
+def _describe(velocity: Twist) -> str:
     turn = f", {velocity.yaw_rate:+g} rad/s" if velocity.yaw_rate else ""
     return f"{velocity.forward:.3g} m/s{turn}"

@@ -24,13 +24,13 @@ Neither is proved, so `library test` flies grown primitives and holds the claim 
 import numpy as np
 from jaxtyping import Float
 
-from flight.automaton.statistics import Interpolated
-from identification.statistics.coverage import held_share, most_exceeding
+from flight.automaton.statistics import InterpolationClaim
+from identification.statistics.coverage import most_exceedances, order_statistic_coverage
 
 
-def calibrated(
+def calibrate_claim(
     scores: Float[np.ndarray, "m"], *, flights: int, coverage: float, confidence: float
-) -> Interpolated:
+) -> InterpolationClaim:
     """Returns the factor that holds the flown primitives left out, with what it lets claim of grown ones.
 
     Args:
@@ -40,14 +40,14 @@ def calibrated(
         coverage: share of grown primitives wanted.
         confidence: of that share.
     """
-    exceeding = most_exceeding(len(scores), coverage=coverage, confidence=confidence)
+    exceeding = most_exceedances(len(scores), coverage=coverage, confidence=confidence)
     factor = float(np.sort(scores)[len(scores) - 1 - exceeding])
-    return Interpolated(
+    return InterpolationClaim(
         left_out=len(scores),
         exceeding=exceeding,
         flights=flights,
         # Interpolated deviations are never made smaller.
         factor=max(1.0, factor),
-        coverage=held_share(len(scores), exceeding=exceeding, confidence=confidence),
+        coverage=order_statistic_coverage(len(scores), exceeding=exceeding, confidence=confidence),
         confidence=confidence,
     )

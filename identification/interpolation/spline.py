@@ -39,14 +39,14 @@ class Spline:
         points: Float[np.ndarray, "n d"],
         values: Float[np.ndarray, "n"],
         *,
-        together: Sequence[Sequence[int]] | None = None,
+        groups: Sequence[Sequence[int]] | None = None,
     ) -> Self:
         """Returns the interpolation whose smoothing makes the errors at points left out least.
 
         Args:
             points: where values are known; each coordinate scaled so that 1 means alike.
             values: at the points.
-            together: for each point the rows that are left out with it, its own among them; each alone where
+            groups: for each point the rows that are left out with it, its own among them; each alone where
                 None.
 
         Raises:
@@ -56,13 +56,13 @@ class Spline:
         count, dimensions = points.shape
         if count < dimensions + 3:
             raise ValueError(f"expected at least {dimensions + 3} points, got {count}")
-        for rows in together or ():
-            _refuse_a_plane(np.delete(points, list(rows), axis=0))
+        for rows in groups or ():
+            _check_not_planar(np.delete(points, list(rows), axis=0))
         best: Self | None = None
         for smoothing in SMOOTHINGS:
             inverse = np.linalg.inv(_system(points, smoothing))
             coefficients = inverse[:, :count] @ values
-            left_out = _left_out(inverse[:count, :count], coefficients[:count], together)
+            left_out = _leave_one_out_errors(inverse[:count, :count], coefficients[:count], groups)
             if best is None or (left_out**2).sum() < (best.left_out**2).sum():
                 best = cls(points, coefficients, left_out, smoothing)
         assert best is not None
@@ -76,17 +76,17 @@ class Spline:
         return values
 
 
-def _left_out(
+def _leave_one_out_errors(
     inverse: Float[np.ndarray, "n n"],
     coefficients: Float[np.ndarray, "n"],
-    together: Sequence[Sequence[int]] | None,
+    groups: Sequence[Sequence[int]] | None,
 ) -> Float[np.ndarray, "n"]:
-    if together is None:
+    if groups is None:
         alone: Float[np.ndarray, "n"] = coefficients / np.diag(inverse)
         return alone
     errors = [
         np.linalg.solve(inverse[np.ix_(rows, rows)], coefficients[rows])[rows.index(place)]
-        for place, rows in enumerate(map(list, together))
+        for place, rows in enumerate(map(list, groups))
     ]
     return np.array(errors)
 
@@ -94,14 +94,14 @@ def _left_out(
 def _system(points: Float[np.ndarray, "n d"], smoothing: float) -> Float[np.ndarray, "m m"]:
     count = len(points)
     kernel = -np.linalg.norm(points[:, None, :] - points, axis=2) + smoothing * np.eye(count)
-    _refuse_a_plane(points)
+    _check_not_planar(points)
     trend = np.hstack([np.ones((count, 1)), points])
     corner = np.zeros((trend.shape[1], trend.shape[1]))
     system: Float[np.ndarray, "m m"] = np.block([[kernel, trend], [trend.T, corner]])
     return system
 
 
-def _refuse_a_plane(points: Float[np.ndarray, "n d"]) -> None:
+def _check_not_planar(points: Float[np.ndarray, "n d"]) -> None:
     trend = np.hstack([np.ones((len(points), 1)), points])
     if np.linalg.matrix_rank(trend) < trend.shape[1]:
         raise ValueError("expected points that span all their coordinates, got points in a plane")

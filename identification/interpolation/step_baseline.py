@@ -15,7 +15,7 @@ from scipy.optimize import least_squares
 from flight.automaton.library import Library
 from flight.automaton.maneuver_end import Band
 from flight.se2 import Twist
-from identification.segmentation.step_response import StepResponse
+from identification.segmentation.second_order_response import StepResponse
 
 # Seconds between the instants at which the baseline is computed.
 _STEP = 0.02
@@ -24,7 +24,7 @@ _SCALES = np.array([0.2, 0.3, 0.3, 0.05])
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class VelocityStep:
     """A maneuver to be computed: velocities left and reached, the band around the latter."""
 
     left: Twist
@@ -41,11 +41,11 @@ class Baseline:
     dwell: float
     timeout: float
 
-    def maneuver(self, step: Step) -> tuple[float, float, float, float]:
+    def maneuver(self, step: VelocityStep) -> tuple[float, float, float, float]:
         """Returns duration in s, displacement forward and to the right in m, heading change in rad."""
         time = np.arange(0.0, self.timeout, _STEP)
-        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(time)
-        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(time)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.remaining_share(time)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.remaining_share(time)
         outside = (np.abs(speed_off) > step.band.forward) | (np.abs(rate_off) > step.band.yaw_rate)
         last = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
         count = min(last + round(self.dwell / _STEP), len(time) - 1)
@@ -56,19 +56,21 @@ class Baseline:
         forward, side = speed * np.cos(middle) * _STEP, speed * np.sin(middle) * _STEP
         return count * _STEP, float(forward.sum()), float(side.sum()), float(heading[-1])
 
-    def tail(self, step: Step) -> tuple[float, float]:
+    def residual(self, step: VelocityStep) -> tuple[float, float]:
         """Returns the most that is left of a step after its end: forward speed, m/s, and yaw rate, rad/s."""
         later = np.arange(self.maneuver(step)[0], self.timeout, _STEP)
-        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(later)
-        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(later)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.remaining_share(later)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.remaining_share(later)
         return float(np.abs(speed_off).max(initial=0.0)), float(np.abs(rate_off).max(initial=0.0))
 
-    def maneuvers(self, steps: Sequence[Step]) -> Float[np.ndarray, "n 4"]:
+    def maneuvers(self, steps: Sequence[VelocityStep]) -> Float[np.ndarray, "n 4"]:
         """Returns a row for each step, as `maneuver` gives it."""
         return np.array([self.maneuver(step) for step in steps])
 
 
-def fitted_baseline(library: Library, steps: Sequence[Step], flown: Float[np.ndarray, "n 4"]) -> Baseline:
+def fit_baseline(
+    library: Library, steps: Sequence[VelocityStep], flown: Float[np.ndarray, "n 4"]
+) -> Baseline:
     """Returns the responses that come nearest to all flown maneuvers together.
 
     Args:

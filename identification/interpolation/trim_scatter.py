@@ -13,12 +13,18 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.automaton.statistics import Interpolated
+from flight.automaton.statistics import InterpolationClaim
 from flight.automaton.trim import Trim
 from identification.statistics.samples import TRIM_SCALARS
 
-from .cross_validation import Fit, flights_each, largest, place, root_mean_square
-from .interpolation_claim import calibrated
+from .cross_validation import (
+    InterpolationFit,
+    largest_deviation,
+    least_flights,
+    root_mean_square,
+    scaled_velocity,
+)
+from .interpolation_claim import calibrate_claim
 from .spline import Spline
 
 # So much of a deviation, at least, is the wind's: the computed tail may come out above what was flown.
@@ -38,8 +44,8 @@ class TrimScatter:
     """
 
     sizes: dict[int, Float[np.ndarray, "3"]]
-    claim: Interpolated
-    fits: tuple[Fit, ...]
+    claim: InterpolationClaim
+    fits: tuple[InterpolationFit, ...]
 
 
 def trim_scatter(
@@ -65,17 +71,19 @@ def trim_scatter(
         coverage: share of the wanted trims that are to hold as many flights as were flown.
         confidence: of that share.
     """
-    deviations = np.array([[largest(trim.statistics, one) for one in TRIM_SCALARS] for trim in flown])
+    deviations = np.array(
+        [[largest_deviation(trim.statistics, one) for one in TRIM_SCALARS] for trim in flown]
+    )
     wind = np.sqrt(np.maximum(deviations**2 - tails_flown**2, (_WIND * deviations) ** 2))
-    splines = [Spline.fit(_places(flown), np.log(column)) for column in wind.T]
+    splines = [Spline.fit(_scaled_velocities(flown), np.log(column)) for column in wind.T]
     left_out = wind / np.exp(np.column_stack([one.left_out for one in splines]))
-    claim = calibrated(
+    claim = calibrate_claim(
         (deviations / np.hypot(tails_flown, left_out)).max(axis=1),
-        flights=flights_each(trim.statistics for trim in flown),
+        flights=least_flights(trim.statistics for trim in flown),
         coverage=coverage,
         confidence=confidence,
     )
-    between = np.exp(np.column_stack([one.at(_places(wanted)) for one in splines]))
+    between = np.exp(np.column_stack([one.at(_scaled_velocities(wanted)) for one in splines]))
     known = {trim.id: row for row, trim in enumerate(flown)}
     sizes = {}
     for trim, tail, rest in zip(wanted, tails_wanted, between, strict=True):
@@ -83,11 +91,11 @@ def trim_scatter(
         size = claim.factor * np.hypot(tail, rest if row is None else left_out[row])
         sizes[trim.id] = size if row is None else np.maximum(size, deviations[row])
     fits = tuple(
-        Fit(f"trim {name}", root_mean_square(one.left_out), one.smoothing)
+        InterpolationFit(f"trim {name}", root_mean_square(one.left_out), one.smoothing)
         for name, one in zip(TRIM_SCALARS, splines, strict=True)
     )
     return TrimScatter(sizes, claim, fits)
 
 
-def _places(trims: Sequence[Trim]) -> Float[np.ndarray, "n 2"]:
-    return np.array([place(trim.velocity) for trim in trims]).reshape(-1, 2)
+def _scaled_velocities(trims: Sequence[Trim]) -> Float[np.ndarray, "n 2"]:
+    return np.array([scaled_velocity(trim.velocity) for trim in trims]).reshape(-1, 2)

@@ -33,7 +33,7 @@ class FlightEvidence:
         segments: its primitives.
         duration: of the flight, seconds.
         found_by: what showed where they begin: the `command change`, or the `motion`.
-        judged: which motion was judged: `true`, or `believed` where that was wanted or no truth is known.
+        judged: the motion that was judged: `true`, or `believed` where that was wanted or no truth is known.
         trims_commanded: whether the velocities of trims were fixed before the flights, not found in them.
     """
 
@@ -59,27 +59,27 @@ class FlightEvidence:
         return frozenset(row.to_trim for row in self.library.maneuvers if row.id in unsettled)
 
 
-def evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:
+def extract_evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:
     """Returns what identification keeps of a log.
 
     Raises:
         FlightError: the log lacks something; its text begins with the log's name.
     """
     try:
-        judged = believed(log) if of == "estimate" else log
+        judged = estimate_as_truth(log) if of == "estimate" else log
         cut = segment(judged)
     except FlightError as error:
         raise FlightError(f"{name}: {error}") from None
-    motion = "believed" if of == "estimate" else motion_judged(log)
+    motion = "believed" if of == "estimate" else judged_motion_name(log)
     return FlightEvidence(name, sha256, log.header, log.library(), cut, log.duration, judged=motion)
 
 
-def motion_judged(log: FlightLog) -> str:
-    """Returns which motion of a log is judged: `true`, or `believed` where it knows no truth."""
+def judged_motion_name(log: FlightLog) -> str:
+    """Returns which motion of a log is judged: `true`, or `believed` where it has no truth."""
     return "true" if log.motion.topic.name == TRUTH.name else "believed"
 
 
-def believed(log: FlightLog) -> FlightLog:
+def estimate_as_truth(log: FlightLog) -> FlightLog:
     """Returns the log as the vehicle would tell it: the estimate stands where the truth stood.
 
     Raises:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from .step_response import StepResponse
+from .second_order_response import StepResponse
 
 # Samples of a step that are matched, and the fewest between two steps; a sample is a tenth of the response
 # time, so these are 6 and 1.5 response times.
@@ -21,7 +21,7 @@ STEP_COST, UNREACHED_COST = 20.0, 1000.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Levels:
+class TrimGraph:
     """What a vehicle may hold, and how it may change.
 
     Attributes:
@@ -55,7 +55,7 @@ class MotionModel:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class MatchedStep:
     """A step of a walk: seconds from the first sample, places of the trims left and reached."""
 
     time: float
@@ -68,74 +68,78 @@ class MatchedWalk:
     """The trim held first, and the steps."""
 
     first: int
-    steps: tuple[Step, ...]
+    steps: tuple[MatchedStep, ...]
 
-    def mean_motion(self, levels: Levels, model: MotionModel, samples: int) -> Float[np.ndarray, "n 3"]:
+    def mean_motion(self, graph: TrimGraph, model: MotionModel, samples: int) -> Float[np.ndarray, "n 3"]:
         """Returns the chain of steps without deviations."""
-        velocity = levels.velocity
+        velocity = graph.velocity
         mean = np.tile(velocity[self.first], (samples, 1))
         time = np.arange(samples) * model.period
         for step in self.steps:
             after = time > step.time
             for channel, response in enumerate(model.responses):
                 aim, before = velocity[step.reached, channel], velocity[step.left, channel]
-                share = response.left_over(time[after] - step.time)
+                share = response.remaining_share(time[after] - step.time)
                 mean[after, channel] = aim + (before - aim) * share
         return mean
 
 
-def matched_walk(motion: Float[np.ndarray, "n 3"], levels: Levels, model: MotionModel) -> MatchedWalk:
+def match_walk(motion: Float[np.ndarray, "n 3"], graph: TrimGraph, model: MotionModel) -> MatchedWalk:
     """Returns the likeliest walk.
 
     Args:
         motion: forward velocity, side velocity, yaw rate, a sample every `model.period`.
-        levels: the trims and steps to choose from.
+        graph: the trims and steps to choose from.
         model: how the vehicle follows them.
     """
     noise = model.scatter * np.sqrt(1 - model.memory**2)
     innovation = motion - model.memory * np.vstack([motion[:1], motion[:-1]])
-    aims = (1 - model.memory) * levels.velocity
+    aims = (1 - model.memory) * graph.velocity
     holding = (((innovation[:, None, :] - aims) / noise) ** 2).sum(axis=2)
-    stepping = _matched(innovation, levels, model, noise)
-    stepping += np.where(_reached(motion, levels, model.period)[:, levels.edges[:, 0]], 0.0, UNREACHED_COST)
+    stepping = _step_costs(innovation, graph, model, noise)
+    stepping += np.where(
+        _reached_trims(motion, graph, model.period)[:, graph.edges[:, 0]], 0.0, UNREACHED_COST
+    )
     stepping += STEP_COST
-    cost, entered = _cheapest(holding, stepping, levels.edges)
-    return _traced(cost, entered, stepping, levels.edges, model.period)
+    cost, entered = _least_costs(holding, stepping, graph.edges)
+    return _trace_back(cost, entered, stepping, graph.edges, model.period)
 
 
-def _matched(
-    innovation: Float[np.ndarray, "n 3"], levels: Levels, model: MotionModel, noise: Float[np.ndarray, "3"]
+def _step_costs(
+    innovation: Float[np.ndarray, "n 3"], graph: TrimGraph, model: MotionModel, noise: Float[np.ndarray, "3"]
 ) -> Float[np.ndarray, "n edges"]:
     """Returns for each instant and edge what a step there changes in the cost of holding the trim reached."""
     count = len(innovation)
-    left, reached = levels.edges.T
+    left, reached = graph.edges.T
     inside = np.minimum(MATCHED, count - 1 - np.arange(count))
-    cost = np.zeros((count, len(levels.edges)))
+    cost = np.zeros((count, len(graph.edges)))
     for channel, response in enumerate(model.responses):
-        share = response.left_over(np.arange(MATCHED + 1) * model.period)
+        share = response.remaining_share(np.arange(MATCHED + 1) * model.period)
         template = share[1:] - model.memory * share[:-1]
         ahead = np.concatenate([innovation[1:, channel], np.zeros(MATCHED)])
         match = np.correlate(ahead, template, "valid")[:count, None]
         total = np.concatenate([[0.0], np.cumsum(template)])[inside, None]
         energy = np.concatenate([[0.0], np.cumsum(template**2)])[inside, None]
-        aim = (1 - model.memory) * levels.velocity[reached, channel]
-        size = levels.velocity[left, channel] - levels.velocity[reached, channel]
+        aim = (1 - model.memory) * graph.velocity[reached, channel]
+        size = graph.velocity[left, channel] - graph.velocity[reached, channel]
         cost += (size**2 * energy - 2 * size * (match - aim * total)) / noise[channel] ** 2
     return cost
 
 
-def _reached(motion: Float[np.ndarray, "n 3"], levels: Levels, period: float) -> Bool[np.ndarray, "n trims"]:
+def _reached_trims(
+    motion: Float[np.ndarray, "n 3"], graph: TrimGraph, period: float
+) -> Bool[np.ndarray, "n trims"]:
     """Returns where the motion has been inside each trim's band for the dwell."""
     count = len(motion)
-    inside = (np.abs(motion[:, None, :] - levels.velocity) <= levels.band).all(axis=2)
+    inside = (np.abs(motion[:, None, :] - graph.velocity) <= graph.band).all(axis=2)
     so_far = np.vstack([np.zeros(inside.shape[1]), np.cumsum(inside, axis=0)])
     place = np.arange(count)
-    since = np.maximum(place - round(levels.dwell / period), 0)
+    since = np.maximum(place - round(graph.dwell / period), 0)
     there: Bool[np.ndarray, "n trims"] = so_far[place + 1] - so_far[since] == (place + 1 - since)[:, None]
     return there
 
 
-def _cheapest(
+def _least_costs(
     holding: Float[np.ndarray, "n trims"],
     stepping: Float[np.ndarray, "n edges"],
     edges: Int[np.ndarray, "e 2"],
@@ -168,7 +172,7 @@ def _cheapest(
     return cost, stepped
 
 
-def _traced(
+def _trace_back(
     cost: Float[np.ndarray, "n trims"],
     stepped: Bool[np.ndarray, "n trims"],
     stepping: Float[np.ndarray, "n edges"],
@@ -184,6 +188,6 @@ def _traced(
         members = np.flatnonzero(edges[:, 1] == trim)
         left = edges[members, 0]
         before = int(left[np.argmin(cost[place, left] + stepping[place, members])])
-        steps.append(Step(place * period, before, trim))
+        steps.append(MatchedStep(place * period, before, trim))
         trim = before
     return MatchedWalk(trim, tuple(reversed(steps)))

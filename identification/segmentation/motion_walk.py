@@ -9,12 +9,12 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 
-from .motion_matching import Levels, MatchedWalk, MotionModel
-from .motion_model import learnt_model, walk_of
-from .segmentation import Entry, Walk
+from .motion_matching import MatchedWalk, MotionModel, TrimGraph
+from .motion_model import learn_model, likeliest_walk
+from .segmentation import ObservedWalk, TrimEntry
 
 
-def levels_of(library: Library) -> Levels:
+def trim_graph_of(library: Library) -> TrimGraph:
     """Returns the trims and maneuvers of a library as what a motion is matched with.
 
     Raises:
@@ -29,7 +29,7 @@ def levels_of(library: Library) -> Levels:
     places = {trim.id: place for place, trim in enumerate(library.trims)}
     bands = [rule.bands[trim.id] for trim in library.trims]
     edges = [(places[row.from_trim], places[row.to_trim]) for row in library.maneuvers]
-    return Levels(
+    return TrimGraph(
         velocity=np.array(
             [(trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate) for trim in library.trims]
         ),
@@ -46,7 +46,7 @@ def all_edges(trims: int) -> np.ndarray:
 
 def walks_of(
     motions: Sequence[Float[np.ndarray, "n 3"]], library: Library, *, model: MotionModel | None = None
-) -> tuple[Walk, ...]:
+) -> tuple[ObservedWalk, ...]:
     """Returns the walk of each flight, in the trims of a library.
 
     Args:
@@ -54,14 +54,14 @@ def walks_of(
         library: trims, maneuvers and maneuver-end rule; its other numbers are not used.
         model: how the vehicle follows its trims; learnt from the motions where None.
     """
-    levels = levels_of(library)
-    model = model or learnt_model(motions, levels)
+    graph = trim_graph_of(library)
+    model = model or learn_model(motions, graph)
     ids = [trim.id for trim in library.trims]
-    return tuple(named(walk_of(motion, levels, model), ids) for motion in motions)
+    return tuple(with_trim_ids(likeliest_walk(motion, graph, model), ids) for motion in motions)
 
 
-def named(walk: MatchedWalk, ids: Sequence[int]) -> Walk:
+def with_trim_ids(walk: MatchedWalk, ids: Sequence[int]) -> ObservedWalk:
     """Returns a walk with the ids of the trims for their places."""
-    return Walk(
-        ids[walk.first], tuple(Entry(step.time, ids[step.left], ids[step.reached]) for step in walk.steps)
+    return ObservedWalk(
+        ids[walk.first], tuple(TrimEntry(step.time, ids[step.left], ids[step.reached]) for step in walk.steps)
     )

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flightlog.dead_reckoning import with_places
+from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
 
 from .segmentation import Segments
@@ -34,7 +34,7 @@ class Observations:
 
 def observations(log: FlightLog, segments: Segments, library: Library) -> Observations:
     """Returns what a log shows of each primitive, cut as `segmentation` does."""
-    motion = with_places(log.motion)
+    motion = with_dead_reckoning(log.motion)
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     rows: defaultdict[int, list[tuple[float, ...]]] = defaultdict(list)
     for one in segments.maneuvers:
@@ -52,11 +52,11 @@ def observations(log: FlightLog, segments: Segments, library: Library) -> Observ
     return Observations(
         tracks=dict(tracks),
         maneuvers={number: np.array(found) for number, found in rows.items()},
-        trims={number: _furthest(np.concatenate(found)) for number, found in off.items()},
+        trims={number: _largest_deviations(np.concatenate(found)) for number, found in off.items()},
     )
 
 
-def together(flights: Iterable[Observations]) -> Observations:
+def merge_observations(flights: Iterable[Observations]) -> Observations:
     """Returns the observations of many logs as one; of trims a row for each flight."""
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     maneuvers: defaultdict[int, list[Float[np.ndarray, "n 4"]]] = defaultdict(list)
@@ -75,7 +75,7 @@ def together(flights: Iterable[Observations]) -> Observations:
     )
 
 
-def _furthest(off: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:
+def _largest_deviations(off: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:
     places = np.abs(off).argmax(axis=0)
     furthest: Float[np.ndarray, "3"] = off[places, np.arange(3)]
     return furthest

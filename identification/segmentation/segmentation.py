@@ -6,12 +6,12 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndJudge, Verdict
+from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndDetector, ManeuverStatus
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
-from flightlog.dead_reckoning import with_places
+from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, primitives_flown
+from flightlog.primitives import PrimitiveKind, flown_primitives
 from flightlog.topic import Series
 
 
@@ -60,7 +60,7 @@ class Segments:
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class TrimEntry:
     """A change of trim: seconds, ids of the trims left and led to."""
 
     time: float
@@ -69,7 +69,7 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Walk:
+class ObservedWalk:
     """The trims of a flight.
 
     Attributes:
@@ -78,7 +78,7 @@ class Walk:
     """
 
     first: int | None
-    entries: tuple[Entry, ...]
+    entries: tuple[TrimEntry, ...]
 
 
 def segment(log: FlightLog) -> Segments:
@@ -87,26 +87,26 @@ def segment(log: FlightLog) -> Segments:
     Raises:
         FlightError: the log lacks a topic or the rule.
     """
-    return cut(log, commanded_walk(log), log.library())
+    return cut_into_segments(log, commanded_walk(log), log.library())
 
 
-def commanded_walk(log: FlightLog) -> Walk:
+def commanded_walk(log: FlightLog) -> ObservedWalk:
     """Returns the changes of trim that were commanded.
 
     Raises:
         MissingTopicError: the log has no `/primitive`.
     """
-    primitives = primitives_flown(log)
+    primitives = flown_primitives(log)
     entries = tuple(
-        Entry(primitive.start, primitive.from_trim, primitive.to_trim)
+        TrimEntry(primitive.start, primitive.from_trim, primitive.to_trim)
         for primitive in primitives
         if primitive.kind is PrimitiveKind.MANEUVER
     )
     held = bool(primitives) and primitives[0].kind is PrimitiveKind.COAST
-    return Walk(primitives[0].to_trim if held else None, entries)
+    return ObservedWalk(primitives[0].to_trim if held else None, entries)
 
 
-def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
+def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> Segments:
     """Cuts a log into primitives where the trim changes.
 
     A maneuver ends by the rule of `flight.automaton.maneuver_end`, applied to the true body velocity, or to
@@ -128,7 +128,7 @@ def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
         raise FlightError(
             "the log's library has no conditions.maneuver_end: nothing says when a maneuver ends"
         )
-    motion = with_places(log.motion)
+    motion = with_dead_reckoning(log.motion)
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
     changes = [*(entry.time for entry in walk.entries), log.duration]
@@ -143,16 +143,16 @@ def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
 
 
 def _maneuver_segment(
-    motion: Series, rule: ManeuverEnd, library: Library, entry: Entry, until: float
+    motion: Series, rule: ManeuverEnd, library: Library, entry: TrimEntry, until: float
 ) -> ManeuverSegment:
     target = library.trim(entry.to_trim).velocity
-    judge = ManeuverEndJudge(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
-    first, last = _span(motion, entry.time, until)
+    judge = ManeuverEndDetector(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
+    first, last = _row_range(motion, entry.time, until)
     velocity = _velocity(motion, first, last).tolist()
-    end, verdict = last - 1, Verdict.UNDER_WAY
+    end, verdict = last - 1, ManeuverStatus.UNDER_WAY
     for place, (time, sample) in enumerate(zip(motion.time[first:last].tolist(), velocity, strict=True)):
-        verdict = judge.judge(time, Twist(*sample))
-        if verdict is not Verdict.UNDER_WAY:
+        verdict = judge.update(time, Twist(*sample))
+        if verdict is not ManeuverStatus.UNDER_WAY:
             end = first + place
             break
     return ManeuverSegment(
@@ -160,19 +160,19 @@ def _maneuver_segment(
         start=entry.time,
         duration=float(motion.time[end]) - entry.time,
         displacement=_pose(motion, first).inverse() @ _pose(motion, end),
-        settled=verdict is Verdict.ENDED,
+        settled=verdict is ManeuverStatus.ENDED,
     )
 
 
 def _coast_segments(motion: Series, trim: int, begin: float, until: float) -> list[CoastSegment]:
     """Returns the coast, or none where it is over before a second sample."""
-    first, last = _span(motion, begin, until)
+    first, last = _row_range(motion, begin, until)
     if last - first < 2:
         return []
     return [CoastSegment(trim, begin, until - begin, _velocity(motion, first, last))]
 
 
-def _span(motion: Series, start: float, end: float) -> tuple[int, int]:
+def _row_range(motion: Series, start: float, end: float) -> tuple[int, int]:
     """Returns the rows from a time to another, both included, within half a microsecond."""
     return (
         int(np.searchsorted(motion.time, start - 5e-7)),

@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 
-from .segmentation import Entry, Segments, Walk
+from .segmentation import ObservedWalk, Segments, TrimEntry
 
 TOLERANCE = 1.0
 """Seconds by which a boundary may be off and still count as found."""
@@ -45,7 +45,7 @@ class Boundaries:
     ends: tuple[tuple[float, Edge], ...]
 
 
-def boundaries(walk: Walk, segments: Segments) -> Boundaries:
+def boundaries_of(walk: ObservedWalk, segments: Segments) -> Boundaries:
     """Returns where a flight's maneuvers begin and end; those that did not settle have no end."""
     pairs = list(zip(walk.entries, segments.maneuvers, strict=True))
     return Boundaries(
@@ -56,7 +56,7 @@ def boundaries(walk: Walk, segments: Segments) -> Boundaries:
     )
 
 
-def scores(
+def score_boundaries(
     flights: Iterable[tuple[Boundaries, Boundaries]],
 ) -> tuple[EdgeScore, EdgeScore, tuple[EdgeScore, ...]]:
     """Returns the scores of all entries, of all ends, and of the entries of each edge.
@@ -65,13 +65,15 @@ def scores(
         flights: for each flight the boundaries that were commanded, and those that the motion shows.
     """
     known = list(flights)
-    entries = [_matched(commanded.entries, shown.entries) for commanded, shown in known]
-    ends = [_matched(commanded.ends, shown.ends) for commanded, shown in known]
+    entries = [_match_boundaries(commanded.entries, shown.entries) for commanded, shown in known]
+    ends = [_match_boundaries(commanded.ends, shown.ends) for commanded, shown in known]
     edges = sorted({edge for commanded, shown in known for _, edge in (*commanded.entries, *shown.entries)})
     return (
-        _score(None, entries),
-        _score(None, ends),
-        tuple(_score(edge, [[row for row in rows if row[0] == edge] for rows in entries]) for edge in edges),
+        _edge_score(None, entries),
+        _edge_score(None, ends),
+        tuple(
+            _edge_score(edge, [[row for row in rows if row[0] == edge] for rows in entries]) for edge in edges
+        ),
     )
 
 
@@ -79,7 +81,9 @@ def scores(
 _Row = tuple[Edge, float]
 
 
-def _matched(commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float, Edge], ...]) -> list[_Row]:
+def _match_boundaries(
+    commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float, Edge], ...]
+) -> list[_Row]:
     """Pairs boundaries between the same trims, nearest first."""
     near = sorted(
         (abs(late - time), i, j)
@@ -99,7 +103,7 @@ def _matched(commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float
     return rows + [(edge, -np.inf) for j, (_, edge) in enumerate(shown) if j not in taken]
 
 
-def _score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
+def _edge_score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
     lateness = np.array([late for _, late in chain.from_iterable(flights)])
     found = lateness[np.isfinite(lateness)]
     spurious = int((lateness == -np.inf).sum())
@@ -114,5 +118,5 @@ def _score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
     )
 
 
-def _edge(entry: Entry) -> Edge:
+def _edge(entry: TrimEntry) -> Edge:
     return entry.from_trim, entry.to_trim

@@ -20,7 +20,9 @@ class Box:
     size: Float[np.ndarray, "scalars"]
     support: int
 
-    def holds(self, low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]) -> np.ndarray:
+    def contains(
+        self, low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]
+    ) -> np.ndarray:
         """Returns for each sample whether the box holds it from its lowest to its highest value."""
         inside = (np.abs(low - self.centre) <= self.size) & (np.abs(high - self.centre) <= self.size)
         return np.asarray(inside.all(axis=1))

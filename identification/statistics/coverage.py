@@ -40,7 +40,7 @@ def joint_coverage(samples: int, *, support: int, confidence: float, discarded: 
     return 1.0 - float(beta.isf(doubt, counted, samples - counted + 1))
 
 
-def held_share(count: int, *, exceeding: int, confidence: float) -> float:
+def order_statistic_coverage(count: int, *, exceeding: int, confidence: float) -> float:
     """Returns the share of a population that lies at or below an order statistic, at a confidence.
 
     Of `count` independent draws the limit is the largest but `exceeding`; how many exceed it was fixed before
@@ -57,10 +57,10 @@ def held_share(count: int, *, exceeding: int, confidence: float) -> float:
     return 1.0 - float(beta.isf(1.0 - confidence, exceeding + 1, count - exceeding))
 
 
-def most_exceeding(count: int, *, coverage: float, confidence: float) -> int:
+def most_exceedances(count: int, *, coverage: float, confidence: float) -> int:
     """Returns how many of so many draws may exceed the limit and a coverage be claimed; 0 where none may."""
     exceeding = 0
-    while held_share(count, exceeding=exceeding + 1, confidence=confidence) >= coverage:
+    while order_statistic_coverage(count, exceeding=exceeding + 1, confidence=confidence) >= coverage:
         exceeding += 1
     return exceeding
 

@@ -34,7 +34,7 @@ class DurationBin:
     samples: Samples
 
 
-def identified_trim(
+def identify_trim(
     trim: Trim,
     samples: Samples,
     confidence: float,
@@ -73,7 +73,7 @@ def identified_trim(
     )
 
 
-def identified_maneuver(
+def identify_maneuver(
     maneuver: Maneuver,
     samples: Samples,
     *,

@@ -44,7 +44,7 @@ class Samples:
         """Number of samples, the discarded ones included."""
         return len(self.low) + len(self.discarded)
 
-    def required(self, what: str) -> "Samples":
+    def require(self, what: str) -> "Samples":
         """Returns these samples.
 
         Raises:
@@ -55,7 +55,7 @@ class Samples:
         return self
 
 
-def coasts_in(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
+def coasts_of(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
     """Returns a flight's coasts in a trim."""
     return [coast for coast in flight.segments.coasts if coast.trim == trim]
 
@@ -80,7 +80,7 @@ def trim_samples(
     """
     hulls, rows, discarded = [], [], []
     for flight in flights:
-        coasts = coasts_in(flight, trim)
+        coasts = coasts_of(flight, trim)
         found = hull(coasts) if coasts else None
         if flight.lost or (not coasts and trim in flight.never_reached):
             discarded.append(flight.header.seed)

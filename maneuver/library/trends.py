@@ -17,9 +17,9 @@ from flight.errors import FlightError
 from flight.units import FOOT
 from identification.trends import SpeedStep, Trends, TurnStep
 from identification.trends import trends as trends_of
-from review.pictures.flight_picture import publish_picture
+from review.pictures.flight_picture import write_picture
 from review.pictures.trends_picture import Points, trends_picture
-from runtime.atomic_write import refuse_files
+from runtime.atomic_write import check_output_files
 from scenarios.find import find_library, library_path
 
 
@@ -52,14 +52,14 @@ def trends(
         force: overwrite OUT.
         json: print the trends as JSON.
     """
-    refuse_files(out, force=force, inputs=[library_path(library)], ending=".png")
+    check_output_files(out, force=force, inputs=[library_path(library)], ending=".png")
     found = find_library(library)
     seen = trends_of(found, speed_step=speed_step, rate_step=rate_step)
     if not (seen.speed_errors or seen.speed_steps or seen.turn_steps):
         raise FlightError(f"{library}: expected flown straight trims or steps between trims, got none")
     if out is not None:
         title = f"Trends of {found.name}    |    {found.vehicle}, wind {found.conditions.wind}"
-        publish_picture(_picture_of(title, seen), out, force=force)
+        write_picture(_picture_of(title, seen), out, force=force)
     if json:
         sys.stdout.write(json_module.dumps(asdict(seen), indent=2) + "\n")
         return 0

@@ -40,7 +40,7 @@ def library_and_mission(
     return primitives, replace(task, max_trims=max_trims or longest)
 
 
-def refuse_others(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
+def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
     """Refuses a plan that was made with another library or for another mission.
 
     Raises:

@@ -8,25 +8,25 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from experiments.mission.policies import DEFAULT_POLICY, PlannedPolicy, refuse_misfits
-from experiments.mission.time_bound import promised_times, with_promise
+from experiments.mission.policies import DEFAULT_POLICY, PlannedPolicy, check_policy_options
+from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.mission.mission import MOST_TRIMS, Mission
+from flight.mission.mission import MAX_TRIMS, Mission
 from flight.plan.plan import plan_text
-from flight.plan.time_bound import times_path
+from flight.plan.time_bound import time_bounds_path
 from maneuver.options.domain_warnings import warn_of_walk
 from maneuver.options.numbers import Count, Seconds
 from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
 from planner.policies.price_of_robustness import PriceOfRobustness
 from planner.policies.worst_case import WorstCase
-from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.atomic_write import check_output_files, write_atomically
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
 from .check import check
-from .prices import png, show_prices
-from .show import show
+from .prices import png_bytes, print_prices
+from .show import print_plan
 from .signs import signs
 
 NO_PLAN = 1
@@ -109,16 +109,16 @@ def plan(
     """
     told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
     told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
-    refuse_misfits(policy, told, pareto=pareto)
+    check_policy_options(policy, told, pareto=pareto)
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
-    read = [mission_path(mission), library_path(library), times_path(library_path(library))]
-    refuse_files(out, picture, force=force, inputs=read)
-    refuse_files(picture, force=force, ending=".png")
+    read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]
+    check_output_files(out, picture, force=force, inputs=read)
+    check_output_files(picture, force=force, ending=".png")
     primitives = find_library(library)
-    task = _asked(mission, primitives, max_trims)
+    task = _find_mission(mission, primitives, max_trims)
     if pareto:
-        return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
+        return print_prices(primitives, task, out=out, picture=picture, force=force, json=json)
     planner = _planner(
         primitives,
         policy or DEFAULT_POLICY,
@@ -130,22 +130,22 @@ def plan(
     )
     answer = planner.plan(task)
     if certify:
-        from planner.proof.certify_plan import certified
+        from planner.proof.certify_plan import certify_plan
 
-        answer = certified(answer, primitives, task)
-    answer = with_promise(answer, task, planner, primitives, promised_times(library, primitives))
+        answer = certify_plan(answer, primitives, task)
+    answer = with_time_bound(answer, task, planner, primitives, stated_time_bounds(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
     if out is not None:
-        publish_bytes(plan_text(answer).encode(), out, force=force)
+        write_atomically(plan_text(answer).encode(), out, force=force)
     if picture is not None and answer.found:
         from review.pictures.plan_picture import plan_picture
 
-        publish_bytes(png(plan_picture(answer, primitives, task)), picture, force=force)
+        write_atomically(png_bytes(plan_picture(answer, primitives, task)), picture, force=force)
     if json:
         sys.stdout.write(plan_text(answer))
     else:
-        show(answer, primitives)
+        print_plan(answer, primitives)
     return 0 if answer.found else NO_PLAN
 
 
@@ -164,16 +164,16 @@ def _planner(
     if policy == "price-of-robustness":
         return PriceOfRobustness(library, alpha)
     if policy == "committed":
-        from planner.commitment.committed import Committed
+        from planner.commitment.committed import CommittedPlanner
 
-        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
+        return CommittedPlanner(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
     return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 
-def _asked(name: str, library: Library, max_trims: int | None) -> Mission:
+def _find_mission(name: str, library: Library, max_trims: int | None) -> Mission:
     task = find_mission(name, library)
     if max_trims is not None:
         task = replace(task, max_trims=max_trims)
-    if task.max_trims > MOST_TRIMS:
-        raise FlightError(f"--max-trims: expected at most {MOST_TRIMS}, got {task.max_trims}")
+    if task.max_trims > MAX_TRIMS:
+        raise FlightError(f"--max-trims: expected at most {MAX_TRIMS}, got {task.max_trims}")
     return task

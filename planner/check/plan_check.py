@@ -30,7 +30,7 @@ PROVED_OPTIMALITY = 1e-3
 """Seconds likewise, where a certificate proves the bound, or branch and bound gave it."""
 
 
-def problems(
+def plan_problems(
     plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
 ) -> tuple[str, ...]:
     """Returns what is wrong with a plan; nothing for one that keeps its word.
@@ -42,23 +42,25 @@ def problems(
         known_hash: of the library, where it is at hand.
     """
     found = identity_problems(plan, known_hash or library_hash(library), library.name, mission)
-    found += _said(plan)
+    found += _gamma_problems(plan)
     if plan.at_smallest_tolerance is not None:
-        found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
+        found += _problems_at_wider_tolerance(
+            plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash
+        )
     if not plan.found:
-        return (*found, *_certificate(plan, library, mission))
+        return (*found, *_certificate_problems(plan, library, mission))
     try:
         maneuvers = library.maneuvers_along(plan.sequence)
         velocities = [library.trim(trim) for trim in plan.sequence]
     except FlightError as error:
         return (*found, f"sequence: {error}")
-    found += _walk(plan, maneuvers, mission)
-    found += _tail(plan, library)
+    found += _walk_problems(plan, maneuvers, mission)
+    found += _safe_stop_problems(plan, library)
     for scenario in plan.scenarios:
         flown = [trim.at(scenario.gamma) for trim in velocities]
         found += [
             f"scenario gamma {scenario.gamma:g}: {problem}"
-            for problem in _scenario(scenario, flown, maneuvers, mission)
+            for problem in _scenario_problems(scenario, flown, maneuvers, mission)
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
@@ -69,10 +71,10 @@ def problems(
     if plan.policy == "committed" and not found:
         found += committed_problems(plan, library, mission)
     # The certificate takes longest: it is looked at where nothing else is wrong.
-    return tuple(found) or _certificate(plan, library, mission)
+    return tuple(found) or _certificate_problems(plan, library, mission)
 
 
-def _certificate(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+def _certificate_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
     """Returns what a plan's certificate, if it has one, does not prove."""
     if plan.certificate is None:
         return ()
@@ -88,14 +90,16 @@ def _levels(plan: Plan) -> set[float]:
     return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
 
 
-def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str) -> list[str]:
+def _problems_at_wider_tolerance(
+    plan: Plan, library: Library, mission: Mission, *, known_hash: str
+) -> list[str]:
     """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
     if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
         return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
     wider = replace(mission, tolerance=plan.tolerance)
     return [
         f"at_smallest_tolerance: {problem}"
-        for problem in problems(plan, library, wider, known_hash=known_hash)
+        for problem in plan_problems(plan, library, wider, known_hash=known_hash)
     ]
 
 
@@ -120,9 +124,9 @@ def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) ->
     return found
 
 
-def _said(plan: Plan) -> list[str]:
+def _gamma_problems(plan: Plan) -> list[str]:
     """Returns where the levels that a plan says it is for are not those that it shows."""
-    found = _price(plan)
+    found = _price_problems(plan)
     if plan.policy == "nominal" and plan.gamma != 0:
         found.append(f"gamma: nominal plans are for 0, got {plan.gamma}")
     if plan.policy != "committed" and plan.miss is not None:
@@ -139,7 +143,7 @@ def _said(plan: Plan) -> list[str]:
     return found
 
 
-def _price(plan: Plan) -> list[str]:
+def _price_problems(plan: Plan) -> list[str]:
     """Returns where a price is not what the plan's own scenarios show.
 
     The sequence at gamma 0 is one of the plans that the nominal optimum is the best of.
@@ -157,7 +161,7 @@ def _price(plan: Plan) -> list[str]:
     return []
 
 
-def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
+def _walk_problems(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
     found = []
     if not plan.sequence or plan.sequence[0] != mission.start_trim:
         found.append(
@@ -173,13 +177,13 @@ def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list
     return found
 
 
-def _tail(plan: Plan, library: Library) -> list[str]:
+def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
     """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn.
 
     Committed plans need not carry one.
     """
     if not plan.tail:
-        missing = plan.policy != "committed" and _comes_to_rest(plan.sequence[-1], library)
+        missing = plan.policy != "committed" and _fails_to_rest(plan.sequence[-1], library)
         return [f"tail: missing, though trim {plan.sequence[-1]} leads to rest"] if missing else []
     try:
         library.maneuvers_along((plan.sequence[-1], *plan.tail))
@@ -194,7 +198,7 @@ def _tail(plan: Plan, library: Library) -> list[str]:
     return [f"tail: ends in trim {plan.tail[-1]}, which is no rest; one at {slowest:g} m/s is"]
 
 
-def _comes_to_rest(trim: int, library: Library) -> bool:
+def _fails_to_rest(trim: int, library: Library) -> bool:
     """Returns whether a trim is no rest, and maneuvers lead from it to the trim that rests best."""
     speeds = {one.id: hypot(one.velocity.forward, one.velocity.side) for one in library.trims}
     turning = {one.id: one.velocity.yaw_rate != 0 for one in library.trims}
@@ -205,7 +209,7 @@ def _comes_to_rest(trim: int, library: Library) -> bool:
     return trim != rest and rest in reached
 
 
-def _scenario(
+def _scenario_problems(
     scenario: Scenario, velocities: list[Twist], maneuvers: tuple[Maneuver, ...], mission: Mission
 ) -> list[str]:
     times = scenario.coasting_times
@@ -227,10 +231,10 @@ def _scenario(
             heading += moved.heading
         position += exp(1j * heading) * _chord(velocity, time)
         heading += velocity.yaw_rate * time
-    return found + _end(scenario, position, heading, mission)
+    return found + _end_problems(scenario, position, heading, mission)
 
 
-def _end(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
+def _end_problems(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
     found = []
     apart = abs(position - complex(scenario.end.x, scenario.end.y))
     if not (apart <= END_AGREEMENT and abs(_turn(heading - scenario.end.heading)) <= END_AGREEMENT):

@@ -5,19 +5,19 @@ from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.goal import Arrival, first_arrival
+from flight.mission.destination import Arrival, first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
 """What leaves a vehicle with the plan that it had."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
+class FlightRecord:
     """What a closed-loop flight came to.
 
     Attributes:
@@ -55,12 +55,12 @@ class Flown:
     missions: tuple[Mission, ...]
     decisions: tuple[Decision, ...]
     legs: tuple[Leg, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PlanStep, ...]
     reason: str
 
 
 @dataclass(slots=True)
-class FlightRecord:
+class FlightRecorder:
     """What has happened so far.
 
     Attributes:
@@ -79,7 +79,7 @@ class FlightRecord:
     missions: list[Mission] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
+    steps: list[PlanStep] = field(default_factory=list)
     counted: list[bool] = field(default_factory=list)
     claimed: bool = False
 
@@ -90,20 +90,20 @@ class FlightRecord:
         self.plans.append(plan)
         self.latencies.append(latency)
 
-    def add_leg(self, step: Step, leg: Leg, *, on_a_plan: bool) -> None:
+    def add_leg(self, step: PlanStep, leg: Leg, *, on_a_plan: bool) -> None:
         """Notes what was flown; arrival counts only on a plan, and in the trim that is wanted at the goal."""
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
         self.counted.append(counts)
-        if counts and not self.claimed and not leg.alarm and self._takes_itself_to_arrive(leg):
+        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _takes_itself_to_arrive(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.spread
-        believed = leg.track if leg.believed is None else leg.believed
+    def _believes_arrival(self, leg: Leg) -> bool:
+        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
+        believed = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
         return sure > 0 and first_arrival([believed], goal).time is not None
 
@@ -123,7 +123,7 @@ class FlightRecord:
         last = [one.kind for one in self.decisions if one.kind is not DecisionKind.FALLBACK]
         return bool(last) and last[-1] in REFUSALS
 
-    def add_lost(self, step: Step, error: FlightLostError) -> None:
+    def add_lost_leg(self, step: PlanStep, error: FlightLostError) -> None:
         """Notes the leg in which the vehicle was lost, as far as it was flown; nothing is reached in it."""
         if error.track is not None:
             duration = float(error.track[-1, 0] - error.track[0, 0])
@@ -139,7 +139,7 @@ class FlightRecord:
     def _closest(self) -> float:
         return first_arrival([leg.track for leg in self.legs], self.goal.destination).closest
 
-    def close(self, time: float, reason: str) -> Flown:
+    def close(self, time: float, reason: str) -> FlightRecord:
         """Returns what the flight came to.
 
         Args:
@@ -151,7 +151,7 @@ class FlightRecord:
         if self.claimed and not reached:
             reason = f"took itself to be at the goal, which it came no nearer to than {arrival.closest:.2f} m"
         kinds = [one.kind for one in self.decisions]
-        return Flown(
+        return FlightRecord(
             reached=reached,
             claimed=self.claimed,
             flown_time=arrival.time if reached and arrival.time is not None else time,

@@ -11,7 +11,7 @@ from typing import Self
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
-from planner.walks.kinematics import Motion
+from planner.walks.kinematics import WalkMotion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +33,7 @@ class Batch:
     fixed_time: Float[np.ndarray, "rows"]
 
     @classmethod
-    def of(cls, motions: Iterable[Motion]) -> Self:
+    def of(cls, motions: Iterable[WalkMotion]) -> Self:
         """Gathers walks of one length."""
         rows = list(motions)
         return cls(

@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.goal import EQUALITY_TOLERANCE, wants_heading
+from planner.walks.goal_condition import EQUALITY_TOLERANCE, wants_heading
 
 from .batch import Batch
 

@@ -9,10 +9,10 @@ from math import inf
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.proof.certify import Doubt, certify
-from planner.walks.answer import Answer, Times
-from planner.walks.goal import reaches
-from planner.walks.kinematics import Motion, motion
+from planner.proof.certify import ProofFailure, certify
+from planner.walks.goal_condition import reaches_goal
+from planner.walks.kinematics import WalkMotion, walk_motion
+from planner.walks.search_result import SearchResult, Times
 
 from .coasting import solve
 
@@ -23,8 +23,8 @@ ROUNDS = 50
 
 
 def proved_best(
-    answer: Answer, library: Library, mission: Mission, gammas: tuple[float, ...], *, until: float = inf
-) -> Answer:
+    answer: SearchResult, library: Library, mission: Mission, gammas: tuple[float, ...], *, until: float = inf
+) -> SearchResult:
     """Returns the best answer there is, starting from one; not `exhausted` where the proof does not end.
 
     Args:
@@ -38,24 +38,24 @@ def proved_best(
         cost = max(answer.costs, default=inf)
         target = cost - RESOLUTION
         proof = certify(library, mission, gammas, target, until=until)
-        if not isinstance(proof, Doubt):
+        if not isinstance(proof, ProofFailure):
             return replace(answer, lower_bound=target, exhausted=True)
         if not proof.reached:
             break
-        motions = [motion(library, proof.walk, gamma) for gamma in gammas]
+        motions = [walk_motion(library, proof.walk, gamma) for gamma in gammas]
         times = tuple(
             _improved(numbers, mission, known) for numbers, known in zip(motions, proof.times, strict=True)
         )
         costs = tuple(numbers.cost(known) for numbers, known in zip(motions, times, strict=True))
-        answer = Answer(proof.walk, times, costs, answer.lower_bound)
+        answer = SearchResult(proof.walk, times, costs, answer.lower_bound)
     return answer
 
 
-def _improved(numbers: Motion, mission: Mission, times: Times) -> Times:
+def _improved(numbers: WalkMotion, mission: Mission, times: Times) -> Times:
     """Returns the optimum that coasting times lead to, or themselves."""
     better = solve(numbers, mission, times)
     if better is None or numbers.cost(better) > numbers.cost(times):
         return times
     # Times of nanoseconds are the solver's way of saying none.
     bare = tuple(0.0 if time < 1e-7 else time for time in better)
-    return bare if reaches(numbers.end(mission.start, bare), mission) else better
+    return bare if reaches_goal(numbers.end(mission.start, bare), mission) else better

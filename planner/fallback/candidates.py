@@ -9,9 +9,9 @@ from jaxtyping import Float
 
 from flight.mission.mission import Mission
 from flight.se2 import rotate
-from planner.walks.answer import Times
-from planner.walks.goal import reaches, wants_heading
-from planner.walks.kinematics import Motion
+from planner.walks.goal_condition import reaches_goal, wants_heading
+from planner.walks.kinematics import WalkMotion
+from planner.walks.search_result import Times
 from planner.walks.walk import Walk
 
 from .coasting import solve
@@ -52,7 +52,7 @@ class Candidate:
     """
 
     walk: Walk
-    motions: tuple[Motion, ...]
+    motions: tuple[WalkMotion, ...]
     starts: tuple[tuple[Start, ...], ...]
     hopes: tuple[float, ...]
 
@@ -125,13 +125,13 @@ def polished(candidate: Candidate, mission: Mission, times: tuple[Times, ...]) -
 
 
 def _better(
-    numbers: Motion, mission: Mission, known: tuple[Times, float], *tried: Times | None
+    numbers: WalkMotion, mission: Mission, known: tuple[Times, float], *tried: Times | None
 ) -> tuple[Times, float]:
     best, cost = known
     for times in tried:
         if times is None or numbers.cost(times) >= cost:
             continue
-        if reaches(numbers.end(mission.start, times), mission):
+        if reaches_goal(numbers.end(mission.start, times), mission):
             best, cost = times, numbers.cost(times)
     return best, cost
 

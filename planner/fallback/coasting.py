@@ -15,9 +15,9 @@ import casadi
 
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.answer import Times
-from planner.walks.goal import reaches, wants_heading
-from planner.walks.kinematics import Motion
+from planner.walks.goal_condition import reaches_goal, wants_heading
+from planner.walks.kinematics import WalkMotion
+from planner.walks.search_result import Times
 from planner.walks.symbolic_motion import symbolic_motion
 
 SOLVER_MARGIN = 1e-7
@@ -104,7 +104,7 @@ def solver(trims: int, *, exact: bool, heading: bool, name: str = "ipopt") -> ca
 
 
 def solve(
-    motion: Motion, mission: Mission, start_times: Sequence[float], *, solver_name: str = "ipopt"
+    motion: WalkMotion, mission: Mission, start_times: Sequence[float], *, solver_name: str = "ipopt"
 ) -> Times | None:
     """Returns locally optimal coasting times, or None where the solver found none that reach the goal.
 
@@ -128,7 +128,7 @@ def solve(
         low, high = [*low, nearest - half_width], [*high, nearest + half_width]
     answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
     times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())
-    return times if reaches(motion.end(mission.start, times), mission) else None
+    return times if reaches_goal(motion.end(mission.start, times), mission) else None
 
 
 def _nearest_turn(heading: float, mission: Mission) -> float:
@@ -137,7 +137,7 @@ def _nearest_turn(heading: float, mission: Mission) -> float:
     return heading + wrap_angle(mission.goal_heading - heading)
 
 
-def _parameters(motion: Motion, mission: Mission) -> list[float]:
+def _parameters(motion: WalkMotion, mission: Mission) -> list[float]:
     start = mission.start
     return [
         *(value for v in motion.velocities for value in (v.forward, v.side, v.yaw_rate)),

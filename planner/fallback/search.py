@@ -13,14 +13,14 @@ from math import inf
 import numpy as np
 
 from flight.mission.mission import Mission
-from planner.walks.answer import Answer, Times
+from planner.walks.search_result import SearchResult, Times
 
 from .bounds import least_costs
 from .candidates import Candidate, candidates, polished, solved
 from .walk_table import WalkTable
 
 
-def search(tables: tuple[WalkTable, ...], mission: Mission) -> Answer:
+def search(tables: tuple[WalkTable, ...], mission: Mission) -> SearchResult:
     """Returns the walk whose worst level is best.
 
     Args:
@@ -44,7 +44,7 @@ def search(tables: tuple[WalkTable, ...], mission: Mission) -> Answer:
         if found is not None:
             winner, times, cost = candidate, found[0], max(found[1])
     if winner is None:
-        return Answer((), (), (), lower_bound)
+        return SearchResult((), (), (), lower_bound)
     times = polished(winner, mission, times)
     costs = tuple(numbers.cost(known) for numbers, known in zip(winner.motions, times, strict=True))
-    return Answer(winner.walk, times, costs, lower_bound)
+    return SearchResult(winner.walk, times, costs, lower_bound)

@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
-from planner.walks.goal import EQUALITY_TOLERANCE
+from planner.walks.goal_condition import EQUALITY_TOLERANCE
 
 from .batch import Batch
 from .two_times import Times, close, meet_disc

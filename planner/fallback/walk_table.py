@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flight.automaton.library import Library
-from planner.walks.kinematics import Motion, motion
+from planner.walks.kinematics import WalkMotion, walk_motion
 from planner.walks.walk import Walk, walks
 
 from .batch import Batch
@@ -25,7 +25,7 @@ class WalkTable:
 
     walks: tuple[Walk, ...]
     gammas: tuple[float, ...]
-    motions: tuple[Motion, ...]
+    motions: tuple[WalkMotion, ...]
     batch: Batch
 
     def take(self, kept: Bool[np.ndarray, "walks"]) -> "WalkTable":
@@ -59,6 +59,6 @@ def tabulate(
         by_length.setdefault(len(walk), []).append(walk)
     tables = []
     for group in by_length.values():
-        motions = tuple(motion(library, walk, gamma) for walk in group for gamma in gammas)
+        motions = tuple(walk_motion(library, walk, gamma) for walk in group for gamma in gammas)
         tables.append(WalkTable(tuple(group), gammas, motions, Batch.of(motions)))
     return tuple(tables)

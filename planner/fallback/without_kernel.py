@@ -6,7 +6,7 @@ from time import perf_counter
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.walks.answer import Answer
+from planner.walks.search_result import SearchResult
 
 from .branch_and_bound import proved_best
 from .search import search
@@ -26,7 +26,9 @@ class SearchWithoutKernel:
         self._gammas = gammas
         self._tables = cache(self._tabulate)
 
-    def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
+    def answer(
+        self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> SearchResult:
         """Returns the walk whose worst level is best.
 
         Args:

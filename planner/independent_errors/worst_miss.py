@@ -10,12 +10,12 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.mission.mission import Mission
-from planner.walks.answer import Times
-from planner.walks.goal import goal_seen
+from planner.walks.goal_condition import goal_from_start
+from planner.walks.search_result import Times
 
-from .bound import GAP, ROUNDING, Bounded
+from .bounded_maximum import GAP, ROUNDING, BoundedMaximum
 from .corners import furthest_corner
-from .enclosure import enclose
+from .enclosure import enclose_end
 from .error_path import ErrorPath
 
 MOST_MISS_BOXES = 20_000
@@ -23,9 +23,9 @@ MOST_MISS_BOXES = 20_000
 BATCH = 256
 
 
-def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> Bounded:
+def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> BoundedMaximum:
     """Returns the largest miss in metres of coasting times that were fixed before the errors are known."""
-    goal, count = goal_seen(mission), len(path.names)
+    goal, count = goal_from_start(mission), len(path.names)
     middles, widths = np.zeros((1, count)), np.ones((1, count))
     bounds = np.array([inf])
     found, at, boxes, closed = -1.0, np.zeros(count), 0, 0.0
@@ -35,7 +35,7 @@ def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: fl
         middle, width = middles[chosen], widths[chosen]
         boxes += len(middle)
         fixed = np.tile(np.array(times), (len(middle), 1))
-        hull = enclose(path, middle, width, fixed, np.zeros((*fixed.shape, count)))
+        hull = enclose_end(path, middle, width, fixed, np.zeros((*fixed.shape, count)))
         signs, size = furthest_corner(hull.middle - goal, hull.slope * width)
         misses = np.abs(path.at(middle + signs * width).end(fixed) - goal)
         best = int(misses.argmax())
@@ -44,15 +44,15 @@ def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: fl
         top = np.minimum(size + hull.radius + ROUNDING, bounds[chosen])
         enough = top <= found * (1 + gap)
         closed = max(closed, float(top[enough].max(initial=0.0)))
-        halves = _halved(middle, width, hull.influence, ~enough)
+        halves = _halve(middle, width, hull.influence, ~enough)
         middles = np.concatenate([middles[~chosen], halves[0]])
         widths = np.concatenate([widths[~chosen], halves[1]])
         bounds = np.concatenate([bounds[~chosen], np.tile(top[~enough], 2)])
     bound = max(closed, float(bounds.max(initial=0.0)), found)
-    return Bounded(found, tuple(at.tolist()), bound, boxes)
+    return BoundedMaximum(found, tuple(at.tolist()), bound, boxes)
 
 
-def _halved(
+def _halve(
     middle: Float[np.ndarray, "n variables"],
     width: Float[np.ndarray, "n variables"],
     influence: Float[np.ndarray, "n variables"],

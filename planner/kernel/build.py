@@ -25,7 +25,7 @@ FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errn
 
 
 @cache
-def kernel() -> ctypes.CDLL | None:
+def load_kernel() -> ctypes.CDLL | None:
     """Returns the compiled kernel, or None where it cannot be had."""
     folder = Path(__file__).parent
     try:
@@ -36,4 +36,4 @@ def kernel() -> ctypes.CDLL | None:
 
 def search_backend() -> str:
     """Returns how plans are searched for here, `compiled` or `interpreted`; costs differ by 1e-9 s or so."""
-    return "interpreted" if kernel() is None else "compiled"
+    return "interpreted" if load_kernel() is None else "compiled"

@@ -11,13 +11,13 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from planner.walks.answer import Answer
-from planner.walks.goal import goal_seen, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
+from planner.walks.search_result import SearchResult
 
-from .build import kernel
-from .tables import CTable, Table, tables
+from .build import load_kernel
+from .tables import CTable, KernelTable, tables
 
-MOST = 12
+MOST_TRIMS = 12
 """Trims in a walk, and uncertainty levels, that the kernel has room for."""
 
 NO_LIMIT = 2**62
@@ -58,8 +58,8 @@ class _Answer(ctypes.Structure):
         ("cost", ctypes.c_double),
         ("bound", ctypes.c_double),
         ("least", ctypes.c_double),
-        ("times", ctypes.c_double * (MOST * MOST)),
-        ("costs", ctypes.c_double * MOST),
+        ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
+        ("costs", ctypes.c_double * MOST_TRIMS),
         *((name, ctypes.c_long) for name in ("table", "walk", "nodes", "complete")),
     )
 
@@ -77,11 +77,15 @@ class ExactSearch:
         self._gammas = gammas
         self._prepared = cache(self._prepare)
 
-    def can(self, mission: Mission) -> bool:
+    def supports(self, mission: Mission) -> bool:
         """Whether there is a kernel, and it has room for the mission."""
-        return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
+        return (
+            load_kernel() is not None and mission.max_trims <= MOST_TRIMS and len(self._gammas) <= MOST_TRIMS
+        )
 
-    def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
+    def answer(
+        self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> SearchResult:
         """Returns the walk whose worst level is best.
 
         Args:
@@ -94,7 +98,7 @@ class ExactSearch:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        compiled = kernel()
+        compiled = load_kernel()
         assert compiled is not None
         every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
         found = _Answer()
@@ -109,26 +113,28 @@ class ExactSearch:
 
     def _prepare(
         self, start_trim: int, max_trims: int, goal_trim: int | None
-    ) -> tuple[tuple[Table, ...], "ctypes.Array[CTable]"]:
+    ) -> tuple[tuple[KernelTable, ...], "ctypes.Array[CTable]"]:
         every = tables(self._library, self._gammas, start_trim, max_trims, goal_trim)
         structures = (CTable * len(every))()
         for table, structure in zip(every, structures, strict=True):
             table.fill(structure)
         return every, structures
 
-    def _read(self, found: _Answer, every: tuple[Table, ...], mission: Mission) -> Answer:
+    def _read(self, found: _Answer, every: tuple[KernelTable, ...], mission: Mission) -> SearchResult:
         hidden = wants_heading(mission) and any(table.equal_turns > EQUAL_TURNS for table in every)
         exhausted = bool(found.complete) and not hidden
         bound = found.least if hidden else found.bound
         if found.walk < 0:
-            return Answer((), (), (), inf if exhausted else bound, exhausted)
+            return SearchResult((), (), (), inf if exhausted else bound, exhausted)
         walk = tuple(every[found.table].walks[found.walk].tolist())
         levels = range(len(self._gammas))
-        times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
-        return Answer(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
+        times = tuple(
+            tuple(found.times[MOST_TRIMS * level : MOST_TRIMS * level + len(walk)]) for level in levels
+        )
+        return SearchResult(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
 
 
-def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "walks"]:
+def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walks"]:
     """Returns the exact least cost of each walk of a table in seconds; infinite where it ends elsewhere.
 
     Args:
@@ -138,11 +144,11 @@ def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "wa
     Raises:
         NoKernelError: there is no C compiler.
     """
-    return best_of_each(table, mission)[0]
+    return best_times(table, mission)[0]
 
 
-def best_of_each(
-    table: Table, mission: Mission
+def best_times(
+    table: KernelTable, mission: Mission
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "walks trims"]]:
     """Returns the exact least cost of each walk of a table, and its coasting times, in seconds.
 
@@ -155,7 +161,7 @@ def best_of_each(
     Raises:
         NoKernelError: there is no C compiler.
     """
-    compiled = kernel()
+    compiled = load_kernel()
     if compiled is None:
         raise NoKernelError
     structure = CTable()
@@ -173,11 +179,11 @@ def best_of_each(
 
 def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:
     start = mission.start
-    goal = goal_seen(mission)
+    goal = goal_from_start(mission)
     return _Task(
         goal.real,
         goal.imag,
-        _aimed(mission.tolerance),
+        _inner_tolerance(mission.tolerance),
         (mission.goal_heading or 0.0) - start.heading,
         max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
         seconds,
@@ -188,6 +194,6 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     )
 
 
-def _aimed(tolerance: float) -> float:
+def _inner_tolerance(tolerance: float) -> float:
     """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
     return tolerance - INSIDE if tolerance > EQUALITY else 0.0

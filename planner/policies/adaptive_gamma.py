@@ -12,7 +12,7 @@ GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Levels that are planned for."""
 
 
-class CalibratedGamma:
+class AdaptiveGammaPlanner:
     """Plans for the errors that the present turbulence makes, in parts of those that the library's wind made.
 
     Errors grow with the gusts that make them, so the level is the wind at 20 ft that the vehicle shows over

@@ -10,11 +10,11 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Policy, Scenario
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
 from planner.kernel.exact import ExactSearch
-from planner.walks.answer import Answer
-from planner.walks.kinematics import motion, refuse_negative_durations
-from planner.walks.safe_stop import way_to_rest
+from planner.walks.kinematics import check_durations, walk_motion
+from planner.walks.safe_stop import safe_stop_path
+from planner.walks.search_result import SearchResult
 from planner.walks.walk import trims_of_walks
 
 if TYPE_CHECKING:
@@ -79,7 +79,7 @@ class LibraryPlanner:
         deadline: float = inf,
     ) -> None:
         for level in gammas:
-            refuse_negative_durations(library, level)
+            check_durations(library, level)
         self._library = library
         self._hash = library_hash(library)
         self._policy: Policy = policy
@@ -94,7 +94,7 @@ class LibraryPlanner:
             if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
         )
         self._without_kernel = cache(partial(_without_kernel, library, gammas))
-        self._tails = cache(partial(way_to_rest, library))
+        self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the best plan found, re-checked by code that shares nothing with the search.
@@ -104,15 +104,15 @@ class LibraryPlanner:
         """
         began = perf_counter()
         answer = self._answer(mission)
-        plan = self._verified(self._assembled(answer, mission), mission)
+        plan = self._verify(self._assemble(answer, mission), mission)
         return replace(plan, solve_time=perf_counter() - began)
 
-    def _answer(self, mission: Mission) -> Answer:
-        if self._exact.can(mission):
+    def _answer(self, mission: Mission) -> SearchResult:
+        if self._exact.supports(mission):
             return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
         return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
 
-    def _assembled(self, answer: Answer, mission: Mission) -> Plan:
+    def _assemble(self, answer: SearchResult, mission: Mission) -> Plan:
         plan = Plan(
             status="unknown",
             library=self._library.name,
@@ -134,13 +134,16 @@ class LibraryPlanner:
         return replace(
             plan,
             status="optimal" if answer.exhausted else "feasible",
-            reason="" if answer.exhausted else self._doubt(mission),
+            reason="" if answer.exhausted else self._optimality_caveat(mission),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             tail=self._tails(answer.walk[-1]),
             scenarios=tuple(
                 Scenario(
-                    gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)
+                    gamma,
+                    cost,
+                    times,
+                    walk_motion(self._library, answer.walk, gamma).end(mission.start, times),
                 )
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
@@ -151,15 +154,15 @@ class LibraryPlanner:
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
 
-    def _doubt(self, mission: Mission) -> str:
-        if not self._exact.can(mission):
+    def _optimality_caveat(self, mission: Mission) -> str:
+        if not self._exact.supports(mission):
             return NOT_PROVED
         return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
 
-    def _verified(self, plan: Plan, mission: Mission) -> Plan:
+    def _verify(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = plan_problems(plan, self._library, mission, known_hash=self._hash)
         if not wrong:
             return replace(plan, verified=True)
         return replace(

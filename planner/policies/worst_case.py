@@ -5,7 +5,7 @@ from math import inf
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.walks.kinematics import refuse_gamma
+from planner.walks.kinematics import check_gamma
 
 from .policy import LibraryPlanner
 
@@ -30,7 +30,7 @@ class WorstCase:
     def __init__(
         self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
     ) -> None:
-        refuse_gamma(gamma)
+        check_gamma(gamma)
         gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
         self._planner = LibraryPlanner(
             library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes, deadline=deadline

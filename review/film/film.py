@@ -17,14 +17,14 @@ from scipy.ndimage import gaussian_filter1d
 
 from flightlog.channels import PRIMITIVE
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_label, trim_names
 from runtime.atomic_write import file_target
 
 from .canvas import Canvas
 from .encoder import FilmError, Picture, film_encoder
 from .film_model import film_model
-from .film_tracks import FLOWN, PLANNED, Tracks
+from .film_tracks import FLOWN, PLANNED, FilmTracks
 
 # Rotors are shown turning this fast, rad/s, the main one clockwise seen from above: at their true speed,
 # pictures this far apart would freeze them.
@@ -69,8 +69,8 @@ class Film:
     def __init__(self, log: FlightLog, settings: FilmSettings) -> None:
         self._times = np.arange(0.0, log.duration + 0.5 / settings.rate, 1.0 / settings.rate)
         self._states = _states(log, self._times)
-        self._smooth = _smoothed(self._states, settings.rate)
-        self._tracks, self._captions = Tracks(log), _captions(log, self._times)
+        self._smooth = _smooth_camera_path(self._states, settings.rate)
+        self._tracks, self._captions = FilmTracks(log), _captions(log, self._times)
         self._model = film_model(log)
         self._data = mujoco.MjData(self._model)
         self._camera = mujoco.MjvCamera()
@@ -85,7 +85,7 @@ class Film:
         """Returns a picture with its caption."""
         time, state = float(self._times[number]), self._states[number]
         data, camera = self._data, self._camera
-        data.qpos[:7] = _placed(state)
+        data.qpos[:7] = _mujoco_pose(state)
         rotors = self._model.nq - 7
         data.qpos[7:] = [speed * time for speed in _SHOWN_SPEEDS[:rotors]]
         mujoco.mj_kinematics(self._model, data)
@@ -98,7 +98,7 @@ class Film:
             self._tracks.add_to(scene, time=time, place=data.qpos[:3].tolist())
 
         picture = self._canvas.draw(data, camera, decorate)
-        return _with_caption(picture, self._captions[number])
+        return _add_caption(picture, self._captions[number])
 
 
 def write_film(
@@ -166,14 +166,14 @@ def _states(log: FlightLog, times: Float[np.ndarray, "n"]) -> Float[np.ndarray, 
     return np.column_stack([np.interp(times, motion.time, motion[name]) for name in names])
 
 
-def _smoothed(states: Float[np.ndarray, "n 8"], rate: int) -> Float[np.ndarray, "n 4"]:
+def _smooth_camera_path(states: Float[np.ndarray, "n 8"], rate: int) -> Float[np.ndarray, "n 4"]:
     """Returns north, east, down and heading as the camera follows them."""
     place = gaussian_filter1d(states[:, :3], _SMOOTH_PLACE * rate, axis=0, mode="nearest")
     heading = gaussian_filter1d(states[:, 5], _SMOOTH_HEADING * rate, mode="nearest")
     return np.column_stack([place, heading])
 
 
-def _placed(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
+def _mujoco_pose(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
     """Returns position and quaternion in MuJoCo's axes, which are z-up."""
     north, east, down, roll, pitch, heading = state[:6].tolist()
     (cr, cp, ch), (sr, sp, sh) = ([f(angle / 2.0) for angle in (roll, pitch, heading)] for f in (cos, sin))
@@ -185,7 +185,7 @@ def _placed(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
 def _captions(log: FlightLog, times: Float[np.ndarray, "n"]) -> list[tuple[str, str]]:
     """Returns time, speed and height, and what is flown, for each time."""
     states, names = _states(log, times), trim_names(log)
-    stretches = stretches_flown(log) if PRIMITIVE.name in log.series else ()
+    stretches = merged_primitives(log) if PRIMITIVE.name in log.series else ()
     captions = []
     for time, state in zip(times.tolist(), states, strict=True):
         now = [part for part in stretches if part.start <= time]
@@ -199,7 +199,7 @@ def _captions(log: FlightLog, times: Float[np.ndarray, "n"]) -> list[tuple[str, 
     return captions
 
 
-def _with_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
+def _add_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
     """Returns the picture with a band below that says what is seen."""
     image = Image.fromarray(picture)
     width, height = image.size

@@ -40,13 +40,13 @@ def film_model(log: FlightLog) -> mujoco.MjModel:
         why = " ".join(str(error).split())
         raise BadFileError(MODEL_ATTACHMENT, f"is no model that can be drawn: {why}") from None
     for names, axis in ((MAIN_ROTOR, (0.0, 0.0, 1.0)), (TAIL_ROTOR, (0.0, 1.0, 0.0))):
-        _let_turn(spec, shape, names, axis)
-    _lay_ground(spec)
-    _light(spec)
+        _add_rotor_joint(spec, shape, names, axis)
+    _add_ground(spec)
+    _add_lights(spec)
     return spec.compile()
 
 
-def _let_turn(
+def _add_rotor_joint(
     spec: mujoco.MjSpec, shape: mujoco.MjModel, names: Sequence[str], axis: tuple[float, float, float]
 ) -> None:
     """Moves geoms to a body of their own that turns about the first one's middle."""
@@ -73,7 +73,7 @@ def _let_turn(
         spec.delete(geom)
 
 
-def _lay_ground(spec: mujoco.MjSpec) -> None:
+def _add_ground(spec: mujoco.MjSpec) -> None:
     """Lays an endless plane with a grid under the flight."""
     for geom in [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE]:
         spec.delete(geom)
@@ -103,7 +103,7 @@ def _lay_ground(spec: mujoco.MjSpec) -> None:
     )
 
 
-def _light(spec: mujoco.MjSpec) -> None:
+def _add_lights(spec: mujoco.MjSpec) -> None:
     """Sets sun, sky and haze."""
     for texture in [each for each in spec.textures if each.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX]:
         texture.rgb1, texture.rgb2 = _HAZE, _SKY

@@ -11,9 +11,9 @@ from jaxtyping import Float
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.attachments import goal_of_flight, plans_of_flight, sequence_of_flight
 from flightlog.channels import ESTIMATE
 from flightlog.log import FlightLog
+from flightlog.mission_attachments import logged_goal, logged_plans, logged_sequence
 
 Points = Float[np.ndarray, "n 3"]
 FLOWN, PLANNED, GOAL = (0.90, 0.36, 0.05, 1.0), (0.10, 0.27, 0.62, 0.9), (0.0, 0.62, 0.45, 0.45)
@@ -42,19 +42,19 @@ def planned_tracks(log: FlightLog) -> tuple[PlannedTrack, ...]:
     if LIBRARY_ATTACHMENT not in log.attachments:
         return ()
     library, found = log.library(), []
-    plans = plans_of_flight(log)
+    plans = logged_plans(log)
     for plan in plans:
-        start, height = _believed(log, plan.time)
+        start, height = _estimated_pose(log, plan.time)
         walk = planned_track(library, plan.sequence, plan.coasting_times, start=start, gamma=plan.gamma)
-        found.append(PlannedTrack(plan.time, _raised(walk, height)))
-    flown = None if plans else sequence_of_flight(log)
+        found.append(PlannedTrack(plan.time, _lines_at_height(walk, height)))
+    flown = None if plans else logged_sequence(log)
     if flown is not None:
         walk = planned_track(library, flown.trims, flown.coasting_times, start=flown.start)
-        found.append(PlannedTrack(0.0, _raised(walk, flown.altitude)))
+        found.append(PlannedTrack(0.0, _lines_at_height(walk, flown.altitude)))
     return tuple(found)
 
 
-def _believed(log: FlightLog, time: float) -> tuple[SE2, float]:
+def _estimated_pose(log: FlightLog, time: float) -> tuple[SE2, float]:
     """Returns pose and height that were believed at a time; the true ones where the log has no estimate."""
     states = log[ESTIMATE] if ESTIMATE.name in log.series else log.motion
     north, east, down, heading = (
@@ -63,7 +63,9 @@ def _believed(log: FlightLog, time: float) -> tuple[SE2, float]:
     return SE2(north, east, heading), -down
 
 
-def _raised(walk: tuple[tuple[Float[np.ndarray, "n 2"], ...], ...], height: float) -> tuple[Points, ...]:
+def _lines_at_height(
+    walk: tuple[tuple[Float[np.ndarray, "n 2"], ...], ...], height: float
+) -> tuple[Points, ...]:
     """Returns coasts and maneuvers as lines in MuJoCo's world, which is north, west, up."""
     flip = np.array([1.0, -1.0])
     return tuple(
@@ -71,7 +73,7 @@ def _raised(walk: tuple[tuple[Float[np.ndarray, "n 2"], ...], ...], height: floa
     )
 
 
-class Tracks:
+class FilmTracks:
     """Adds tracks, goal and shadow to scenes of one flight.
 
     Args:
@@ -86,7 +88,7 @@ class Tracks:
         self._times = np.arange(0.0, log.duration, _FLOWN_STEP)
         flown = [np.interp(self._times, motion.time, motion[name]) for name in ("north", "east", "down")]
         self._flown = np.column_stack([flown[0], -flown[1], -flown[2] - _BELOW])
-        self._planned, self._goal = planned_tracks(log), goal_of_flight(log)
+        self._planned, self._goal = planned_tracks(log), logged_goal(log)
         self._height = -float(motion["down"][0])
 
     def add_to(self, scene: mujoco.MjvScene, *, time: float, place: Sequence[float]) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flight.plural import counted
+from flight.plural import plural
 
 from .campaign_rows import FIGURES, FlightRow
 from .page import fill_page
@@ -37,7 +37,7 @@ def campaign_page(rows: Sequence[FlightRow], *, title: str, pages: Mapping[Path,
 def _subtitle(rows: Sequence[FlightRow]) -> str:
     hours = sum(row.duration for row in rows) / 3600.0
     winds = ", ".join(sorted({row.wind for row in rows if row.wind}))
-    return f"{counted(len(rows), 'flight')}, {hours:.2f} flight hours, wind class {winds or 'not known'}"
+    return f"{plural(len(rows), 'flight')}, {hours:.2f} flight hours, wind class {winds or 'not known'}"
 
 
 def _tiles(rows: Sequence[FlightRow]) -> list[Content]:

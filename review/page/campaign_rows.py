@@ -13,7 +13,7 @@ from flight.errors import FlightError
 from flightlog.channels import COMMAND, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.log import FlightLog
-from review.summary.bound_check import deviations, judged_by, judging_library
+from review.summary.bound_check import bounding_library, compute_deviations, with_bounds_of
 from review.summary.summary import Summary, summarise
 from review.summary.tracking import tracking_error
 
@@ -70,7 +70,7 @@ class FlightRow:
     reason: str = ""
 
 
-def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
+def flight_row(path: Path, *, library: Library | None = None) -> FlightRow:
     """Returns the row of a log; a log that cannot be reviewed says why in its row.
 
     Args:
@@ -80,7 +80,7 @@ def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
     try:
         log = read_log(path)
         if library is not None:
-            log = judged_by(log, library)
+            log = with_bounds_of(log, library)
         summary = summarise(log)
         figures = _figures(log, summary)
     except FlightError as error:
@@ -100,11 +100,11 @@ def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
         left=None if summary.bounds is None else len(summary.bounds.departures),
         timeouts=summary.timeouts,
         figures=figures,
-        spark=_spark(log),
+        spark=_row_sparkline(log),
     )
 
 
-def outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
+def sort_outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
     """Returns the rows with their scores: what failed, then what stands out from the others by most.
 
     A figure's score is its distance above the median in robust standard deviations (1.4826 times the median
@@ -113,7 +113,7 @@ def outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
     whole = [row for row in rows if not row.problem]
     names = [name for name in FIGURES if all(name in dict(row.figures) for row in whole)]
     values = np.array([[dict(row.figures)[name] for name in names] for row in whole])
-    scores = _above_the_rest(values.reshape(len(whole), len(names)))
+    scores = _robust_scores(values.reshape(len(whole), len(names)))
     scored = [replace(row, score=inf, reason="cannot be reviewed") for row in rows if row.problem]
     for row, line in zip(whole, scores, strict=True):
         place = int(np.argmax(line)) if len(line) else -1
@@ -126,7 +126,7 @@ def outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
     return tuple(sorted(scored, key=lambda row: (-row.score, row.path.name)))
 
 
-def _above_the_rest(values: Float[np.ndarray, "flights figures"]) -> Float[np.ndarray, "flights figures"]:
+def _robust_scores(values: Float[np.ndarray, "flights figures"]) -> Float[np.ndarray, "flights figures"]:
     """Returns robust standard deviations above the median; 0 for a figure that does not vary."""
     if values.size == 0:
         return values
@@ -140,13 +140,13 @@ def _figures(log: FlightLog, summary: Summary) -> tuple[tuple[str, float], ...]:
     if summary.navigation is not None:
         figures["navigation"] = summary.navigation.position_rms
     if summary.bounds is not None:
-        library = judging_library(log)
+        library = bounding_library(log)
         assert library is not None
-        figures["share"] = max((one.share for one in deviations(log, library)), default=0.0)
+        figures["share"] = max((one.share for one in compute_deviations(log, library)), default=0.0)
     return tuple(figures.items())
 
 
-def _spark(log: FlightLog) -> tuple[float, ...]:
+def _row_sparkline(log: FlightLog) -> tuple[float, ...]:
     if not {COMMAND.name, TRUTH.name} <= log.series.keys():
         return ()
     off = np.hypot(tracking_error(log, "forward"), tracking_error(log, "side"))

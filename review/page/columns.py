@@ -15,7 +15,7 @@ Column = Float[np.ndarray, "n"]
 
 
 @dataclass(slots=True, eq=False)
-class _Base:
+class _TimeBase:
     time: Column
     columns: list[Column] = field(default_factory=list)
 
@@ -24,7 +24,7 @@ class _Base:
 class PageColumns:
     """Collects columns; those of equal times share them."""
 
-    _bases: list[_Base] = field(default_factory=list)
+    _bases: list[_TimeBase] = field(default_factory=list)
 
     def add(self, time: Column, values: Column) -> tuple[int, int]:
         """Takes a column and returns its place: number of the time axis, number of the column there."""
@@ -32,7 +32,7 @@ class PageColumns:
             if np.array_equal(base.time, time):
                 base.columns.append(values)
                 return number, len(base.columns) - 1
-        self._bases.append(_Base(time, [values]))
+        self._bases.append(_TimeBase(time, [values]))
         return len(self._bases) - 1, 0
 
     @property
@@ -45,10 +45,12 @@ class PageColumns:
         content: list[dict[str, object]] = []
         for base in self._bases:
             time, columns = decimate(base.time, np.stack(base.columns, axis=1), most=MOST_POINTS)
-            content.append({"time": packed(time), "columns": [packed(column) for column in columns.T]})
+            content.append(
+                {"time": pack_floats(time), "columns": [pack_floats(column) for column in columns.T]}
+            )
         return content
 
 
-def packed(values: Float[np.ndarray, "..."]) -> str:
+def pack_floats(values: Float[np.ndarray, "..."]) -> str:
     """Returns numbers as base64 of little-endian floats of 32 bits."""
     return base64.b64encode(np.ascontiguousarray(values, "<f4").tobytes()).decode()

@@ -4,15 +4,15 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flight.plural import counted
+from flight.plural import plural
 from flightlog.primitives import PrimitiveKind
 from review.summary.summary import Summary
-from review.summary.tiles import WORDS
+from review.summary.tiles import LABELS
 
 NOT_KNOWN = "-"
 
 
-def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
+def comparison_rows(summaries: Sequence[Summary]) -> list[list[str]]:
     """Returns rows of a name and a value for each flight; what no flight knows is left out."""
     rows: list[tuple[str, Callable[[Summary], str]]] = [
         ("outcome", lambda one: one.outcome),
@@ -26,7 +26,7 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("left their bounds", _bounds),
         ("time-outs", lambda one: str(one.timeouts) if _primitives(one) else NOT_KNOWN),
         ("faults", lambda one: str(len(one.faults)) if one.faults else NOT_KNOWN),
-        *((f"{WORDS[field]}: truth minus command", _tracking(field)) for field in WORDS),
+        *((f"{LABELS[field]}: truth minus command", _tracking(field)) for field in LABELS),
         ("navigation: position", _navigation),
     ]
     filled = [[name, *(value(summary) for summary in summaries)] for name, value in rows]
@@ -60,8 +60,10 @@ def _plans(one: Summary) -> str:
 def _bounds(one: Summary) -> str:
     if one.bounds is None:
         return NOT_KNOWN
-    coasts, maneuvers = (one.bounds.left_by(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER))
-    judged = counted(one.bounds.coasts, "coast"), counted(one.bounds.maneuvers, "maneuver")
+    coasts, maneuvers = (
+        one.bounds.count_violations(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER)
+    )
+    judged = plural(one.bounds.coasts, "coast"), plural(one.bounds.maneuvers, "maneuver")
     return f"{coasts} of {judged[0]}, {maneuvers} of {judged[1]}"
 
 

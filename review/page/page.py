@@ -12,8 +12,8 @@ from flightlog.log import FlightLog
 from review.summary.summary import Summary
 
 from .columns import PageColumns
-from .comparison import scorecard
-from .flight import flight_content
+from .comparison import comparison_rows
+from .flight import flight_page_content
 from .panels import Limits, panels
 from .spectra import spectra
 
@@ -27,7 +27,7 @@ SCRIPTS = (
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reviewed:
+class ReviewedFlight:
     """A flight with its summary, and what it is called where several are shown."""
 
     log: FlightLog
@@ -35,7 +35,7 @@ class Reviewed:
     label: str
 
 
-def review_page(flights: Sequence[Reviewed], *, limits: Limits | None = None) -> str:
+def review_page(flights: Sequence[ReviewedFlight], *, limits: Limits | None = None) -> str:
     """Returns the page of a flight, or of several laid over one another in time.
 
     Args:
@@ -52,9 +52,9 @@ def review_page(flights: Sequence[Reviewed], *, limits: Limits | None = None) ->
         "eyebrow": eyebrow,
         "subtitle": subtitle,
         "footer": "",
-        "flights": [flight_content(part.log, part.summary, part.label) for part in flights],
+        "flights": [flight_page_content(part.log, part.summary, part.label) for part in flights],
         "panels": panels([part.log for part in flights], columns, limits or {}),
-        "scorecard": scorecard([part.summary for part in flights]) if len(flights) > 1 else [],
+        "scorecard": comparison_rows([part.summary for part in flights]) if len(flights) > 1 else [],
         "spectra": spectra([part.log for part in flights]),
         "bases": columns.content(),
     }
@@ -76,8 +76,8 @@ def fill_page(
         raise FlightError("the log has numbers that are not finite: there is no page of them") from None
     parts = {
         "title": escape(title),
-        "styles": _joined(styles),
-        "scripts": _joined(scripts),
+        "styles": _joined_texts(styles),
+        "scripts": _joined_texts(scripts),
         # A page ends its script where it reads `</`; inside JSON a slash may be escaped.
         "data": data.replace("</", "<\\/"),
     }
@@ -85,11 +85,11 @@ def fill_page(
     return re.sub(r"\{\{(\w+)\}\}", lambda mark: parts[mark[1]], text)
 
 
-def _joined(names: Sequence[str]) -> str:
+def _joined_texts(names: Sequence[str]) -> str:
     return "\n".join((WEB / name).read_text(encoding="utf-8") for name in names)
 
 
-def _heading(flights: Sequence[Reviewed]) -> tuple[str, str, str]:
+def _heading(flights: Sequence[ReviewedFlight]) -> tuple[str, str, str]:
     summary = flights[0].summary
     known = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
     air = f"{summary.vehicle}{known}, {summary.duration:.1f} s"

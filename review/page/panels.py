@@ -10,7 +10,7 @@ from jaxtyping import Float
 from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
-from review.summary.tracking import at_times, navigation_error
+from review.summary.tracking import interpolate_field, navigation_error
 
 from .columns import PageColumns
 
@@ -18,7 +18,7 @@ Limits = Mapping[str, tuple[float, float]]
 Content = dict[str, object]
 
 DEGREES = degrees(1.0)
-UNEVEN = 1.5
+UNEVEN_SAMPLING = 1.5
 """Usual gaps between samples that make one worth showing."""
 
 SIGMAS = 3.0
@@ -85,8 +85,8 @@ def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> l
         columns: take the numbers.
         limits: of the controls in radians, by field.
     """
-    shared = _Filling(tuple(logs), columns)
-    filled = [shared.motion(_as_measured(panel, logs)) for panel in _MOTION]
+    shared = _PanelBuilder(tuple(logs), columns)
+    filled = [shared.motion(_with_height_reference(panel, logs)) for panel in _MOTION]
     filled += shared.components(_RATES, logs[0].motion.topic)
     filled += [shared.control(panel, limits) for panel in _CONTROLS]
     filled += [part for panel in _actuators(logs) for part in shared.components(panel, ACTUATORS)]
@@ -96,7 +96,7 @@ def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> l
     return [panel for panel in filled if panel["curves"]]
 
 
-def _as_measured(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
+def _with_height_reference(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
     """Names what another program's heights are above."""
     if panel.fields == ("down",) and any(log.header.kind == "import" for log in logs):
         return replace(panel, title="Height above the log's origin")
@@ -118,7 +118,7 @@ def _actuators(logs: Sequence[FlightLog]) -> Iterator[_Panel]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Filling:
+class _PanelBuilder:
     logs: tuple[FlightLog, ...]
     columns: PageColumns
 
@@ -131,7 +131,7 @@ class _Filling:
                 scale = 1.0 if field == "down" else panel.scale
                 curves.append(self._curve(number, "commanded", log[COMMAND], _COMMANDED[field], scale))
             for role, states in self._states(log):
-                if states.holds(field):
+                if states.has_fields(field):
                     curves.append(self._curve(number, role, states, field, panel.scale))
         band = field if field in {"forward", "side", "yaw_rate"} and len(self.logs) == 1 else None
         return self._content(panel, curves, band=band)
@@ -169,7 +169,7 @@ class _Filling:
                 self._curve(number, f"component{place}", series, field, panel.scale)
                 for number, series in have
                 for place, field in enumerate(panel.fields)
-                if series.holds(field)
+                if series.has_fields(field)
             ]
             return [self._content(panel, curves)]
         apart = []
@@ -178,7 +178,7 @@ class _Filling:
             curves = [
                 self._curve(number, "actual", series, field, panel.scale)
                 for number, series in have
-                if series.holds(field)
+                if series.has_fields(field)
             ]
             apart.append(self._content(replace(panel, title=title, fields=(field,), short=True), curves))
         return apart
@@ -188,13 +188,15 @@ class _Filling:
         (field,) = panel.fields
         curves: list[Content] = []
         for number, log in enumerate(self.logs):
-            if not all(topic.name in log.series and log[topic].holds(field) for topic in (TRUTH, ESTIMATE)):
+            if not all(
+                topic.name in log.series and log[topic].has_fields(field) for topic in (TRUTH, ESTIMATE)
+            ):
                 continue
             time = log[TRUTH].time
             error = panel.scale * navigation_error(log, field)
             curves.append(self._placed(number, "error", "error", time, error))
             if NAVIGATION.name in log.series and len(self.logs) == 1:
-                spread = SIGMAS * panel.scale * at_times(log[NAVIGATION], field, time)
+                spread = SIGMAS * panel.scale * interpolate_field(log[NAVIGATION], field, time)
                 for role, edge in (("sigma_high", spread), ("sigma_low", -spread)):
                     curves.append(self._placed(number, role, f"{SIGMAS:.0f} sigma", time, edge))
         return self._content(panel, curves)
@@ -208,7 +210,7 @@ class _Filling:
             if series is None or len(series) < 3:
                 continue
             apart = np.diff(series.time)
-            if apart.max() > UNEVEN * np.median(apart):
+            if apart.max() > UNEVEN_SAMPLING * np.median(apart):
                 role = f"component{len(curves)}"
                 curves.append(self._placed(0, role, topic.name, series.time[1:], apart))
         return self._content(panel, curves)

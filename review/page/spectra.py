@@ -10,7 +10,7 @@ from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 
-from .columns import packed
+from .columns import pack_floats
 
 Content = dict[str, object]
 Column = Float[np.ndarray, "n"]
@@ -40,7 +40,7 @@ def spectra(logs: Sequence[FlightLog]) -> list[Content]:
             head = (f"{title}: {name}", unit) if len(logs) > 1 else (title, unit)
             curve = {"flight": number, "role": f"component{place % 4}", "label": name}
             panels.setdefault(head, []).append(
-                {**curve, "frequency": packed(found[0]), "values": packed(found[1])}
+                {**curve, "frequency": pack_floats(found[0]), "values": pack_floats(found[1])}
             )
     return [{"title": title, "unit": unit, "curves": curves} for (title, unit), curves in panels.items()]
 
@@ -74,5 +74,5 @@ def _signals(log: FlightLog) -> Iterator[tuple[str, str, Series, tuple[str, ...]
             title = "Controls" if len(held) <= 4 else f"Controls {place + 1} to {place + len(group)}"
             yield title, "as logged / \u221aHz", log[ACTUATORS], group, 1.0
     states = log.motion
-    if states.topic.name in {TRUTH.name, ESTIMATE.name} and states.holds(*_RATES):
+    if states.topic.name in {TRUTH.name, ESTIMATE.name} and states.has_fields(*_RATES):
         yield "Body rates", "deg/s / \u221aHz", states, _RATES, _DEGREES

@@ -18,12 +18,12 @@ BOW = 0.24
 # Where along an arrow its number stands: in the middle, or before a trim that the arrow passes.
 LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.13
 # How near to an arrow's chord a trim stands in its way.
-NEAR = 0.2
+CLEARANCE = 0.2
 # Radius of a trim's circle in points.
 RADIUS = 13.0
 
 # More trims than this stand as dots at their true places, and the arrows carry no numbers.
-CROWD = 20
+MANY_TRIMS = 20
 
 Place = tuple[float, float]
 
@@ -36,8 +36,8 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
         library: the automaton.
         tall: height of the graph over half its width.
     """
-    if len(library.trims) > CROWD:
-        _draw_crowd(axes, library)
+    if len(library.trims) > MANY_TRIMS:
+        _draw_many_trims(axes, library)
         return
     places = _places(library.trims, tall)
     colors = trim_colors(places)
@@ -45,7 +45,7 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     for maneuver in library.maneuvers:
         ends = places[maneuver.from_trim], places[maneuver.to_trim]
         others = [place for place in places.values() if place not in ends]
-        passing = any(_stands_between(ends, place) for place in others)
+        passing = any(_is_between(ends, place) for place in others)
         _arrow(axes, ends, str(maneuver.id), share=LABEL_BEFORE_A_TRIM if passing else LABEL)
     for trim in library.trims:
         x, y = places[trim.id]
@@ -66,7 +66,7 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     _label_axes(axes, library.trims, places)
 
 
-def _draw_crowd(axes: Axes, library: Library) -> None:
+def _draw_many_trims(axes: Axes, library: Library) -> None:
     """Draws many trims as dots over yaw rate and forward speed, and what joins them as thin curves."""
     places = {trim.id: (degrees(trim.velocity.yaw_rate), trim.velocity.forward) for trim in library.trims}
     for maneuver in library.maneuvers:
@@ -79,7 +79,7 @@ def _draw_crowd(axes: Axes, library: Library) -> None:
                 mutation_scale=6,
                 shrinkA=6,
                 shrinkB=6,
-                color=palette.TRUE,
+                color=palette.TRUE_COLOR,
                 linewidth=0.6,
                 alpha=0.55,
                 zorder=2,
@@ -91,7 +91,7 @@ def _draw_crowd(axes: Axes, library: Library) -> None:
         axes.text(*place, str(trim), ha="center", va="center", color="white", fontsize=5.5, zorder=5)
     axes.set_xlabel("yaw rate, deg/s (right turn positive)", fontsize=palette.TEXT_SIZE)
     axes.set_ylabel("forward speed, m/s", fontsize=palette.TEXT_SIZE)
-    palette.dress(axes)
+    palette.format_axes(axes)
     axes.margins(0.06)
 
 
@@ -141,11 +141,11 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str, *, share: float) -
     )
 
 
-def _stands_between(ends: tuple[Place, Place], place: Place) -> bool:
+def _is_between(ends: tuple[Place, Place], place: Place) -> bool:
     (along, across), (x, y) = np.subtract(ends[1], ends[0]), np.subtract(place, ends[0])
     length = float(np.hypot(along, across)) or 1.0
     aside = abs(along * y - across * x) / length
-    return bool(aside < NEAR and 0.0 < (along * x + across * y) / length < length)
+    return bool(aside < CLEARANCE and 0.0 < (along * x + across * y) / length < length)
 
 
 def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> None:
@@ -157,7 +157,7 @@ def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> 
     axes.set_xlabel(
         "across: yaw rate, deg/s (right turn positive); up: forward speed, m/s", fontsize=palette.TEXT_SIZE
     )
-    palette.dress(axes)
+    palette.format_axes(axes)
     # Room for names and for the widest bow.
     axes.set_xlim(-1.25, 1.25)
     axes.set_ylim(min(up) - 0.36, max(up) + 0.36)

@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from flight.automaton.library import Library
-from flight.mission.goal import Arrival
+from flight.mission.destination import Arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
@@ -22,27 +22,27 @@ from review.summary.summary import arrival
 from . import palette
 from .automaton_picture import draw_automaton
 from .library_picture import draw_trim_errors
-from .marks import dart, draw_goal, note
-from .stroke import ASKED_FOR, Stroke
+from .marks import annotate_pose, draw_goal, draw_heading_marker
+from .stroke import COMMAND_DASHES, Stroke
 
-PLANNED = Stroke(palette.INK, 1.2, dashes=ASKED_FOR, layer=3.0)
-OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=ASKED_FOR, layer=2.5)
-FLOWN = Stroke(palette.TRUE, 2.0, opacity=0.75)
-AFTERWARDS = Stroke(palette.TRUE, 0.9, opacity=0.35)
+PLANNED = Stroke(palette.INK, 1.2, dashes=COMMAND_DASHES, layer=3.0)
+OTHER_SCENARIO = Stroke(palette.FAINT, 0.9, dashes=COMMAND_DASHES, layer=2.5)
+FLOWN = Stroke(palette.TRUE_COLOR, 2.0, opacity=0.75)
+FLOWN_AFTER_GOAL = Stroke(palette.TRUE_COLOR, 0.9, opacity=0.35)
 MISSED = Stroke(palette.ALARM, 2.0, opacity=0.85)
 
 POLICY_NAMES = {"nominal": "Nominal plan", "worst-case": "Worst-case plan"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlanFlown:
+class FlownPlan:
     """A plan with the flights that followed it; the flights re-planned on the way."""
 
     plan: Plan
     flights: tuple[FlightLog, ...]
 
 
-def demo_picture(library: Library, mission: Mission, outcomes: Sequence[PlanFlown]) -> Figure:
+def demo_picture(library: Library, mission: Mission, outcomes: Sequence[FlownPlan]) -> Figure:
     """Returns the picture of the whole way.
 
     Args:
@@ -50,7 +50,7 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[PlanFlow
         mission: of all the plans.
         outcomes: one for each policy.
     """
-    figure = palette.page(7.0 + 5.0 * len(outcomes), 8.6)
+    figure = palette.new_figure(7.0 + 5.0 * len(outcomes), 8.6)
     conditions = library.conditions
     figure.suptitle(
         f"From flight logs to plans, and back to flight    |    {library.vehicle}, wind {conditions.wind}, "
@@ -63,7 +63,9 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[PlanFlow
     columns = figure.add_gridspec(1, 2, width_ratios=(6.0, 5.0 * len(outcomes)))
     left = columns[0].subgridspec(2, 1, height_ratios=(0.6, 0.4))
     graph = figure.add_subfigure(left[0]).subplots()
-    palette.headline(graph, f"1  Identified: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers")
+    palette.draw_headline(
+        graph, f"1  Identified: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers"
+    )
     draw_automaton(graph, library, tall=1.25)
     draw_trim_errors(figure.add_subfigure(left[1]), library)
     right = figure.add_subfigure(columns[1])
@@ -79,8 +81,8 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[PlanFlow
     return figure
 
 
-def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: PlanFlown, *, number: int) -> None:
-    palette.dress(axes)
+def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: FlownPlan, *, number: int) -> None:
+    palette.format_axes(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
     plan, goal = outcome.plan, mission.destination
@@ -92,11 +94,11 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: PlanF
         truth = log[TRUTH]
         way = truth.time <= (log.duration if met.time is None else met.time)
         style.draw(axes, truth["east"][way], truth["north"][way])
-        AFTERWARDS.draw(axes, truth["east"][~way], truth["north"][~way])
+        FLOWN_AFTER_GOAL.draw(axes, truth["east"][~way], truth["north"][~way])
     _draw_start_and_goal(axes, mission)
     axes.margins(0.15)
     title = POLICY_NAMES.get(plan.policy, f"Plan, {plan.policy}")
-    palette.headline(axes, f"{number}  {title}, flown {_times(len(outcome.flights))}")
+    palette.draw_headline(axes, f"{number}  {title}, flown {_times_phrase(len(outcome.flights))}")
     axes.legend(
         handles=_entries(plan, arrivals),
         loc="upper left",
@@ -104,13 +106,13 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: PlanF
         borderaxespad=0.0,
         frameon=False,
         fontsize=palette.TEXT_SIZE,
-        title=caption(plan, outcome.flights, arrivals),
+        title=outcome_caption(plan, outcome.flights, arrivals),
         alignment="left",
         title_fontsize=palette.TEXT_SIZE + 0.5,
     )
 
 
-def caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival]) -> str:
+def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival]) -> str:
     """Returns what the plan predicted and what the flights did, in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
@@ -138,9 +140,9 @@ def _draw_scenario(axes: Axes, library: Library, mission: Mission, plan: Plan, s
 def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
     north, east = mission.goal
     draw_goal(axes, mission.destination)
-    dart(axes, mission.start, fill=palette.INK)
-    note(axes, mission.start, "start", away=-1.2, along=True)
-    note(axes, SE2(north, east, 0.0), "goal", along=True)
+    draw_heading_marker(axes, mission.start, fill=palette.INK)
+    annotate_pose(axes, mission.start, "start", away=-1.2, along=True)
+    annotate_pose(axes, SE2(north, east, 0.0), "goal", along=True)
 
 
 def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:
@@ -151,13 +153,13 @@ def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:
         entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
     if any(met.time is not None for met in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
-        entries.append(AFTERWARDS.entry("after the goal, a maneuver begun is finished"))
+        entries.append(FLOWN_AFTER_GOAL.entry("after the goal, a maneuver begun is finished"))
     if any(met.time is None for met in arrivals):
         entries.append(MISSED.entry("flown, goal missed"))
     return entries
 
 
-def _times(count: int) -> str:
+def _times_phrase(count: int) -> str:
     return "once" if count == 1 else f"{count} times"
 
 

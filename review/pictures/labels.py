@@ -16,13 +16,13 @@ from . import palette
 Points = Float[np.ndarray, "n 2"]
 
 # Points of type: how far words stand from their place, near and where there is no room farther away.
-_AWAY = (15.0, 24.0, 34.0)
+_DISTANCES = (15.0, 24.0, 34.0)
 _DIRECTIONS = 16
 # Half the height and half the width of a letter, and the room that a mark takes, as shares of the type size.
 _HALF_HEIGHT, _HALF_WIDTH = 0.62, 0.3
 _MARK = 7.0
 # How much farther than its own a label should stand from any other mark, and what it costs not to.
-_CLEARLY, _NEARER_TO_ANOTHER = 1.5, 25.0
+_AMBIGUITY_RATIO, _NEARER_TO_ANOTHER = 1.5, 25.0
 # What it costs to cover a word, a mark, a point of a track; points that are counted.
 _COVERED_WORD, _COVERED_MARK, _COVERED_TRACK, _MOST_PASSING = 100.0, 40.0, 2.0, 20
 
@@ -59,14 +59,16 @@ def place_labels(axes: Axes, labels: Sequence[Label], drawn: Sequence[Points]) -
     points_a_pixel = 72.0 / figure.dpi
     to_points = axes.transData
     marks = points_a_pixel * to_points.transform([(label.place.y, label.place.x) for label in labels])
-    lines = [points_a_pixel * to_points.transform(_filled(line, axes)) for line in drawn if len(line)]
+    lines = [points_a_pixel * to_points.transform(_densify(line, axes)) for line in drawn if len(line)]
     track = np.concatenate(lines) if lines else np.empty((0, 2))
     taken: list[Float[np.ndarray, "4"]] = []
     for label, mark in zip(labels, marks, strict=True):
         offsets = _candidates(label)
         boxes = [_box(mark + offset, label.text) for offset, _ in offsets]
         costs = [
-            turned + _covering(box, taken, marks, track) + _NEARER_TO_ANOTHER * _strays(box, mark, marks)
+            turned
+            + _overlap_cost(box, taken, marks, track)
+            + _NEARER_TO_ANOTHER * _is_ambiguous(box, mark, marks)
             for box, (_, turned) in zip(boxes, offsets, strict=True)
         ]
         best = int(np.argmin(costs))
@@ -90,7 +92,7 @@ def _candidates(label: Label) -> list[tuple[Float[np.ndarray, "2"], float]]:
     wanted = label.place.heading + pi / 2.0 + label.turned
     longer = _HALF_WIDTH * palette.SMALL_TEXT * len(label.text)
     found = []
-    for ring, away in enumerate(_AWAY):
+    for ring, away in enumerate(_DISTANCES):
         for turn in range(_DIRECTIONS):
             angle = wanted + 2.0 * pi * turn / _DIRECTIONS
             # Words are wide: beside a place they stand farther off than above it.
@@ -100,7 +102,7 @@ def _candidates(label: Label) -> list[tuple[Float[np.ndarray, "2"], float]]:
     return found
 
 
-def _covering(
+def _overlap_cost(
     box: Float[np.ndarray, "4"], taken: Sequence[Float[np.ndarray, "4"]], marks: Points, track: Points
 ) -> float:
     """Returns what it costs to write there, in steps turned away from where the words are wanted."""
@@ -110,11 +112,11 @@ def _covering(
     return float(_COVERED_WORD * words + _COVERED_MARK * covered + _COVERED_TRACK * passing)
 
 
-def _strays(box: Float[np.ndarray, "4"], mark: Float[np.ndarray, "2"], marks: Points) -> bool:
+def _is_ambiguous(box: Float[np.ndarray, "4"], mark: Float[np.ndarray, "2"], marks: Points) -> bool:
     """Returns whether a reader could take words for those of another mark."""
     places = np.vstack([mark, marks[(marks != mark).any(axis=1)]])
     away = np.linalg.norm(places - np.clip(places, box[:2], box[2:]), axis=1)
-    return bool((away[1:] < _CLEARLY * away[0]).any())
+    return bool((away[1:] < _AMBIGUITY_RATIO * away[0]).any())
 
 
 def _box(middle: Float[np.ndarray, "2"], text: str) -> Float[np.ndarray, "4"]:
@@ -131,7 +133,7 @@ def _inside(points: Points, box: Float[np.ndarray, "4"], *, margin: float) -> np
     return np.asarray(((points > box[:2] - margin) & (points < box[2:] + margin)).all(axis=1))
 
 
-def _filled(line: Points, axes: Axes) -> Points:
+def _densify(line: Points, axes: Axes) -> Points:
     """Returns a line with points so close together that none of its parts passes under words unseen."""
     west, east = axes.get_xlim()
     way = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])

@@ -6,9 +6,9 @@ from matplotlib.ticker import MaxNLocator
 from . import palette
 
 
-def dress_map(axes: Axes) -> None:
+def format_map_axes(axes: Axes) -> None:
     """Makes a map of axes."""
-    palette.dress(axes)
+    palette.format_axes(axes)
     axes.set_aspect("equal", adjustable="datalim")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))

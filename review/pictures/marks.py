@@ -10,19 +10,19 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
-from flight.mission.goal import Destination
+from flight.mission.destination import Destination
 from flight.se2 import SE2
 
 from . import palette
 
 # Points north.
-DART = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
+HEADING_MARKER = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
 
 
-def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
+def draw_heading_marker(axes: Axes, pose: SE2, *, fill: str) -> None:
     """Draws a dart at a pose, along its heading."""
     # Markers point up, that is north, and turn counter-clockwise.
-    marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
+    marker = MarkerStyle(HEADING_MARKER, transform=Affine2D().rotate(-pose.heading))
     axes.plot(
         pose.y,
         pose.x,
@@ -35,7 +35,7 @@ def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
     )
 
 
-def note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
+def annotate_pose(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
     """Writes a few words beside a pose: away to its right, or along its heading."""
     east, north = sin(pose.heading), cos(pose.heading)
     x, y = (east, north) if along else (north, -east)

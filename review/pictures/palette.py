@@ -10,8 +10,8 @@ INK = "#222222"
 FAINT = "#8a8a8a"
 GRID = "#e4e4e4"
 
-TRUE = "#0072B2"
-BELIEVED = "#E69F00"
+TRUE_COLOR = "#0072B2"
+ESTIMATE_COLOR = "#E69F00"
 ALARM = "#D55E00"
 GOAL = "#009E73"
 
@@ -19,12 +19,12 @@ TEXT_SIZE = 9.0
 SMALL_TEXT = 7.5
 
 
-def page(width: float, height: float) -> Figure:
+def new_figure(width: float, height: float) -> Figure:
     """Returns an empty figure of a size in inches; it belongs to no window and no global state."""
     return Figure(figsize=(width, height), dpi=130, layout="constrained", facecolor="white")
 
 
-def dress(axes: Axes) -> None:
+def format_axes(axes: Axes) -> None:
     """Takes what distracts away: no box, a faint grid behind the data."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(FAINT)
@@ -33,12 +33,12 @@ def dress(axes: Axes) -> None:
     axes.set_axisbelow(True)
 
 
-def headline(axes: Axes, text: str) -> None:
+def draw_headline(axes: Axes, text: str) -> None:
     """Writes what a panel shows above its left edge."""
     axes.set_title(text, loc="left", fontsize=TEXT_SIZE + 1, color=INK, fontweight="bold")
 
 
-def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
+def draw_legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
     """Puts a legend in one row above a panel's right edge."""
     legend = axes.legend(
         handles=entries,

@@ -12,11 +12,11 @@ from flight.plan.planned_track import Line, planned_track
 from flightlog.trim_labels import trim_colors
 
 from . import palette
-from .map_axes import dress_map
-from .marks import dart, draw_goal, note
+from .map_axes import format_map_axes
+from .marks import annotate_pose, draw_goal, draw_heading_marker
 from .stroke import Stroke
 
-SHOWN = 0.005
+SHORTEST_SHOWN_COAST = 0.005
 """Seconds that a trim is held for at least, where it is shown: less is written 0.00 s."""
 
 DECIDING = Stroke(palette.INK, 1.3, layer=4.5)
@@ -49,15 +49,15 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
     """
     if not plan.found:
         raise NothingToDrawError(plan)
-    figure = palette.page(7.6, 6.4)
+    figure = palette.new_figure(7.6, 6.4)
     axes = figure.add_subplot()
-    dress_map(axes)
+    format_map_axes(axes)
     walk = " - ".join(str(trim) for trim in plan.sequence)
-    palette.headline(axes, f"{plan.mission}, {_promise(plan)}: trims {walk}")
+    palette.draw_headline(axes, f"{plan.mission}, {_guarantee_text(plan)}: trims {walk}")
     handles = _draw_scenarios(axes, plan, library, mission)
     handles.append(draw_goal(axes, mission.destination))
-    dart(axes, mission.start, fill=palette.INK)
-    note(axes, mission.start, "start", away=-1.2, along=True)
+    draw_heading_marker(axes, mission.start, fill=palette.INK)
+    annotate_pose(axes, mission.start, "start", away=-1.2, along=True)
     axes.margins(0.1)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=palette.SMALL_TEXT
@@ -65,7 +65,7 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
     return figure
 
 
-def _promise(plan: Plan) -> str:
+def _guarantee_text(plan: Plan) -> str:
     if plan.policy == "nominal":
         return f"nominal, {plan.cost:.2f} s"
     return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (decided by {plan.deciding.gamma:g})"
@@ -87,8 +87,8 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
     colors = trim_colors(trim.id for trim in library.trims)
     held: dict[int, list[float]] = {}
     for trim, line, time in zip(plan.sequence, coasts, scenario.coasting_times, strict=True):
-        if time >= SHOWN:
-            _draw(axes, _coast(colors[trim]), line)
+        if time >= SHORTEST_SHOWN_COAST:
+            _draw(axes, _coast_stroke(colors[trim]), line)
             held.setdefault(trim, []).append(time)
     for line in maneuvers:
         _draw(axes, DECIDING, line)
@@ -97,7 +97,9 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
     entries = [DECIDING.entry("; ".join(filter(None, (level, steps))))] if level or steps else []
     for trim, times in held.items():
         seconds = " + ".join(f"{time:.2f}" for time in times)
-        entries.append(_coast(colors[trim]).entry(f"trim {trim}, {library.trim(trim).name}: {seconds} s"))
+        entries.append(
+            _coast_stroke(colors[trim]).entry(f"trim {trim}, {library.trim(trim).name}: {seconds} s")
+        )
     return entries
 
 
@@ -111,7 +113,7 @@ def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mi
     return style.entry(f"gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
 
 
-def _coast(color: str) -> Stroke:
+def _coast_stroke(color: str) -> Stroke:
     return Stroke(color, 3.0, layer=5.0)
 
 

@@ -15,12 +15,14 @@ def price_picture(mission: str, points: Sequence[tuple[float, float]]) -> Figure
         mission: its name.
         points: gamma and seconds, from gamma 0 up; infinite seconds where there is no plan.
     """
-    figure = palette.page(6.4, 4.0)
+    figure = palette.new_figure(6.4, 4.0)
     axes = figure.add_subplot()
-    palette.dress(axes)
-    palette.headline(axes, f"{mission}: what robustness costs")
+    palette.format_axes(axes)
+    palette.draw_headline(axes, f"{mission}: what robustness costs")
     known = [(gamma, cost) for gamma, cost in points if isfinite(cost)]
-    axes.plot([gamma for gamma, _ in known], [cost for _, cost in known], color=palette.TRUE, linewidth=1.6)
+    axes.plot(
+        [gamma for gamma, _ in known], [cost for _, cost in known], color=palette.TRUE_COLOR, linewidth=1.6
+    )
     for gamma in (gamma for gamma, cost in points if not isfinite(cost)):
         axes.axvline(gamma, color=palette.ALARM, linewidth=0.6)
     axes.set_xlim(0, 1)

@@ -10,9 +10,9 @@ from matplotlib.patches import Patch
 
 from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_palette
-from review.summary.bound_check import judging_library
+from review.summary.bound_check import bounding_library
 from review.summary.tracking import navigation_error
 
 from . import palette, stroke
@@ -44,7 +44,7 @@ def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
     scale = _scale(field)
     _draw_bounds(axes, log, field)
     _draw_state(axes, log, field, scale)
-    if COMMAND.name in log.series and log[COMMAND].holds(field):
+    if COMMAND.name in log.series and log[COMMAND].has_fields(field):
         stroke.COMMANDED.draw(axes, log[COMMAND].time, scale * log[COMMAND][field])
     _finish(axes, log, TITLES[field], least_span=0.5 * scale**0.5)
 
@@ -62,7 +62,7 @@ def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
     """Draws roll or pitch as estimated and actual."""
     _draw_state(axes, log, field, DEGREES_PER_RADIAN)
     _finish(axes, log, TITLES[field], least_span=2.0)
-    palette.legend_above(axes, _state_entries(log))
+    palette.draw_legend_above(axes, _state_entries(log))
 
 
 def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tuple[float, float]]) -> None:
@@ -85,7 +85,9 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
         stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, limit))
     # A limit far away is said in words; it shall not flatten the curve.
     axes.set_ylim(span)
-    palette.legend_above(axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")])
+    palette.draw_legend_above(
+        axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")]
+    )
 
 
 def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
@@ -101,7 +103,7 @@ def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
 def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
     """Draws as many as three components of the air's motion at the vehicle, those that the log has."""
     wind = log[WIND]
-    fields = [field for field in fields if wind.holds(field)]
+    fields = [field for field in fields if wind.has_fields(field)]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
         style.draw(axes, wind.time, _scale(field) * wind[field])
     _finish(axes, log, title)
@@ -117,7 +119,7 @@ def draw_navigation_error(axes: Axes, log: FlightLog, field: str, title: str) ->
         edge = 3.0 * scale * claimed[field]
         axes.fill_between(claimed.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
         entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="three sigma, as the vehicle believes")
-        palette.legend_above(axes, [entry])
+        palette.draw_legend_above(axes, [entry])
     axes.axhline(0.0, color=palette.FAINT, linewidth=0.8, zorder=2)
     _finish(axes, log, title)
 
@@ -127,7 +129,7 @@ def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
     entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
         entries.insert(0, stroke.COMMANDED.entry("commanded"))
-    if judging_library(log) is not None:
+    if bounding_library(log) is not None:
         bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
@@ -145,16 +147,16 @@ def _state_entries(log: FlightLog) -> list[Line2D]:
 def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:
     drawn = {topic.name: stroke.ACTUAL for topic in (TRUTH, MOTION)} | {ESTIMATE.name: stroke.ESTIMATED}
     for name in (ESTIMATE.name, TRUTH.name, MOTION.name):
-        if name in log.series and log.series[name].holds(field):
+        if name in log.series and log.series[name].has_fields(field):
             drawn[name].draw(axes, log.series[name].time, scale * log.series[name][field])
 
 
 def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
-    library = judging_library(log)
+    library = bounding_library(log)
     if library is None:
         return
     colors, scale = trim_palette(log), _scale(field)
-    for part in stretches_flown(log):
+    for part in merged_primitives(log):
         if part.kind is PrimitiveKind.COAST:
             trim = library.trim(part.id)
             nominal, error = getattr(trim.velocity, field), abs(getattr(trim.error, field))
@@ -170,8 +172,8 @@ def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
 
 
 def _finish(axes: Axes, log: FlightLog, title: str, *, least_span: float = 0.0) -> None:
-    palette.dress(axes)
-    palette.headline(axes, title)
+    palette.format_axes(axes)
+    palette.draw_headline(axes, title)
     shade_primitives(axes, log)
     axes.set_xlim(0.0, log.duration)
     low, high = axes.get_ylim()
@@ -186,7 +188,7 @@ def _name_components(axes: Axes, fields: Sequence[str]) -> None:
     entries = [
         style.entry(field.replace("_", " ")) for field, style in zip(fields, stroke.COMPONENTS, strict=False)
     ]
-    palette.legend_above(axes, entries)
+    palette.draw_legend_above(axes, entries)
 
 
 def _scale(field: str) -> float:

@@ -12,17 +12,17 @@ from matplotlib.patches import FancyArrowPatch
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.attachments import goal_of_flight, plans_of_flight
 from flightlog.channels import ESTIMATE, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import logged_goal, logged_plans
+from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_label, trim_names, trim_palette
 from review.summary.bound_check import pose_at
 
 from . import palette, stroke
 from .labels import Label, place_labels
-from .map_axes import dress_map
-from .marks import dart, draw_goal
+from .map_axes import format_map_axes
+from .marks import draw_goal, draw_heading_marker
 
 # Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)
@@ -43,10 +43,10 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
     Raises:
         FlightError: the log lacks positions, or an attachment is broken.
     """
-    dress_map(axes)
+    format_map_axes(axes)
     handles = _draw_primitives(axes, log) + _draw_plans(axes, log)
     labels = [*_draw_ends(axes, log), *_draw_times(axes, log)]
-    goal = goal_of_flight(log)
+    goal = logged_goal(log)
     if goal is not None:
         handles.append(draw_goal(axes, goal))
     axes.margins(0.12)
@@ -69,12 +69,12 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
 
 
 def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
-    flown = stretches_flown(log)
+    flown = merged_primitives(log)
     colors = trim_palette(log)
     for part in flown:
         track = _track(log, part)
         if part.kind is PrimitiveKind.COAST:
-            stroke.coast(colors[part.id]).draw(axes, *track)
+            stroke.trim_stroke(colors[part.id]).draw(axes, *track)
         else:
             stroke.MANEUVER.draw(axes, *track)
     if not flown:
@@ -85,13 +85,13 @@ def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
         return [line.entry("flown, as believed" if believed else "flown")]
     names = trim_names(log)
     held = sorted({part.id for part in flown if part.kind is PrimitiveKind.COAST})
-    handles = [stroke.coast(colors[trim]).entry(trim_label(trim, names)) for trim in held]
+    handles = [stroke.trim_stroke(colors[trim]).entry(trim_label(trim, names)) for trim in held]
     if any(part.kind is PrimitiveKind.MANEUVER for part in flown):
         handles.append(stroke.MANEUVER.entry("maneuver between trims"))
     return handles
 
 
-def _track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
+def _track(log: FlightLog, part: FlownPrimitive) -> Float[np.ndarray, "2 n"]:
     """Returns east and north during a primitive, both ends included."""
     motion = log.motion
     inside = (motion.time > part.start) & (motion.time < part.end)
@@ -103,7 +103,7 @@ def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
     """Marks start and end by darts that point along the heading, the start's filled; yields their names."""
     for time, name, fill, turned in ((0.0, "start", palette.INK, 0.5), (log.duration, "end", "white", -0.5)):
         pose = pose_at(log, time)
-        dart(axes, pose, fill=fill)
+        draw_heading_marker(axes, pose, fill=fill)
         yield Label(pose, name, turned * np.pi)
 
 
@@ -118,7 +118,7 @@ def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
 
 def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
     """Draws each plan from where the vehicle believed to be when it was made; the first one strongest."""
-    plans = plans_of_flight(log)
+    plans = logged_plans(log)
     if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
         return []
     library, estimate = log.library(), log[ESTIMATE]

@@ -10,7 +10,7 @@ from . import palette
 
 Points = Sequence[tuple[float, float]]
 
-UP, DOWN = palette.TRUE, palette.ALARM
+UP, DOWN = palette.TRUE_COLOR, palette.ALARM
 
 
 def trends_picture(
@@ -32,21 +32,21 @@ def trends_picture(
         heading_changes: entry yaw rate in rad/s, heading change in rad.
         duration_percents: entry yaw rate in rad/s, duration error in percent.
     """
-    figure = palette.page(16.0, 9.0)
+    figure = palette.new_figure(16.0, 9.0)
     figure.suptitle(title, x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 4, fontweight="bold")
     turning = any(map(any, heading_changes))
     grid = figure.add_gridspec(2, 3 if turning else 2)
     first = figure.add_subplot(grid[:, 0])
-    _line(first, speed_errors, palette.TRUE)
+    _draw_points(first, speed_errors, palette.TRUE_COLOR)
     _label(first, "Forward error over speed (Figure 7)", "forward speed, m/s", "largest deviation, %")
     first.set_ylim(bottom=0.0)
-    _pair(
+    _draw_pair(
         figure.add_subplot(grid[0, 1]),
         displacements,
         ("Steps of speed: displacement (Figure 8)", "speed at entry, m/s", "displacement, m"),
         ("faster", "slower"),
     )
-    _pair(
+    _draw_pair(
         figure.add_subplot(grid[1, 1]),
         displacement_percents,
         ("and its error", "speed at entry, m/s", "largest deviation, %"),
@@ -54,13 +54,13 @@ def trends_picture(
     )
     if not turning:
         return figure
-    _pair(
+    _draw_pair(
         figure.add_subplot(grid[0, 2]),
         heading_changes,
         ("Steps of yaw rate: heading change (Figure 9)", "yaw rate at entry, rad/s", "heading change, rad"),
         ("to the right", "to the left"),
     )
-    _pair(
+    _draw_pair(
         figure.add_subplot(grid[1, 2]),
         duration_percents,
         ("and the duration's error", "yaw rate at entry, rad/s", "largest deviation, %"),
@@ -69,10 +69,10 @@ def trends_picture(
     return figure
 
 
-def _pair(
+def _draw_pair(
     axes: Axes, pair: tuple[Points, Points], words: tuple[str, str, str], names: tuple[str, str]
 ) -> None:
-    entries = [_line(axes, points, color) for points, color in zip(pair, (UP, DOWN), strict=True)]
+    entries = [_draw_points(axes, points, color) for points, color in zip(pair, (UP, DOWN), strict=True)]
     for entry, name in zip(entries, names, strict=True):
         entry.set_label(name)
     _label(axes, *words)
@@ -81,14 +81,14 @@ def _pair(
         axes.set_ylim(bottom=0.0)
 
 
-def _line(axes: Axes, points: Points, color: str) -> Line2D:
+def _draw_points(axes: Axes, points: Points, color: str) -> Line2D:
     across, up = [x for x, _ in points], [y for _, y in points]
     (line,) = axes.plot(across, up, "o-", color=color, markersize=5, linewidth=1.4)
     return line
 
 
 def _label(axes: Axes, headline: str, across: str, up: str) -> None:
-    palette.dress(axes)
-    palette.headline(axes, headline)
+    palette.format_axes(axes)
+    palette.draw_headline(axes, headline)
     axes.set_xlabel(across, fontsize=palette.TEXT_SIZE)
     axes.set_ylabel(up, fontsize=palette.TEXT_SIZE)

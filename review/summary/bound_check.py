@@ -12,17 +12,17 @@ from flight.se2 import SE2, Twist
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 
 from .tracking import VELOCITIES
 
-JUDGE_ATTACHMENT = "judge.json"
+BOUNDS_ATTACHMENT = "judge.json"
 """Name under which a log in memory carries a library of one's choice; no log on disk has it."""
 
-FLOWN_TO_IDENTIFY = ("campaign", "nominal")
+IDENTIFICATION_KINDS = ("campaign", "nominal")
 """Kinds of flights that bounds are identified from."""
 
-SAME_TRIM = 1e-6
+TRIM_TOLERANCE = 1e-6
 """Metres a second and radians a second by which equal trims may differ."""
 
 # Bounds of a library are observed extremes; rounding in their sums is not a departure.
@@ -30,7 +30,7 @@ ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Departure:
+class BoundDeviation:
     """What came nearest to its bound in one primitive, or left it by the most.
 
     Attributes:
@@ -50,7 +50,7 @@ class Departure:
     bound: float
 
     @property
-    def left(self) -> bool:
+    def exceeds_bound(self) -> bool:
         """Whether it left its bound."""
         return abs(self.deviation) > self.bound + ROUNDING
 
@@ -61,7 +61,7 @@ class Departure:
 
 
 @dataclass(frozen=True, slots=True)
-class Bounds:
+class BoundCheck:
     """How the primitives of a flight kept to the library's errors.
 
     Attributes:
@@ -76,32 +76,32 @@ class Bounds:
     trim_error_kind: str
     coasts: int
     maneuvers: int
-    departures: tuple[Departure, ...]
+    departures: tuple[BoundDeviation, ...]
 
-    def left_by(self, kind: PrimitiveKind) -> int:
+    def count_violations(self, kind: PrimitiveKind) -> int:
         """Returns how many primitives of a kind left their bounds."""
-        return sum(departure.kind is kind for departure in self.departures)
+        return sum(violation.kind is kind for violation in self.departures)
 
 
-def judged_by(log: FlightLog, library: Library) -> FlightLog:
+def with_bounds_of(log: FlightLog, library: Library) -> FlightLog:
     """Returns a log that is judged by a library of one's choice, to be looked at and not to be written.
 
     Raises:
         FlightError: the library does not have what was flown.
     """
-    for part in stretches_flown(log):
+    for part in merged_primitives(log):
         if part.kind is PrimitiveKind.MANEUVER:
             library.maneuver(part.from_trim, part.to_trim)
         velocity = library.trim(part.to_trim).velocity
-        if not np.allclose(_numbers(velocity), _numbers(part.target), rtol=0.0, atol=SAME_TRIM):
+        if not np.allclose(_numbers(velocity), _numbers(part.target), rtol=0.0, atol=TRIM_TOLERANCE):
             raise FlightError(
                 f"trim {part.to_trim} of library {library.name} is {_words(velocity)}, "
                 f"the flight held {_words(part.target)}: another automaton"
             )
-    return replace(log, attachments={**log.attachments, JUDGE_ATTACHMENT: library_text(library).encode()})
+    return replace(log, attachments={**log.attachments, BOUNDS_ATTACHMENT: library_text(library).encode()})
 
 
-def judging_library(log: FlightLog) -> Library | None:
+def bounding_library(log: FlightLog) -> Library | None:
     """Returns the library whose errors are a flight's bounds; None where none applies.
 
     That is the one of one's choice, or the one flown with. A campaign is flown to find bounds: those in the
@@ -110,9 +110,9 @@ def judging_library(log: FlightLog) -> Library | None:
     Raises:
         FlightError: the library is broken.
     """
-    if JUDGE_ATTACHMENT in log.attachments:
-        return parse_library(log.attachments[JUDGE_ATTACHMENT], JUDGE_ATTACHMENT)
-    if LIBRARY_ATTACHMENT not in log.attachments or log.header.kind in FLOWN_TO_IDENTIFY:
+    if BOUNDS_ATTACHMENT in log.attachments:
+        return parse_library(log.attachments[BOUNDS_ATTACHMENT], BOUNDS_ATTACHMENT)
+    if LIBRARY_ATTACHMENT not in log.attachments or log.header.kind in IDENTIFICATION_KINDS:
         return None
     return log.library()
 
@@ -125,32 +125,32 @@ def _words(velocity: Twist) -> str:
     return f"{velocity.forward:.3g} m/s forward, {velocity.side:.3g} m/s right, {velocity.yaw_rate:.3g} rad/s"
 
 
-def bounds_kept(log: FlightLog) -> Bounds | None:
+def check_bounds(log: FlightLog) -> BoundCheck | None:
     """Holds the true motion against the errors of the library that judges; None where none applies.
 
     Raises:
         FlightError: the library is broken, or the log lacks truth.
     """
-    library = judging_library(log)
+    library = bounding_library(log)
     if library is None:
         return None
-    judged = deviations(log, library)
-    return Bounds(
+    judged = compute_deviations(log, library)
+    return BoundCheck(
         library=library.name,
         trim_error_kind=library.conditions.trim_error_kind,
         coasts=sum(one.kind is PrimitiveKind.COAST for one in judged),
         maneuvers=sum(one.kind is PrimitiveKind.MANEUVER for one in judged),
-        departures=tuple(one for one in judged if one.left),
+        departures=tuple(one for one in judged if one.exceeds_bound),
     )
 
 
-def deviations(log: FlightLog, library: Library) -> tuple[Departure, ...]:
+def compute_deviations(log: FlightLog, library: Library) -> tuple[BoundDeviation, ...]:
     """Returns one for each primitive that can be judged, in the order flown.
 
     Raises:
         FlightError: the log lacks truth, or flew what the library does not have.
     """
-    flown = stretches_flown(log)
+    flown = merged_primitives(log)
     judged = []
     for place, part in enumerate(flown):
         if part.kind is PrimitiveKind.COAST:
@@ -164,13 +164,15 @@ def deviations(log: FlightLog, library: Library) -> tuple[Departure, ...]:
     return tuple(judged)
 
 
-def _velocities(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "n 3"]:
+def _velocities(log: FlightLog, part: FlownPrimitive) -> Float[np.ndarray, "n 3"]:
     truth = log[TRUTH]
     rows = slice(*np.searchsorted(truth.time, [part.start - ROUNDING, part.end + ROUNDING]))
     return np.column_stack([truth[field][rows] for field in VELOCITIES])
 
 
-def _coast_deviation(velocity: Float[np.ndarray, "n 3"], library: Library, part: PrimitiveFlown) -> Departure:
+def _coast_deviation(
+    velocity: Float[np.ndarray, "n 3"], library: Library, part: FlownPrimitive
+) -> BoundDeviation:
     trim = library.trim(part.id)
     if library.conditions.trim_error_kind == "averaged":
         velocity = velocity.mean(axis=0, keepdims=True)
@@ -178,10 +180,10 @@ def _coast_deviation(velocity: Float[np.ndarray, "n 3"], library: Library, part:
     apart = velocity - nominal
     largest = apart[np.argmax(np.abs(apart), axis=0), np.arange(len(VELOCITIES))]
     bounds = [abs(getattr(trim.error, field)) for field in VELOCITIES]
-    return _worst(part, VELOCITIES, largest.tolist(), bounds)
+    return _largest_deviation(part, VELOCITIES, largest.tolist(), bounds)
 
 
-def _maneuver_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) -> Departure:
+def _maneuver_deviation(log: FlightLog, library: Library, part: FlownPrimitive) -> BoundDeviation:
     maneuver = library.maneuver(part.from_trim, part.to_trim)
     displacement = pose_at(log, part.start).inverse() @ pose_at(log, part.end)
     nominal, error = maneuver.displacement, maneuver.error
@@ -192,7 +194,7 @@ def _maneuver_deviation(log: FlightLog, library: Library, part: PrimitiveFlown) 
         displacement.heading - nominal.heading,
     ]
     bounds = [abs(error.duration), abs(error.forward), abs(error.side), abs(error.heading_change)]
-    return _worst(part, ("duration", "forward", "side", "heading change"), apart, bounds)
+    return _largest_deviation(part, ("duration", "forward", "side", "heading change"), apart, bounds)
 
 
 def pose_at(log: FlightLog, time: float) -> SE2:
@@ -203,15 +205,15 @@ def pose_at(log: FlightLog, time: float) -> SE2:
     """
     motion = log.motion
     north, east = (float(np.interp(time, motion.time, motion[name])) for name in ("north", "east"))
-    heading = float(np.interp(time, motion.time, motion["heading"])) if motion.holds("heading") else 0.0
+    heading = float(np.interp(time, motion.time, motion["heading"])) if motion.has_fields("heading") else 0.0
     return SE2(north, east, heading)
 
 
-def _worst(
-    part: PrimitiveFlown, names: tuple[str, ...], apart: list[float], bounds: list[float]
-) -> Departure:
+def _largest_deviation(
+    part: FlownPrimitive, names: tuple[str, ...], apart: list[float], bounds: list[float]
+) -> BoundDeviation:
     """Returns the number that deviates by the largest share of its bound."""
     all_of_it = [
-        Departure(part.kind, part.id, part.start, *one) for one in zip(names, apart, bounds, strict=True)
+        BoundDeviation(part.kind, part.id, part.start, *one) for one in zip(names, apart, bounds, strict=True)
     ]
     return max(all_of_it, key=lambda one: one.share)

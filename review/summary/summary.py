@@ -6,17 +6,17 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.mission.goal import Arrival, Destination, first_arrival
+from flight.mission.destination import Arrival, Destination, first_arrival
 from flightlog.attachment_names import PLANS_ATTACHMENT
-from flightlog.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
-from flightlog.fault_record import faults_flown
+from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plannings
+from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_names
 
-from .bound_check import Bounds, bounds_kept
+from .bound_check import BoundCheck, check_bounds
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
@@ -112,7 +112,7 @@ class Summary:
     timeouts: int
     tracking: tuple[TrackingError, ...] | None
     navigation: NavigationError | None
-    bounds: Bounds | None
+    bounds: BoundCheck | None
     faults: tuple[str, ...]
     plans: int | None
     failures: int
@@ -127,11 +127,11 @@ def summarise(log: FlightLog) -> Summary:
         FlightError: the log has neither truth nor estimate, or an attachment is broken.
     """
     header = log.header
-    flown = stretches_flown(log) if PRIMITIVE.name in log.series else ()
+    flown = merged_primitives(log) if PRIMITIVE.name in log.series else ()
     names = trim_names(log)
-    goal = goal_of_flight(log)
-    plannings = plannings_of_flight(log)
-    plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
+    goal = logged_goal(log)
+    plannings = logged_plannings(log)
+    plans = [planning for planning in plannings if isinstance(planning, LoggedPlan)]
     motion, true = log.motion, TRUTH.name in log.series
     return Summary(
         kind=header.kind,
@@ -151,8 +151,8 @@ def summarise(log: FlightLog) -> Summary:
         timeouts=sum(part.timed_out for part in flown),
         tracking=_tracking(log) if true and COMMAND.name in log.series else None,
         navigation=_navigation(log) if true and _navigates(log) else None,
-        bounds=bounds_kept(log) if true and PRIMITIVE.name in log.series else None,
-        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
+        bounds=check_bounds(log) if true and PRIMITIVE.name in log.series else None,
+        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in fault_occurrences(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
         promise=plans[0].cost if plans else None,
@@ -161,7 +161,7 @@ def summarise(log: FlightLog) -> Summary:
 
 
 def _distance(motion: Series) -> float | None:
-    if not motion.holds("north", "east"):
+    if not motion.has_fields("north", "east"):
         return None
     return float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum())
 
@@ -169,7 +169,7 @@ def _distance(motion: Series) -> float | None:
 def _navigates(log: FlightLog) -> bool:
     """Whether both the truth and the estimate are known well enough to be held against one another."""
     needed = ("north", "east", "forward", "side", "heading")
-    return all(topic.name in log.series and log[topic].holds(*needed) for topic in (TRUTH, ESTIMATE))
+    return all(topic.name in log.series and log[topic].has_fields(*needed) for topic in (TRUTH, ESTIMATE))
 
 
 def _trim_label(trim: int, names: dict[int, str]) -> str:
@@ -177,9 +177,9 @@ def _trim_label(trim: int, names: dict[int, str]) -> str:
 
 
 def _counts(
-    flown: tuple[PrimitiveFlown, ...], kind: PrimitiveKind, name: Callable[[PrimitiveFlown], str]
+    flown: tuple[FlownPrimitive, ...], kind: PrimitiveKind, name: Callable[[FlownPrimitive], str]
 ) -> tuple[PrimitiveCount, ...]:
-    groups: dict[int, list[PrimitiveFlown]] = {}
+    groups: dict[int, list[FlownPrimitive]] = {}
     for part in flown:
         if part.kind is kind:
             groups.setdefault(part.id, []).append(part)
@@ -194,7 +194,7 @@ def _tracking(log: FlightLog) -> tuple[TrackingError, ...] | None:
     time = log[TRUTH].time
     errors = []
     for field in VELOCITIES:
-        if not (log[TRUTH].holds(field) and log[COMMAND].holds(field)):
+        if not (log[TRUTH].has_fields(field) and log[COMMAND].has_fields(field)):
             continue
         error = tracking_error(log, field)
         worst = int(np.argmax(np.abs(error)))

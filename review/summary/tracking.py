@@ -11,7 +11,7 @@ VELOCITIES = ("forward", "side", "yaw_rate")
 """Fields of command, estimate and truth that a trim fixes."""
 
 
-def at_times(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+def interpolate_field(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
     """Returns a field between its samples, by straight lines."""
     return np.asarray(np.interp(time, series.time, series[field]))
 
@@ -23,7 +23,7 @@ def tracking_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
         MissingTopicError: the log lacks command or truth.
     """
     truth = log[TRUTH]
-    return np.asarray(truth[field] - at_times(log[COMMAND], field, truth.time))
+    return np.asarray(truth[field] - interpolate_field(log[COMMAND], field, truth.time))
 
 
 def navigation_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
@@ -33,5 +33,5 @@ def navigation_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
         MissingTopicError: the log lacks estimate or truth.
     """
     truth = log[TRUTH]
-    error = np.asarray(at_times(log[ESTIMATE], field, truth.time) - truth[field])
+    error = np.asarray(interpolate_field(log[ESTIMATE], field, truth.time) - truth[field])
     return np.asarray(np.remainder(error + np.pi, 2 * np.pi) - np.pi) if field == "heading" else error

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flightlog.viewers.channels import PATH
+from flightlog.viewers.viewer_channels import PATH
 from flightlog.viewers.z_up_frames import WORLD
 
 APPLICATION = "maneuver"

@@ -17,10 +17,10 @@ from sim.loop.specification import CONTROL_RATE, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
+from .check_result import CheckResult
 
 # Times its size a limit is none.
-_LIFTED = 1000.0
+_WITHOUT_LIMITS = 1000.0
 
 
 def check_limits(
@@ -29,7 +29,7 @@ def check_limits(
     parameters: Parameters,
     *,
     gains: Gains | None = None,
-) -> Iterator[Figure]:
+) -> Iterator[CheckResult]:
     """Yields what flights use of the limits, and what they would be without any.
 
     A limit that is never met changes no bit of a flight.
@@ -42,25 +42,32 @@ def check_limits(
     """
     gains = gains or Gains()
     servos = parameters.servos
-    free_servos = replace(servos, rate=_LIFTED * servos.rate, pedal_rate=_LIFTED * servos.pedal_rate)
-    free = replace(parameters, servos=free_servos), replace(gains, tilt_limit=_LIFTED * gains.tilt_limit)
+    free_servos = replace(
+        servos, rate=_WITHOUT_LIMITS * servos.rate, pedal_rate=_WITHOUT_LIMITS * servos.pedal_rate
+    )
+    free = (
+        replace(parameters, servos=free_servos),
+        replace(gains, tilt_limit=_WITHOUT_LIMITS * gains.tilt_limit),
+    )
     logs = [_fly(flight, library, parameters, gains) for flight in flights]
     lifted = [_fly(flight, library, *free) for flight in flights]
     maneuvers = sum(len(flight.trims) - 1 for flight in flights)
     beside = f"{maneuvers} maneuvers, {len(flights)} flights in wind class {flights[0].wind}"
-    off = max(_apart(one, other) for one, other in zip(logs, lifted, strict=True))
-    yield Figure(
+    off = max(_largest_distance(one, other) for one, other in zip(logs, lifted, strict=True))
+    yield CheckResult(
         "limits", "motion with limits of tilt and servo rate lifted, off by", off, "m", None, 0.0, beside
     )
     lost = sum(log.header.outcome != "completed" for log in logs)
-    yield Figure("limits", "flights lost", float(lost), "-", None, 0.0, beside)
+    yield CheckResult("limits", "flights lost", float(lost), "-", None, 0.0, beside)
     tilt = max(float(np.abs(log[TRUTH][name]).max()) for log in logs for name in ("roll", "pitch"))
-    yield Figure("limits", "largest roll or pitch", tilt, "rad", beside=beside)
+    yield CheckResult("limits", "largest roll or pitch", tilt, "rad", beside=beside)
     for name in Controls._fields:
         limit = servos.pedal_rate if name == "pedal" else servos.rate
         rates = (float(np.abs(np.diff(log[CONTROLS][name])).max()) * CONTROL_RATE for log in logs)
         share = max(rates) / limit
-        yield Figure("limits", f"fastest {name} servo, share of its rate", share, "-", None, 0.99, beside)
+        yield CheckResult(
+            "limits", f"fastest {name} servo, share of its rate", share, "-", None, 0.99, beside
+        )
 
 
 def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, gains: Gains) -> FlightLog:
@@ -75,7 +82,7 @@ def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, 
     return helicopter.log()
 
 
-def _apart(log: FlightLog, other: FlightLog) -> float:
+def _largest_distance(log: FlightLog, other: FlightLog) -> float:
     """Returns how far two flights are from one another at most, in m; infinite where one is longer."""
     if len(log[TRUTH]) != len(other[TRUTH]):
         return np.inf

@@ -12,7 +12,7 @@ from jaxtyping import Complex, Float
 from scipy.linalg import expm
 
 from flight.se2 import Twist
-from sim.control.controller import Controller, first_memory
+from sim.control.controller import Controller, initial_controller_state
 from sim.control.trim_table import TrimPoint, trim_table
 from sim.loop.motion import Controls, Motion
 from sim.vehicle.equilibrium import EquilibriumFinder
@@ -63,7 +63,7 @@ class Loop:
 def close_loop(
     vehicle: Parameters,
     controller: Controller,
-    believed: Parameters,
+    controller_model: Parameters,
     velocity: Twist,
     *,
     height: float,
@@ -74,22 +74,22 @@ def close_loop(
     Args:
         vehicle: what is flown.
         controller: whose law is differentiated.
-        believed: the vehicle as the controller takes it to be.
+        controller_model: the vehicle as the controller takes it to be.
         velocity: of the trim.
         height: that is held, m.
         step: control period, s.
     """
     motion = linearise(vehicle, EquilibriumFinder(vehicle).find(velocity))
-    trim = trim_table(believed).at(velocity.forward, velocity.yaw_rate)
+    trim = trim_table(controller_model).at(velocity.forward, velocity.yaw_rate)
     return Loop(
-        plant=_sample(motion, step),
-        controller=_differentiate(controller, trim, velocity, height=height),
+        plant=_discretise(motion, step),
+        controller=_linearise_controller(controller, trim, velocity, height=height),
         step=step,
         delay=round(vehicle.servos.delay / step),
     )
 
 
-def stable(loop: Loop, *, extra_delay: int = 0) -> bool:
+def is_stable(loop: Loop, *, extra_delay: int = 0) -> bool:
     """Whether the loop settles, by the eigenvalues of plant, delay and controller together."""
     a, b, c, _ = loop.plant
     ka, kb, kc, kd = loop.controller
@@ -114,7 +114,7 @@ def stable(loop: Loop, *, extra_delay: int = 0) -> bool:
     return bool(np.abs(np.linalg.eigvals(whole)).max() < 1.0 + 1e-7)
 
 
-def margins(loop: Loop) -> dict[str, Margins]:
+def compute_margins(loop: Loop) -> dict[str, Margins]:
     """Returns the margins of every path, by its name in `PATHS`."""
     frequencies = np.geomspace(_SLOWEST, np.pi / loop.step, _POINTS)
     plant, controller = _responses(loop, frequencies)
@@ -149,7 +149,7 @@ def read_margins(frequencies: Float[np.ndarray, "n"], response: Complex[np.ndarr
     )
 
 
-def _sample(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."], ...]:
+def _discretise(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."], ...]:
     n = len(motion.state)
     whole = np.zeros((n + 4, n + 4))
     whole[:n, :n], whole[:n, n:] = motion.state, motion.control
@@ -157,7 +157,7 @@ def _sample(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."]
     return stepped[:n, :n], stepped[:n, n:], motion.output, np.zeros((13, 4))
 
 
-def _differentiate(
+def _linearise_controller(
     controller: Controller, trim: TrimPoint, velocity: Twist, *, height: float
 ) -> tuple[Float[np.ndarray, "..."], ...]:
     function = controller.function
@@ -177,7 +177,7 @@ def _differentiate(
     target = (velocity.forward, 0.0, 0.0, velocity.side, 0.0, 0.0, turn, 0.0, 0.0, *trim)
     return tuple(
         np.array(part)
-        for part in slopes(ca.DM([*level, *rates, turn]), ca.DM(target), 0.0, first_memory(trim))
+        for part in slopes(ca.DM([*level, *rates, turn]), ca.DM(target), 0.0, initial_controller_state(trim))
     )
 
 

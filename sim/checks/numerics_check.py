@@ -13,8 +13,8 @@ from sim.loop.motion import Motion
 from sim.vehicle.helicopter import DEFAULT_STEP, load_model
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
-from .step_response import respond
+from .check_result import CheckResult
+from .velocity_response import simulate_response
 
 # Sixty seconds with every kind of change, in ft/s and rad/s.
 _FLIGHT = tuple(
@@ -23,26 +23,28 @@ _FLIGHT = tuple(
 )
 
 
-def check_numerics(parameters: Parameters, *, displacement_error: float) -> Iterator[Figure]:
+def check_numerics(parameters: Parameters, *, displacement_error: float) -> Iterator[CheckResult]:
     """Yields the figures of the integration.
 
     Args:
         parameters: the vehicle.
         displacement_error: median identified error of the library's maneuvers, m.
     """
-    coarse, fine = (tumble(parameters, DEFAULT_STEP / share) for share in (1, 8))
-    yield Figure("numerics", "torque-free tumbling, 5 s, off the closed form by", coarse, "rad/s", high=0.02)
-    yield Figure("numerics", "tumbling, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
-    coarse, fine = (drop(parameters, DEFAULT_STEP / share) for share in (1, 8))
-    yield Figure("numerics", "drop with drag, 5 s, off the closed form by", coarse, "m/s", high=0.02)
-    yield Figure("numerics", "drop, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
-    ends = [fly_end(parameters, DEFAULT_STEP / share) for share in (1, 2, 8)]
+    coarse, fine = (tumbling_error(parameters, DEFAULT_STEP / share) for share in (1, 8))
+    yield CheckResult(
+        "numerics", "torque-free tumbling, 5 s, off the closed form by", coarse, "rad/s", high=0.02
+    )
+    yield CheckResult("numerics", "tumbling, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
+    coarse, fine = (falling_error(parameters, DEFAULT_STEP / share) for share in (1, 8))
+    yield CheckResult("numerics", "drop with drag, 5 s, off the closed form by", coarse, "m/s", high=0.02)
+    yield CheckResult("numerics", "drop, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
+    ends = [final_position(parameters, DEFAULT_STEP / share) for share in (1, 2, 8)]
     off, halved = (float(np.hypot(*(end - ends[-1]))) for end in ends[:2])
     beside = "60 s, still air, ideal sensors; bar: a tenth of the median identified displacement error"
-    yield Figure(
+    yield CheckResult(
         "numerics", "end at the step and at an eighth", off, "m", high=0.1 * displacement_error, beside=beside
     )
-    yield Figure("numerics", "flight, order from step, half and eighth", fitted_order(off, halved), "-")
+    yield CheckResult("numerics", "flight, order from step, half and eighth", fitted_order(off, halved), "-")
 
 
 def fitted_order(off: float, halved: float) -> float:
@@ -52,7 +54,7 @@ def fitted_order(off: float, halved: float) -> float:
     return float(orders[np.argmin(np.abs(ratios - off / halved))])
 
 
-def tumble(parameters: Parameters, step: float) -> float:
+def tumbling_error(parameters: Parameters, step: float) -> float:
     """Returns how far a free symmetric body's rates end from Euler's solution, rad/s.
 
     With moments of inertia A, A, C the rate r stays and (p, q) turns at (C - A) / A r.
@@ -71,7 +73,7 @@ def tumble(parameters: Parameters, step: float) -> float:
     return float(np.abs(data.qvel[3:] - expected).max())
 
 
-def drop(parameters: Parameters, step: float) -> float:
+def falling_error(parameters: Parameters, step: float) -> float:
     """Returns how far a body falling flat ends from v = v_t tanh(g t / v_t), m/s.
 
     The drag is held through each step, as the rotor's loads are.
@@ -90,7 +92,7 @@ def drop(parameters: Parameters, step: float) -> float:
     return float(abs(-data.qvel[2] - last * tanh(gravity * steps * step / last)))
 
 
-def fly_end(parameters: Parameters, step: float) -> np.ndarray:
+def final_position(parameters: Parameters, step: float) -> np.ndarray:
     """Returns where a flight of 60 s through every kind of change ends, north and east in m."""
-    flown = respond(_FLIGHT, vehicle=parameters, plant_step=step)
+    flown = simulate_response(_FLIGHT, vehicle=parameters, plant_step=step)
     return np.array([flown.column(name)[-1] for name in Motion._fields[:2]])

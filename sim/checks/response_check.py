@@ -14,12 +14,12 @@ from sim.loop.specification import FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
-from .step_response import respond
+from .check_result import CheckResult
+from .velocity_response import simulate_response
 
 SPEED_SETTLING, TURN_SETTLING = 4.2, 3.2
 """Seconds to within 5 %: what Table 10 implies for changes of speed, alone or in a turn, and for turns."""
-DISPLACEMENT_BAR, HEADING_BAR, DURATION_BAR = 0.08, 0.15, 0.15
+DISPLACEMENT_LIMIT, HEADING_LIMIT, DURATION_LIMIT = 0.08, 0.15, 0.15
 # Where Table 10 prints less than this, in rad, its heading change is a remainder and no change.
 _NO_TURN = 0.05
 # The largest remainder that it prints for a maneuver between straight trims, rad.
@@ -33,18 +33,20 @@ _TURNS = (
 )
 
 
-def check_response(parameters: Parameters) -> Iterator[Figure]:
+def check_response(parameters: Parameters) -> Iterator[CheckResult]:
     """Yields settling times in still air with ideal sensors (thesis, 2.6.2)."""
     for start, turn, end, next_turn in (*_STRAIGHT, *_COMBINED, *_TURNS):
         before, after = Twist(start * FOOT, 0.0, turn), Twist(end * FOOT, 0.0, next_turn)
-        flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
+        flown = simulate_response([(before, _STEP), (after, 12.0)], vehicle=parameters)
         settling = SPEED_SETTLING if start != end else TURN_SETTLING
         name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"
         for field, what in (("forward", "speed"), ("yaw_rate", "yaw rate")):
             first, last = getattr(before, field), getattr(after, field)
             if first != last:
                 time = settling_time(flown.column(field), start=first, end=last)
-                yield Figure("response", f"{name}: {what} settles", time, "s", 0.9 * settling, 1.1 * settling)
+                yield CheckResult(
+                    "response", f"{name}: {what} settles", time, "s", 0.9 * settling, 1.1 * settling
+                )
 
 
 def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: float) -> float:
@@ -53,7 +55,7 @@ def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: fl
     return float(outside.max(initial=-1) + 1) * _STEP
 
 
-def check_table_10(printed: Library, parameters: Parameters | None = None) -> Iterator[Figure]:
+def check_table_10(printed: Library, parameters: Parameters | None = None) -> Iterator[CheckResult]:
     """Yields every maneuver in still air with ideal sensors beside the thesis's Table 10.
 
     Args:
@@ -66,21 +68,23 @@ def check_table_10(printed: Library, parameters: Parameters | None = None) -> It
             printed.trim(trim).velocity.yaw_rate == 0.0 for trim in (maneuver.from_trim, maneuver.to_trim)
         )
         name = f"Table 10, {maneuver.from_trim} to {maneuver.to_trim}"
-        yield _share(
-            f"{name}: duration", duration, maneuver.duration, DURATION_BAR if straight else inf, unit="s"
+        yield _ratio_result(
+            f"{name}: duration", duration, maneuver.duration, DURATION_LIMIT if straight else inf, unit="s"
         )
         if straight:
             forward = maneuver.displacement.x
-            yield _share(f"{name}: displacement", displacement.x, forward, DISPLACEMENT_BAR, unit="m")
+            yield _ratio_result(
+                f"{name}: displacement", displacement.x, forward, DISPLACEMENT_LIMIT, unit="m"
+            )
         if abs(maneuver.displacement.heading) >= _NO_TURN:
-            bar = inf if maneuver.notes.startswith("suspect") else HEADING_BAR
+            bar = inf if maneuver.notes.startswith("suspect") else HEADING_LIMIT
             changes = displacement.heading, maneuver.displacement.heading
-            yield _share(f"{name}: heading change", *changes, bar, unit="rad")
+            yield _ratio_result(f"{name}: heading change", *changes, bar, unit="rad")
         else:
-            high = _STRAIGHT_REMAINDER if straight else HEADING_BAR * swept
+            high = _STRAIGHT_REMAINDER if straight else HEADING_LIMIT * swept
             beside = f"printed {maneuver.displacement.heading:g} rad, swept on the way {swept:.3f} rad"
             left = abs(displacement.heading)
-            yield Figure("response", f"{name}: heading left over", left, "rad", high=high, beside=beside)
+            yield CheckResult("response", f"{name}: heading left over", left, "rad", high=high, beside=beside)
 
 
 def _perform(maneuver: Maneuver, library: Library, parameters: Parameters | None) -> tuple[float, SE2, float]:
@@ -97,7 +101,7 @@ def _perform(maneuver: Maneuver, library: Library, parameters: Parameters | None
     return leg.duration, entry.inverse() @ helicopter.truth.pose, swept
 
 
-def _share(name: str, found: float, printed: float, bar: float, *, unit: str) -> Figure:
+def _ratio_result(name: str, found: float, printed: float, bar: float, *, unit: str) -> CheckResult:
     low, high = (None, None) if bar == inf else (1.0 - bar, 1.0 + bar)
     beside = f"{found:.3f} {unit} for {printed:.3f} {unit}"
-    return Figure("response", f"{name}, share", found / printed, "-", low, high, beside)
+    return CheckResult("response", f"{name}, share", found / printed, "-", low, high, beside)

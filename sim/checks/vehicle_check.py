@@ -12,9 +12,9 @@ from sim.vehicle.equilibrium import EquilibriumFinder
 from sim.vehicle.linearisation import state_matrix
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
+from .check_result import CheckResult
 
-RESIDUAL_BAR = 1e-8
+RESIDUAL_LIMIT = 1e-8
 _SPEEDS = tuple(float(speed) for speed in range(0, 25, 2))
 # The turning trims of the thesis's Table 9 and as hard to the other side, in rad/s at 3 and 10 ft/s.
 _TURNS = tuple((speed * FOOT, rate) for speed in (3.0, 10.0) for rate in (-0.6, -0.3, 0.3, 0.6))
@@ -25,11 +25,11 @@ _FAST_MODES = (
     ("pitch", -1.70 + 8.19j, 0.10),
     ("yaw with gyro", -6.2 + 8.2j, None),
 )
-_HEAVE, _HEAVE_BAR = -0.61, 0.30
+_HEAVE, _HEAVE_LIMIT = -0.61, 0.30
 _SLOW = "identified 0.306 +- 0.094i and -0.40 +- 0.09i 1/s"
 
 
-def check_vehicle(parameters: Parameters) -> Iterator[Figure]:
+def check_vehicle(parameters: Parameters) -> Iterator[CheckResult]:
     """Yields the figures of trims, power, ground effect, modes and shape file."""
     finder = EquilibriumFinder(parameters)
     yield from _check_trims(finder)
@@ -38,7 +38,7 @@ def check_vehicle(parameters: Parameters) -> Iterator[Figure]:
     yield from check_shape(parameters)
 
 
-def _check_trims(finder: EquilibriumFinder) -> Iterator[Figure]:
+def _check_trims(finder: EquilibriumFinder) -> Iterator[CheckResult]:
     straight = [finder.find(Twist(speed, 0.0, 0.0)) for speed in _SPEEDS]
     turning = [finder.find(Twist(speed, 0.0, rate)) for speed, rate in _TURNS]
     for found in (*straight, *turning):
@@ -48,16 +48,16 @@ def _check_trims(finder: EquilibriumFinder) -> Iterator[Figure]:
             f"roll {np.degrees(found.roll):.1f} deg, pitch {np.degrees(found.pitch):.1f} deg, "
             f"{found.power / 1e3:.2f} kW"
         )
-        yield Figure("trim", name, finder.residual(found)[0], "-", high=RESIDUAL_BAR, beside=attitude)
+        yield CheckResult("trim", name, finder.residual(found)[0], "-", high=RESIDUAL_LIMIT, beside=attitude)
     power = [found.power for found in straight]
     least = int(np.argmin(power))
-    yield Figure("power", "hover", power[0], "W", high=15e3, beside="15.4 kW engine")
-    yield Figure("power", "least over speed, share of hover", power[least] / power[0], "-", high=0.8)
-    yield Figure("power", "speed of least power", _SPEEDS[least], "m/s", low=8.0, high=20.0)
-    yield Figure("power", "24 m/s, share of the least", power[-1] / power[least], "-", low=1.1)
+    yield CheckResult("power", "hover", power[0], "W", high=15e3, beside="15.4 kW engine")
+    yield CheckResult("power", "least over speed, share of hover", power[least] / power[0], "-", high=0.8)
+    yield CheckResult("power", "speed of least power", _SPEEDS[least], "m/s", low=8.0, high=20.0)
+    yield CheckResult("power", "24 m/s, share of the least", power[-1] / power[least], "-", low=1.1)
 
 
-def _check_ground(parameters: Parameters) -> Iterator[Figure]:
+def _check_ground(parameters: Parameters) -> Iterator[CheckResult]:
     """Compares hover on the skids and high up: the ground must help, and its help must fade."""
     height = parameters.main_rotor.radius - parameters.main_rotor.hub_height
     hover = Twist(0.0, 0.0, 0.0)
@@ -67,12 +67,12 @@ def _check_ground(parameters: Parameters) -> Iterator[Figure]:
         ("ten radii", 10.0 * parameters.main_rotor.radius, 0.995, 1.0),
     ):
         near = EquilibriumFinder(parameters, height=above).find(hover).power
-        yield Figure(
+        yield CheckResult(
             "ground", f"hover power, rotor {name} up, share of free air", near / free, "-", low, high
         )
 
 
-def check_modes(parameters: Parameters) -> Iterator[Figure]:
+def check_modes(parameters: Parameters) -> Iterator[CheckResult]:
     """Yields the modes of hover beside those of the identified R-50."""
     hover = EquilibriumFinder(parameters).find(Twist(0.0, 0.0, 0.0))
     modes = np.linalg.eigvals(state_matrix(parameters, hover))
@@ -84,17 +84,17 @@ def check_modes(parameters: Parameters) -> Iterator[Figure]:
             ("damping", -nearest.real, -identified.real),
         ):
             low, high = (None, None) if bar is None else ((1 - bar) * known, (1 + bar) * known)
-            yield Figure("modes", f"{name}, {what}", float(value), "1/s", low, high, beside)
+            yield CheckResult("modes", f"{name}, {what}", float(value), "1/s", low, high, beside)
     slow = modes[np.abs(modes) < 1.0]
     heave = slow[np.argmin(np.abs(slow - _HEAVE))]
-    bars = (1 - _HEAVE_BAR) * -_HEAVE, (1 + _HEAVE_BAR) * -_HEAVE
-    yield Figure("modes", "heave", float(-heave.real), "1/s", *bars, beside=f"identified {_HEAVE} 1/s")
+    bars = (1 - _HEAVE_LIMIT) * -_HEAVE, (1 + _HEAVE_LIMIT) * -_HEAVE
+    yield CheckResult("modes", "heave", float(-heave.real), "1/s", *bars, beside=f"identified {_HEAVE} 1/s")
     for mode in sorted(slow[(slow.imag > 0.0)], key=lambda value: -value.real):
-        yield Figure("modes", "slow, growth", float(mode.real), "1/s", beside=_SLOW)
-        yield Figure("modes", "slow, frequency", float(mode.imag), "1/s", beside=_SLOW)
+        yield CheckResult("modes", "slow, growth", float(mode.real), "1/s", beside=_SLOW)
+        yield CheckResult("modes", "slow, frequency", float(mode.imag), "1/s", beside=_SLOW)
 
 
-def check_shape(parameters: Parameters) -> Iterator[Figure]:
+def check_shape(parameters: Parameters) -> Iterator[CheckResult]:
     """Yields how far the shape file is from the parameters."""
     model = mujoco.MjModel.from_xml_path(str(models.FOLDER / "gtmax.xml"))
     body, rotor, tail = parameters.body, parameters.main_rotor, parameters.tail_rotor
@@ -118,6 +118,6 @@ def check_shape(parameters: Parameters) -> Iterator[Figure]:
         ("tail rotor height", tail_disc.pos[2], tail.height),
         ("tailplane arm", -model.geom("tailplane").pos[0], parameters.airframe.tailplane_arm),
     ):
-        yield Figure("shape", f"{name}, off by", abs(float(found) - stated), "-", high=1e-9)
+        yield CheckResult("shape", f"{name}, off by", abs(float(found) - stated), "-", high=1e-9)
     worst = float(np.abs(inertia - expected).max())
-    yield Figure("shape", "inertia, off by", worst, "kg m2", high=1e-9)
+    yield CheckResult("shape", "inertia, off by", worst, "kg m2", high=1e-9)

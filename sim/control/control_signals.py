@@ -25,7 +25,7 @@ class InversionModel(NamedTuple):
     lift: float
 
 
-class Memory(NamedTuple):
+class ControllerState(NamedTuple):
     """What the controller remembers: reference model, bar and servos as reckoned, yaw, weights.
 
     `excess_yaw` is the yaw rate past the reference's that is believed to be a turn, rad/s.
@@ -44,11 +44,11 @@ class Memory(NamedTuple):
     outer_weights: ca.SX
 
 
-MEMORY_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
+STATE_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
 """Entries of each part, in the order in which they are laid out."""
 
 
-class Wanted(NamedTuple):
+class ControlReference(NamedTuple):
     """The reference, value, rate and acceleration of each channel, and the trim at its values."""
 
     forward: ca.SX
@@ -68,9 +68,9 @@ class Wanted(NamedTuple):
     trim_pedal: ca.SX
 
 
-def split(memory: ca.SX) -> Memory:
+def split_state(state: ca.SX) -> ControllerState:
     """Returns the parts of a memory laid out in one column."""
     places = [0]
-    for size in MEMORY_SIZES:
+    for size in STATE_SIZES:
         places.append(places[-1] + size)
-    return Memory._make(ca.vertsplit(memory, places))
+    return ControllerState._make(ca.vertsplit(state, places))

@@ -18,7 +18,7 @@ class Gains:
         attitude_damping: of the same.
         yaw_rate: yaw acceleration per yaw rate error, 1/s.
         heading: yaw acceleration per heading error, 1/s2.
-        heading_memory: time after which a heading error is forgotten, s.
+        heading_error_time: time after which a heading error is forgotten, s.
         turn_time: lag with which a yaw rate past the reference's is believed to be a turn, s. As long as the
             velocity loop's own, so that the vehicle banks into a turn and not into a swing of its tail.
         tilt_limit: largest attitude command away from the trim's, rad.
@@ -40,7 +40,7 @@ class Gains:
     attitude_damping: float = 0.4
     yaw_rate: float = 7.0
     heading: float = 25.0
-    heading_memory: float = 60.0
+    heading_error_time: float = 60.0
     turn_time: float = 0.67
     tilt_limit: float = 0.45
     learning_velocity: float = 0.6

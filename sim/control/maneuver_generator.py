@@ -17,12 +17,12 @@ import numpy as np
 from flight.se2 import Twist
 from sim.loop.backend import Backend
 from sim.loop.bound_function import Recursion
-from sim.loop.motion import Channel, Reference
+from sim.loop.motion import Reference, ReferenceChannel
 from sim.loop.signals import Signals
 
 
 @dataclass(frozen=True, slots=True)
-class SecondOrder:
+class SecondOrderResponse:
     """A second-order response: natural frequency in rad/s and damping ratio below 1."""
 
     frequency: float
@@ -36,9 +36,9 @@ class SecondOrder:
 
 # With these, displacement and heading change of every maneuver of Table 10 come out where it ends at the
 # printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
-VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
-YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
-_CHANNEL = len(Channel._fields)
+VELOCITY_RESPONSE = SecondOrderResponse(frequency=0.78, damping=0.76)
+YAW_RATE_RESPONSE = SecondOrderResponse(frequency=1.06, damping=0.76)
+_CHANNEL = len(ReferenceChannel._fields)
 
 
 class ManeuverGenerator:
@@ -65,12 +65,12 @@ class ManeuverGenerator:
         self._asked = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
         signals.reference[:] = 0.0
         signals.reference[::_CHANNEL] = self._asked[:3]
-        models = _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
+        models = _reference_models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
         self._models = Recursion(models, (self._asked, signals.reference), (), backend=backend)
         self.run = self._models.step
         """Moves the reference on by one control period."""
 
-    def aim(self, target: Twist) -> None:
+    def set_target(self, target: Twist) -> None:
         """Asks for a velocity from now on."""
         if target == self._target:
             return
@@ -80,30 +80,34 @@ class ManeuverGenerator:
 
     def step(self, target: Twist) -> Reference:
         """Moves on by one control period towards a target velocity."""
-        self.aim(target)
+        self.set_target(target)
         self.run()
         rows = self.signals.reference.reshape(-1, _CHANNEL).tolist()
-        return Reference(*(Channel._make(row) for row in rows))
+        return Reference(*(ReferenceChannel._make(row) for row in rows))
 
 
 @cache
-def _models(speeding: SecondOrder, turning: SecondOrder, step: float) -> ca.Function:
+def _reference_models(
+    speeding: SecondOrderResponse, turning: SecondOrderResponse, step: float
+) -> ca.Function:
     """Builds the reference models of all channels, (asked, reference) -> reference."""
     asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
     forward, side, yaw_rate, together = ca.vertsplit(asked)
     before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
     with_speed, alone = (
-        _follow(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
+        _advance_second_order(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
     )
     after = ca.vertcat(
-        _follow(speeding, before[0], forward, step=step),
-        _follow(speeding, before[1], side, step=step),
+        _advance_second_order(speeding, before[0], forward, step=step),
+        _advance_second_order(speeding, before[1], side, step=step),
         ca.if_else(together, with_speed, alone),
     )
     return ca.Function("generate", [asked, reference], [after])
 
 
-def _follow(response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float) -> ca.SX:
+def _advance_second_order(
+    response: SecondOrderResponse, before: list[ca.SX], target: ca.SX, *, step: float
+) -> ca.SX:
     """Steps value and rate of one channel, exactly for a target held through the step.
 
     Returns:

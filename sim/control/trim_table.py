@@ -39,11 +39,11 @@ class TrimTable:
     def __init__(self, parameters: Parameters) -> None:
         finder = EquilibriumFinder(parameters)
         values = [
-            number for rate in _YAW_RATES for speed in _SPEEDS for number in _point(finder, speed, rate)
+            number for rate in _YAW_RATES for speed in _SPEEDS for number in _trim_point(finder, speed, rate)
         ]
         table = ca.interpolant("trim_table", "linear", [list(_SPEEDS), list(_YAW_RATES)], values)
         speed, rate = ca.MX.sym("speed"), ca.MX.sym("yaw_rate")
-        place = ca.vertcat(_hold(speed, _SPEEDS), _hold(rate, _YAW_RATES))
+        place = ca.vertcat(_clamp(speed, _SPEEDS), _clamp(rate, _YAW_RATES))
         self.function = ca.Function("trim", [speed, rate], [table(place)])
 
     def at(self, forward: float, yaw_rate: float) -> TrimPoint:
@@ -57,7 +57,7 @@ def trim_table(parameters: Parameters) -> TrimTable:
     return TrimTable(parameters)
 
 
-def _point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoint:
+def _trim_point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoint:
     limit = _CENTRIPETAL_LIMIT / abs(speed) if speed else inf
     found = finder.find(Twist(speed, 0.0, max(-limit, min(limit, yaw_rate))))
     return TrimPoint(
@@ -65,6 +65,6 @@ def _point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoin
     )
 
 
-def _hold(value: ca.MX, grid: tuple[float, ...]) -> ca.MX:
+def _clamp(value: ca.MX, grid: tuple[float, ...]) -> ca.MX:
     """Returns a value held to the range of a grid."""
     return ca.fmin(ca.fmax(value, grid[0]), grid[-1])

@@ -17,18 +17,18 @@ from sim.navigation.navigation import Navigation, Navigator
 from sim.vehicle.helicopter import Helicopter
 from sim.vehicle.parameters import Parameters
 
-from .fault_schedule import Failing, Schedule
-from .gust_fault import GustyAir
-from .late_computer import LateComputer
-from .sensor_faults import FailingSensors
-from .vehicle_faults import FailingVehicle
+from .delayed_computer import DelayedComputer
+from .fault_schedule import FaultSchedule, FaultTarget
+from .gust_fault import GustInjector
+from .sensor_faults import FaultySensors
+from .vehicle_faults import FaultyVehicle
 
 _SIZES = 3
 Parts = tuple[Callable[[], None], ...]
 """Parts of the loop that run one after the other, each for one control period."""
 
 
-class Faults:
+class FaultInjector:
     """Lets the parts of a flight loop fail as asked for.
 
     Args:
@@ -54,17 +54,17 @@ class Faults:
         parts: Parts,
     ) -> None:
         generate, control, blow = parts
-        air, vehicle = GustyAir(blow, signals.wind), FailingVehicle(helicopter, parameters)
-        computer = LateComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
+        air, vehicle = GustInjector(blow, signals.wind), FaultyVehicle(helicopter, parameters)
+        computer = DelayedComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
         self.parts: Parts = (computer.run, air.run)
-        places: dict[str, Failing] = {"wind": air, "controller": computer, "vehicle": vehicle}
+        places: dict[str, FaultTarget] = {"wind": air, "controller": computer, "vehicle": vehicle}
         places |= dict.fromkeys(SERVOS, vehicle)
         if isinstance(navigation, Navigation):
-            sensors = FailingSensors(navigation.sensors, step=CONTROL_PERIOD)
+            sensors = FaultySensors(navigation.sensors, step=CONTROL_PERIOD)
             navigation.sensors = sensors
             places |= dict.fromkeys(SENSORS, sensors)
         self._faults = dict(enumerate(faults, start=1))
-        self._schedule = Schedule(self._faults, places)
+        self._schedule = FaultSchedule(self._faults, places)
         self._period = 0
         self._events: list[tuple[float, ...]] = []
         self._effects: list[tuple[float, ...]] = []

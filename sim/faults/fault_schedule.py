@@ -8,7 +8,7 @@ from flight.mission.fault import Fault
 from sim.loop.specification import CONTROL_PERIOD
 
 
-class Failing(Protocol):
+class FaultTarget(Protocol):
     """A part of the flight loop that can fail."""
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
@@ -19,22 +19,22 @@ class Failing(Protocol):
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
+class FaultWindow:
     """The control periods in which a fault acts: from the first until before the last."""
 
     first: int
     last: int | None
 
 
-def window(fault: Fault) -> Window:
+def fault_window(fault: Fault) -> FaultWindow:
     """Returns when a fault acts: for one control period at least, for good where it has no duration."""
     first = round(fault.start / CONTROL_PERIOD)
     if fault.duration is None:
-        return Window(first, None)
-    return Window(first, max(first + 1, round((fault.start + fault.duration) / CONTROL_PERIOD)))
+        return FaultWindow(first, None)
+    return FaultWindow(first, max(first + 1, round((fault.start + fault.duration) / CONTROL_PERIOD)))
 
 
-class Schedule:
+class FaultSchedule:
     """Begins and ends faults, period by period.
 
     Args:
@@ -45,9 +45,9 @@ class Schedule:
         active: what tells the effects of the faults that act now, by their numbers.
     """
 
-    def __init__(self, faults: Mapping[int, Fault], places: Mapping[str, Failing]) -> None:
+    def __init__(self, faults: Mapping[int, Fault], places: Mapping[str, FaultTarget]) -> None:
         self._faults, self._places = faults, places
-        self._windows = {number: window(fault) for number, fault in faults.items()}
+        self._windows = {number: fault_window(fault) for number, fault in faults.items()}
         self.active: dict[int, Callable[[], float]] = {}
 
     def begin(self, period: int) -> list[tuple[int, bool]]:

@@ -10,7 +10,7 @@ from sim.loop.specification import CONTROL_PERIOD
 from sim.wind.discrete_gust import DiscreteGust
 
 
-class GustyAir:
+class GustInjector:
     """Adds gusts to the wind, period by period.
 
     Args:

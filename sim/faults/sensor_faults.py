@@ -8,17 +8,17 @@ import numpy as np
 
 from flight.mission.fault import SENSORS, Fault
 from flight.se2 import SE2
-from sim.navigation.sensors import Readings, Values
+from sim.navigation.sensors import SensorReadings, Values
 
 _INERTIAL = ("gyro", "accelerometer")
 
 
-class _Failure(Protocol):
+class _SensorFault(Protocol):
     """One fault on the way of one sensor's readings."""
 
     effect: float
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         """Alters values in place; takes and gives whether they are a new reading."""
 
 
@@ -26,7 +26,7 @@ class _Dropout:
     def __init__(self) -> None:
         self.effect = 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         self.effect += fresh
         return False
 
@@ -35,11 +35,11 @@ class _Stuck:
     def __init__(self, held: Values | None) -> None:
         self._held, self.effect = held, 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         if fresh:
             if self._held is None:
                 self._held = values.copy()
-            self.effect = _apart(values, self._held)
+            self.effect = _reading_distance(values, self._held)
             values[:] = self._held
         return fresh
 
@@ -48,7 +48,7 @@ class _Bias:
     def __init__(self, size: tuple[float, ...]) -> None:
         self._size, self.effect = size, 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         if fresh:
             values[: len(self._size)] += self._size
             self.effect = float(np.linalg.norm(self._size))
@@ -61,7 +61,7 @@ class _Delay:
         self._sound: Values | None = None
         self._on_its_way: deque[tuple[int, Values]] = deque()
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         self._now += 1
         if fresh:
             self._sound = values.copy()
@@ -70,16 +70,16 @@ class _Delay:
             return False
         values[:] = self._on_its_way.popleft()[1]
         if self._sound is not None:
-            self.effect = _apart(values, self._sound)
+            self.effect = _reading_distance(values, self._sound)
         return True
 
 
-def _apart(values: Values, sound: Values) -> float:
+def _reading_distance(values: Values, sound: Values) -> float:
     """Returns how far a reading is from another; of fixes, how far their positions are."""
     return float(np.linalg.norm((values - sound)[:3]))
 
 
-class FailingSensors:
+class FaultySensors:
     """Sensors of which some fail.
 
     Args:
@@ -87,7 +87,7 @@ class FailingSensors:
         step: control period, s.
     """
 
-    def __init__(self, sensors: Readings, *, step: float) -> None:
+    def __init__(self, sensors: SensorReadings, *, step: float) -> None:
         self._sensors, self._step = sensors, step
         self.inertial, self.fix = sensors.inertial, sensors.fix
         self.heading_and_height = sensors.heading_and_height
@@ -99,20 +99,20 @@ class FailingSensors:
         self._values = dict(zip(SENSORS, parts, strict=True))
         # Registers of the inertial unit hold something from the start.
         self._last = {sensor: self._values[sensor].copy() for sensor in _INERTIAL}
-        self._failures: dict[str, dict[int, _Failure]] = {sensor: {} for sensor in SENSORS}
+        self._failures: dict[str, dict[int, _SensorFault]] = {sensor: {} for sensor in SENSORS}
 
     @property
     def biases(self) -> Values:
         """Errors of accelerometers and gyros that wander, as they are."""
         return self._sensors.biases
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
-        self._sensors.move(displacement)
+        self._sensors.move_world(displacement)
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
         """Lets a fault act from the next reading on; returns what tells its effect."""
-        failure = self._failure(fault)
+        failure = self._sensor_fault(fault)
         self._failures[fault.where][number] = failure
         return lambda: failure.effect
 
@@ -120,7 +120,7 @@ class FailingSensors:
         """Makes a sensor sound again, but for its other faults."""
         del self._failures[fault.where][number]
 
-    def _failure(self, fault: Fault) -> _Failure:
+    def _sensor_fault(self, fault: Fault) -> _SensorFault:
         match fault.what:
             case "dropout":
                 return _Dropout()
@@ -138,7 +138,7 @@ class FailingSensors:
         fresh = dict(zip(SENSORS, (True, True, fix, slow, slow), strict=True))
         for sensor, values in self._values.items():
             for failure in self._failures[sensor].values():
-                fresh[sensor] = failure.pass_on(values, fresh=fresh[sensor])
+                fresh[sensor] = failure.apply(values, fresh=fresh[sensor])
             if fresh[sensor]:
                 self._last[sensor] = values.copy()
             elif sensor in _INERTIAL:

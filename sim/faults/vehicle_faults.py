@@ -6,12 +6,12 @@ from dataclasses import replace
 from flight.mission.fault import SERVOS, Fault
 from sim.vehicle.helicopter import Helicopter
 from sim.vehicle.parameters import Parameters, change_vehicle
-from sim.vehicle.rotor_step import Drive, sound_drives
+from sim.vehicle.rotor_step import ServoDynamics, nominal_servo_dynamics
 
-from .fault_schedule import Schedule
+from .fault_schedule import FaultSchedule
 
 
-class FailingVehicle:
+class FaultyVehicle:
     """Makes a helicopter another one while faults last.
 
     Args:
@@ -41,25 +41,27 @@ class FailingVehicle:
 
     def _refit(self) -> None:
         """Gives the helicopter the numbers that all its faults together leave."""
-        vehicle, drives = self._sound, list(sound_drives(self._sound.servos))
+        vehicle, servo_dynamics = self._sound, list(nominal_servo_dynamics(self._sound.servos))
         for fault in self._faults.values():
             if fault.where in SERVOS:
                 servo = SERVOS.index(fault.where)
-                drives[servo] = _fail(drives[servo], fault)
+                servo_dynamics[servo] = _faulty_servo(servo_dynamics[servo], fault)
             else:
                 vehicle = change_vehicle(vehicle, **{fault.what: fault.size[0]})
-        lateral, longitudinal, collective, pedal = drives
+        lateral, longitudinal, collective, pedal = servo_dynamics
         self._helicopter.refit(vehicle, (lateral, longitudinal, collective, pedal))
 
 
-def vehicle_schedule(faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters) -> Schedule:
+def vehicle_fault_schedule(
+    faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters
+) -> FaultSchedule:
     """Returns when a helicopter alone fails: its servos, its mass and its lift."""
-    vehicle = FailingVehicle(helicopter, parameters)
+    vehicle = FaultyVehicle(helicopter, parameters)
     own = {number: fault for number, fault in enumerate(faults) if fault.where in (*SERVOS, "vehicle")}
-    return Schedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))
+    return FaultSchedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))
 
 
-def _fail(drive: Drive, fault: Fault) -> Drive:
+def _faulty_servo(drive: ServoDynamics, fault: Fault) -> ServoDynamics:
     match fault.what:
         case "jam":
             return replace(drive, rate=0.0)

@@ -31,7 +31,7 @@ class Backend(StrEnum):
     COMPILED = "compiled"
 
 
-class OtherBitsError(FlightError):
+class BitMismatchError(FlightError):
     """Machine code does not give the numbers of the expression that it was made of."""
 
     def __init__(self, name: str) -> None:
@@ -48,14 +48,14 @@ def best_backend() -> Backend:
     """Returns `COMPILED` where a compiler works, else `INTERPRETED`."""
     x = ca.SX.sym("x")
     try:
-        realise(ca.Function("probe", [x], [ca.sin(x)]), Backend.COMPILED)
-    except (NoMachineCodeError, OtherBitsError):
+        prepare_function(ca.Function("probe", [x], [ca.sin(x)]), Backend.COMPILED)
+    except (NoMachineCodeError, BitMismatchError):
         return Backend.INTERPRETED
     return Backend.COMPILED
 
 
 @cache
-def realise(function: ca.Function, backend: Backend) -> ca.Function:
+def prepare_function(function: ca.Function, backend: Backend) -> ca.Function:
     """Returns a function as the back-end evaluates it.
 
     Raises:
@@ -77,7 +77,7 @@ def realise(function: ca.Function, backend: Backend) -> ca.Function:
     except RuntimeError as error:
         raise NoMachineCodeError(str(error).splitlines()[-1]) from None
     if not same_bits(function, machine_code):
-        raise OtherBitsError(name)
+        raise BitMismatchError(name)
     return machine_code
 
 

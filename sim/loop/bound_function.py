@@ -6,12 +6,12 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .backend import Backend, realise
+from .backend import Backend, prepare_function
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-def view(array: Array) -> memoryview:
+def memory_view(array: Array) -> memoryview:
     """Returns the memory of an array; it copies from one to another faster than arrays do."""
     return memoryview(array.data)
 
@@ -40,11 +40,11 @@ class BoundFunction:
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
         buffer: Any
-        buffer, self.evaluate = realise(function, backend).buffer()
+        buffer, self.evaluate = prepare_function(function, backend).buffer()
         for place, argument in enumerate(arguments):
-            buffer.set_arg(place, view(argument))
+            buffer.set_arg(place, memory_view(argument))
         for place, result in enumerate(results):
-            buffer.set_res(place, view(result))
+            buffer.set_res(place, memory_view(result))
         # The evaluation reads the buffer; whoever holds the one holds the other.
         self._buffer = buffer
 
@@ -74,7 +74,7 @@ class Recursion:
     ) -> None:
         state, moved = arguments[-1], np.zeros_like(arguments[-1])
         bound = BoundFunction(function, arguments, (*results, moved), backend=backend)
-        evaluate, before, after = bound.evaluate, view(state), view(moved)
+        evaluate, before, after = bound.evaluate, memory_view(state), memory_view(moved)
 
         def step(_kept: BoundFunction = bound) -> None:
             evaluate()

@@ -5,7 +5,7 @@ from itertools import accumulate
 
 import numpy as np
 
-from .bound_function import Array, view
+from .bound_function import Array, memory_view
 
 
 class DelayLine:
@@ -22,7 +22,10 @@ class DelayLine:
         """What is remembered, in no order."""
         edges = [*accumulate(sizes)][:-1]
         self._copies = [
-            [(view(part), view(source)) for part, source in zip(np.split(row, edges), sources, strict=True)]
+            [
+                (memory_view(part), memory_view(source))
+                for part, source in zip(np.split(row, edges), sources, strict=True)
+            ]
             for row in self.rows
         ]
         self._newest = 0

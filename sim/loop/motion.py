@@ -7,7 +7,7 @@ import casadi as ca
 from flight.se2 import SE2, Twist
 
 
-class Seen(NamedTuple):
+class Estimate(NamedTuple):
     """The estimate, field by field as in `Motion`."""
 
     north: ca.SX
@@ -72,7 +72,7 @@ class Motion(NamedTuple):
         return Twist(self.forward, self.side, self.yaw_rate)
 
 
-class Channel(NamedTuple):
+class ReferenceChannel(NamedTuple):
     """A command with its first and second derivative."""
 
     value: float
@@ -83,9 +83,9 @@ class Channel(NamedTuple):
 class Reference(NamedTuple):
     """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
 
-    forward: Channel
-    side: Channel
-    yaw_rate: Channel
+    forward: ReferenceChannel
+    side: ReferenceChannel
+    yaw_rate: ReferenceChannel
 
 
 class Controls(NamedTuple):

@@ -8,9 +8,9 @@ from itertools import accumulate
 
 import numpy as np
 
-from .motion import Channel, Controls, Motion, Reference, Wind
+from .motion import Controls, Motion, Reference, ReferenceChannel, Wind
 
-_MOTION = (len(Motion._fields), len(Motion._fields), len(Reference._fields) * len(Channel._fields))
+_MOTION = (len(Motion._fields), len(Motion._fields), len(Reference._fields) * len(ReferenceChannel._fields))
 _PERIOD = (len(Controls._fields), len(Controls._fields), len(Wind._fields))
 
 

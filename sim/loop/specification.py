@@ -18,7 +18,7 @@ DEFAULT_ALTITUDE = 30.0
 CONTROL_RATE = 100
 """Hz."""
 
-FADE = 5.0
+WIND_FADE_TIME = 5.0
 """Seconds in which a wind fades into the next."""
 
 CONTROL_PERIOD = 1.0 / CONTROL_RATE
@@ -42,12 +42,13 @@ class WindOrderError(FlightError):
 
     def __init__(self, times: list[float]) -> None:
         super().__init__(
-            f"the wind must change {FADE:g} s apart or more, in order, got {', '.join(map(str, times))} s"
+            f"the wind must change {WIND_FADE_TIME:g} s apart or more, in order, "
+            f"got {', '.join(map(str, times))} s"
         )
 
 
 @dataclass(frozen=True, slots=True)
-class Departure:
+class FlightOptions:
     """How a flight departs from the plain one; fields as in `FlightSpecification`."""
 
     ideal_navigation: bool = False
@@ -62,12 +63,12 @@ class Departure:
         if self.ideal_navigation and failing:
             raise NoSensorsError(failing[0])
         times = [change.time for change in self.wind_changes]
-        if any(later < before + FADE for before, later in pairwise(times)):
+        if any(later < before + WIND_FADE_TIME for before, later in pairwise(times)):
             raise WindOrderError(times)
 
 
-PLAIN = Departure()
-SUPERVISED = Departure(supervised=True)
+DEFAULT_OPTIONS = FlightOptions()
+SUPERVISED_OPTIONS = FlightOptions(supervised=True)
 
 
 class FlightSpecification(FileModel):
@@ -120,17 +121,17 @@ class FlightSpecification(FileModel):
         return self
 
     @model_validator(mode="after")
-    def _possible_departure(self) -> "FlightSpecification":
+    def _check_options(self) -> "FlightSpecification":
         try:
-            _ = self.departure
+            _ = self.flight_options
         except (NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
 
     @property
-    def departure(self) -> Departure:
+    def flight_options(self) -> FlightOptions:
         """How the flight departs from the plain one."""
-        return Departure(**{field.name: getattr(self, field.name) for field in fields(Departure)})
+        return FlightOptions(**{field.name: getattr(self, field.name) for field in fields(FlightOptions)})
 
     @property
     def start_pose(self) -> SE2:
@@ -146,9 +147,9 @@ class FlightSpecification(FileModel):
         """
         return Sequence(self.name, self.start_pose, self.trims, self.coasting_times, self.wind)
 
-    def depart(self, departure: Departure) -> "FlightSpecification":
+    def with_options(self, flight_options: FlightOptions) -> "FlightSpecification":
         """Returns the same flight, departing from the plain one."""
-        changed = {field.name: getattr(departure, field.name) for field in fields(departure)}
+        changed = {field.name: getattr(flight_options, field.name) for field in fields(flight_options)}
         return self.model_copy(update=changed)
 
     def to_json(self) -> bytes:
@@ -172,14 +173,14 @@ def specify_sequence(
         wind=sequence.wind,
         altitude=altitude,
         ideal_navigation=ideal_navigation,
-        start=pose(sequence.start),
+        start=specified_pose(sequence.start),
         start_trim=sequence.trims[0],
         trims=sequence.trims,
         coasting_times=sequence.coasting_times,
     )
 
 
-def pose(start: SE2) -> _Pose:
+def specified_pose(start: SE2) -> _Pose:
     """Returns a pose in the form that a specification holds."""
     return _Pose(north=start.x, east=start.y, heading=start.heading)
 

@@ -11,11 +11,11 @@ from math import exp, pi
 
 import casadi as ca
 
-from .sensor_errors import Wander
+from .sensor_errors import GaussMarkovError
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
 # Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
-SPREAD = 9
+OUTPUTS = 9
 ERRORS = ESTIMATED + CONSIDERED
 _UPPER = ca.Sparsity.upper(ERRORS)
 STATE = NOMINAL + _UPPER.nnz() + 1
@@ -24,8 +24,8 @@ STATE = NOMINAL + _UPPER.nnz() + 1
 GATE = 5.0
 
 
-def predict(
-    step: float, gravity: float, noise: tuple[float, ...], wanders: tuple[Wander, ...]
+def prediction_function(
+    step: float, gravity: float, noise: tuple[float, ...], drifts: tuple[GaussMarkovError, ...]
 ) -> ca.Function:
     """Returns (inertial reading, state) -> (motion, state) one period later.
 
@@ -33,17 +33,17 @@ def predict(
         step: s.
         gravity: m/s2.
         noise: standard deviations of accelerometers and gyros over a period.
-        wanders: of the biases (6) and of the considered errors (4).
+        drifts: of the biases (6) and of the considered errors (4).
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     force, rates = reading[:3] - nominal[10:13], reading[3:] - nominal[13:16]
     quaternion = nominal[6:10]
     middle = rotation(product(quaternion, rotation_vector(rates * step / 2.0)))
     acceleration = middle @ force + ca.DM([0, 0, gravity])
     velocity = nominal[3:6] + step * acceleration
     turned = product(quaternion, rotation_vector(rates * step))
-    keep = [exp(-step / wander.time) for wander in wanders]
+    keep = [exp(-step / drift.time) for drift in drifts]
     after = ca.vertcat(
         nominal[:3] + step * (nominal[3:6] + velocity) / 2.0,
         velocity,
@@ -58,19 +58,21 @@ def predict(
     transition[6:9, 6:9] = rotation(rotation_vector(rates * step)).T
     transition[6:9, 12:15] = -step * ca.SX.eye(3)
     added = ca.SX(ca.Sparsity.diag(ERRORS))
-    for place, (wander, kept) in enumerate(zip(wanders, keep, strict=True), start=9):
+    for place, (drift, kept) in enumerate(zip(drifts, keep, strict=True), start=9):
         transition[place, place] = kept
-        added[place, place] = wander.sigma**2 * (1.0 - kept**2)
+        added[place, place] = drift.sigma**2 * (1.0 - kept**2)
     for place in range(3):
         added[place, place] = 0.0
         added[3 + place, 3 + place] = step**2 * noise[place] ** 2
         added[6 + place, 6 + place] = step**2 * noise[3 + place] ** 2
-    spread = transition @ covariance @ transition.T + added
-    results = _believe(after, spread, heading, reading)
+    standard_deviation_function = transition @ covariance @ transition.T + added
+    results = _estimate_and_state(after, standard_deviation_function, heading, reading)
     return ca.Function("predict", [reading, state], ca.cse(results))
 
 
-def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]) -> ca.Function:
+def fix_correction_function(
+    antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]
+) -> ca.Function:
     """Returns (past, fix, inertial reading, state) -> (motion, tests, state).
 
     Tests are the innovations in standard deviations, each after those before it were taken in, believed or
@@ -84,7 +86,7 @@ def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[f
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
     past, fix = ca.SX.sym("past", NOMINAL + 6), ca.SX.sym("fix", 6)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     force, rates = reading[:3] - nominal[10:13], past[NOMINAL + 3 :] - past[13:16]
     arm, turn = ca.DM(antenna), rotation(past[6:10])
     swing = ca.cross(rates, arm)
@@ -104,20 +106,22 @@ def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[f
             error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2
         )
         tests.append(test)
-    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    motion, after = _estimate_and_state(inject(nominal, error), covariance, heading, reading)
     results = [motion, ca.vertcat(*tests), after]
     return ca.Function("correct_fix", [past, fix, reading, state], ca.cse(results))
 
 
-def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -> ca.Function:
-    """Returns (heading and height, inertial reading, state) -> (motion, tests, state); see `correct_fix`.
+def heading_height_correction_function(
+    heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]
+) -> ca.Function:
+    """Returns (heading and height, inertial, state) -> (motion, tests, state); see `fix_correction_function`.
 
     Args:
         heading_sigma: standard deviation of the heading's noise, rad.
         height_sigma: standard deviation of the altimeter's noise at a height, m.
     """
     state, reading, seen = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6), ca.SX.sym("seen", 2)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     turn = rotation(nominal[6:10])
     # The heading's rate over a body rotation: (sin(roll) e_y + cos(roll) e_z) / cos(pitch).
     level = turn[2, 1] ** 2 + turn[2, 2] ** 2
@@ -133,7 +137,7 @@ def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -
     error, covariance, second = _correct(
         error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2
     )
-    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    motion, after = _estimate_and_state(inject(nominal, error), covariance, heading, reading)
     results = [motion, ca.vertcat(first, second), after]
     return ca.Function("correct_slow", [seen, reading, state], ca.cse(results))
 
@@ -149,17 +153,21 @@ def _correct(
     covariance of the considered stays.
     """
     reach = covariance @ slopes.T
-    spread = slopes @ reach + variance
+    standard_deviation_function = slopes @ reach + variance
     left = innovation - slopes[:ESTIMATED] @ error
     # False too where the innovation is no number, because a sensor is silent.
-    believed = left**2 <= GATE**2 * spread
-    gain = ca.if_else(believed, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
+    believed = left**2 <= GATE**2 * standard_deviation_function
+    gain = ca.if_else(believed, reach[:ESTIMATED] / standard_deviation_function, ca.SX.zeros(ESTIMATED))
     smaller = covariance
     smaller[:ESTIMATED, :] -= gain @ reach.T
-    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller), left / ca.sqrt(spread)
+    return (
+        error + gain * ca.if_else(believed, left, 0.0),
+        _symmetric(smaller),
+        left / ca.sqrt(standard_deviation_function),
+    )
 
 
-def split(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def split_filter_state(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Returns nominal state, covariance and heading of a filter's state."""
     nominal, upper, heading = ca.vertsplit(state, (0, NOMINAL, NOMINAL + _UPPER.nnz(), STATE))
     return nominal, ca.triu2symm(ca.SX(_UPPER, upper)), heading
@@ -170,7 +178,7 @@ def _symmetric(matrix: ca.SX) -> ca.SX:
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
+def estimated_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
     """Returns the motion that a nominal state stands for, laid out as `Motion`.
 
     Args:
@@ -188,41 +196,41 @@ def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
     return ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
 
 
-def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
+def _estimate_and_state(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
     """Returns the motion that is believed, and the filter's state."""
-    motion = believed_motion(nominal, reading[3:] - nominal[13:16], before)
+    motion = estimated_motion(nominal, reading[3:] - nominal[13:16], before)
     upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
-    return [motion, ca.vertcat(nominal, upper, motion[SPREAD - 1])]
+    return [motion, ca.vertcat(nominal, upper, motion[OUTPUTS - 1])]
 
 
-def spread() -> ca.Function:
+def standard_deviation_function() -> ca.Function:
     """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
 
     First order: the slopes of what is believed over the error, around no error.
     """
     state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
-    nominal, covariance, heading = split(state)
-    motion = believed_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:SPREAD]
+    nominal, covariance, heading = split_filter_state(state)
+    motion = estimated_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:OUTPUTS]
     slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
     estimated = covariance[:ESTIMATED, :ESTIMATED]
     sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
     return ca.Function("spread", [state], [ca.cse(sigmas)])
 
 
-def first_nominal() -> ca.Function:
+def initial_nominal_function() -> ca.Function:
     """Returns motion -> nominal state without biases."""
     motion = ca.SX.sym("motion", 13)
     nominal = ca.vertcat(motion[:3], world_velocity(motion), euler_quaternion(motion[6:9]), ca.DM.zeros(6))
     return ca.Function("first_nominal", [motion], [nominal])
 
 
-def injection() -> ca.Function:
+def injection_function() -> ca.Function:
     """Returns (nominal, error) -> nominal."""
     nominal, error = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("error", ESTIMATED)
     return ca.Function("injection", [nominal, error], [inject(nominal, error)])
 
 
-def difference() -> ca.Function:
+def error_function() -> ca.Function:
     """Returns (nominal, motion) -> error of position, velocity and attitude, shape (9, 1)."""
     nominal, motion = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("motion", 13)
     left = product(conjugate(nominal[6:10]), euler_quaternion(motion[6:9]))

@@ -13,15 +13,15 @@ from jaxtyping import Float
 
 from flight.se2 import SE2
 from sim.loop.backend import Backend
-from sim.loop.bound_function import BoundFunction, Recursion, view
+from sim.loop.bound_function import BoundFunction, Recursion, memory_view
 from sim.loop.delay_line import DelayLine
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
 
 from . import filter as equations
-from .filter import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
+from .filter import ERRORS, ESTIMATED, NOMINAL, OUTPUTS, STATE
 from .sensor_errors import SensorErrors
-from .sensors import Readings, Sensors
+from .sensors import SensorReadings, Sensors
 
 # What the filter knows at its start, one sigma: position (m), velocity (m/s), roll, pitch, heading (rad).
 _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
@@ -39,10 +39,10 @@ class Navigator(Protocol):
     def run(self) -> None:
         """Believes what is so at the end of a control period."""
 
-    def spread(self) -> tuple[float, ...] | None:
+    def standard_deviation(self) -> tuple[float, ...] | None:
         """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
 
 
@@ -54,18 +54,18 @@ class IdealNavigation:
     """
 
     def __init__(self, signals: Signals) -> None:
-        self._truth, self._estimate = view(signals.truth), view(signals.estimate)
+        self._truth, self._estimate = memory_view(signals.truth), memory_view(signals.estimate)
         self.run()
 
     def run(self) -> None:
         """Believes the truth."""
         self._estimate[:] = self._truth
 
-    def spread(self) -> None:
+    def standard_deviation(self) -> None:
         """Knows of no error."""
         return
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
         self.run()
 
@@ -106,10 +106,10 @@ class Navigation:
         sensors = Sensors(
             true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
         )
-        self.sensors: Readings = sensors
+        self.sensors: SensorReadings = sensors
         """What the filter reads; others that fill the same arrays may stand between."""
         self._state = np.zeros(STATE)
-        self._begin(truth, errors, rng)
+        self._initialise(truth, errors, rng)
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
         self._past = np.zeros(NOMINAL + 6)
         *functions, measure = _functions(errors, step, gravity)
@@ -128,15 +128,15 @@ class Navigation:
                 strict=True,
             )
         )
-        self._sigmas = np.zeros(SPREAD)
+        self._sigmas = np.zeros(OUTPUTS)
         self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
 
-    def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
+    def _initialise(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
         """Draws a first estimate."""
-        sigmas = np.array([*_FIRST, *(wander.sigma for wander in errors.wanders)])
-        exact = np.array(equations.first_nominal()(ca.DM(list(truth)))).ravel()
+        sigmas = np.array([*_FIRST, *(drift.sigma for drift in errors.drifts)])
+        exact = np.array(equations.initial_nominal_function()(ca.DM(list(truth)))).ravel()
         error = np.concatenate([np.array(_FIRST) * rng.standard_normal(9), np.zeros(6)])
-        self._state[:NOMINAL] = np.array(equations.injection()(exact, error)).ravel()
+        self._state[:NOMINAL] = np.array(equations.injection_function()(exact, error)).ravel()
         self._covariance = np.diag(sigmas**2)
         self._state[-1] = truth.heading
 
@@ -162,7 +162,7 @@ class Navigation:
         if sensors.has_heading_and_height:
             self._correct_slow.step()
 
-    def spread(self) -> tuple[float, ...]:
+    def standard_deviation(self) -> tuple[float, ...]:
         """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
         self._measure_spread.evaluate()
         return tuple(self._sigmas.tolist())
@@ -173,16 +173,16 @@ class Navigation:
         self.run()
         return Motion._make(self.signals.estimate.tolist())
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
-        self.sensors.move(displacement)
+        self.sensors.move_world(displacement)
         turn = np.eye(ERRORS)
         c, s = cos(displacement.heading), sin(displacement.heading)
         for place in _WORLD_VECTORS:
             turn[place : place + 2, place : place + 2] = ((c, -s), (s, c))
         self._covariance = turn @ self._covariance @ turn.T
         for nominal in (self._state, *self._history.rows):
-            _move(nominal, displacement)
+            _move_nominal(nominal, displacement)
         self._state[-1] += displacement.heading
         estimate = self.signals.estimate
         believed = displacement @ Motion._make(estimate.tolist()).pose
@@ -191,7 +191,7 @@ class Navigation:
     def error(self, truth: Motion) -> Float[np.ndarray, "15"]:
         """Returns the error of the estimate: position, velocity, rotation in body axes, biases."""
         nominal = self._state[:NOMINAL]
-        difference = equations.difference()(nominal, ca.DM(list(truth)))
+        difference = equations.error_function()(nominal, ca.DM(list(truth)))
         return np.concatenate([np.array(difference).ravel(), self.sensors.biases - nominal[10:]])
 
     def normalised_error(self, truth: Motion) -> float:
@@ -206,14 +206,14 @@ def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Fu
     """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
     age = errors.fix_latency * step
     return (
-        equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
-        equations.correct_fix(errors.antenna, age, errors.fix_noise),
-        equations.correct_slow(errors.heading_noise, errors.height_sigma),
-        equations.spread(),
+        equations.prediction_function(step, gravity, errors.inertial_noise, errors.drifts),
+        equations.fix_correction_function(errors.antenna, age, errors.fix_noise),
+        equations.heading_height_correction_function(errors.heading_noise, errors.height_sigma),
+        equations.standard_deviation_function(),
     )
 
 
-def _move(nominal: np.ndarray, displacement: SE2) -> None:
+def _move_nominal(nominal: np.ndarray, displacement: SE2) -> None:
     """Moves position, velocity and attitude with the world."""
     pose = displacement @ SE2(nominal[0], nominal[1], 0.0)
     velocity = SE2(0.0, 0.0, displacement.heading) @ SE2(nominal[3], nominal[4], 0.0)

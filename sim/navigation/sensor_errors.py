@@ -10,7 +10,7 @@ _LOW = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Wander:
+class GaussMarkovError:
     """A Gauss-Markov error: standard deviation in the unit of what it spoils, correlation time in s."""
 
     sigma: float
@@ -27,39 +27,39 @@ class SensorErrors:
         gyro_noise: each axis, over one control period, rad/s.
         gyro_bias: each axis, rad/s.
         position_noise: of a fix, north, east, down, m.
-        position_wander: of a fix, each axis, m.
+        position_drift: of a fix, each axis, m.
         velocity_noise: of a fix, each axis, m/s.
         fix_periods: control periods between two fixes.
         fix_latency: age of a fix when it arrives, control periods.
         antenna: forward, right, down of the centre of mass, m.
         heading_noise: of the magnetometer, rad.
-        heading_wander: of the same, rad.
+        heading_drift: of the same, rad.
         height_noise: of the altimeter, m.
         low_height_noise: of the same near the ground, m.
         slow_periods: control periods between readings of magnetometer and altimeter.
     """
 
     accelerometer_noise: float = 0.05
-    accelerometer_bias: Wander = Wander(0.03, 300.0)
+    accelerometer_bias: GaussMarkovError = GaussMarkovError(0.03, 300.0)
     gyro_noise: float = radians(0.2)
-    gyro_bias: Wander = Wander(radians(0.05), 300.0)
+    gyro_bias: GaussMarkovError = GaussMarkovError(radians(0.05), 300.0)
     position_noise: tuple[float, float, float] = (0.02, 0.02, 0.03)
-    position_wander: Wander = Wander(0.03, 60.0)
+    position_drift: GaussMarkovError = GaussMarkovError(0.03, 60.0)
     velocity_noise: float = 0.03
     fix_periods: int = 10
     fix_latency: int = 5
     antenna: tuple[float, float, float] = (-1.0, 0.0, -0.2)
     heading_noise: float = radians(1.5)
-    heading_wander: Wander = Wander(radians(1.5), 120.0)
+    heading_drift: GaussMarkovError = GaussMarkovError(radians(1.5), 120.0)
     height_noise: float = 0.3
     low_height_noise: float = 0.05
     slow_periods: int = 10
 
     @property
-    def wanders(self) -> tuple[Wander, ...]:
+    def drifts(self) -> tuple[GaussMarkovError, ...]:
         """The errors that wander: three of accelerometers, gyros and fixes each, then that of the heading."""
         biases = (self.accelerometer_bias,) * 3 + (self.gyro_bias,) * 3
-        return (*biases, *(self.position_wander,) * 3, self.heading_wander)
+        return (*biases, *(self.position_drift,) * 3, self.heading_drift)
 
     @property
     def inertial_noise(self) -> tuple[float, ...]:

@@ -23,7 +23,7 @@ from sim.loop.signals import Signals
 from .filter import (
     conjugate,
     euler_quaternion,
-    first_nominal,
+    initial_nominal_function,
     product,
     rotation,
     rotation_vector,
@@ -31,16 +31,16 @@ from .filter import (
 )
 from .sensor_errors import SensorErrors
 
-_MOTION, _WANDERS, _WHITES = len(Motion._fields), 10, 14
+_MOTION, _DRIFTS, _WHITE_NOISES = len(Motion._fields), 10, 14
 # What is remembered of the motion before: velocity and attitude.
 _BEFORE = 7
-_NOISE, _STATE = _WANDERS + _WHITES, _BEFORE + _WANDERS
+_NOISE, _STATE = _DRIFTS + _WHITE_NOISES, _BEFORE + _DRIFTS
 
 
 Values = Float[np.ndarray, "n"]
 
 
-class Readings(Protocol):
+class SensorReadings(Protocol):
     """What a filter reads: arrays that change, as `Sensors` has them."""
 
     inertial: Values
@@ -56,12 +56,12 @@ class Readings(Protocol):
     def run(self) -> None:
         """Reads at the end of a control period."""
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world."""
 
 
 @cache
-def sense(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
+def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
     """Builds what the sensors make of a motion, without latency.
 
     Returns:
@@ -71,9 +71,9 @@ def sense(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
         and the wandering errors.
     """
     now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
-    velocity_before, first, wandering = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _WANDERS))
-    keep = ca.DM([exp(-step / wander.time) for wander in errors.wanders])
-    wandering, white = keep * wandering + noise[:_WANDERS], noise[_WANDERS:]
+    velocity_before, first, drifts = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _DRIFTS))
+    keep = ca.DM([exp(-step / drift.time) for drift in errors.drifts])
+    drifts, white = keep * drifts + noise[:_DRIFTS], noise[_DRIFTS:]
     velocity, last = world_velocity(now), euler_quaternion(now[6:9])
     change = product(conjugate(first), last)
     rates = 2.0 * ca.sign(change[0]) * change[1:] / step
@@ -82,12 +82,12 @@ def sense(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
     force = middle.T @ (acceleration - ca.DM([0, 0, gravity]))
     turn, arm = rotation(last), ca.DM(errors.antenna)
     antenna = ca.vertcat(now[:3] + turn @ arm, velocity + turn @ ca.cross(now[9:12], arm))
-    heading, height = now[8] + (wandering[9] + white[12]), -now[2]
+    heading, height = now[8] + (drifts[9] + white[12]), -now[2]
     results = [
-        ca.vertcat(force, rates) + wandering[:6] + white[:6],
+        ca.vertcat(force, rates) + drifts[:6] + white[:6],
         antenna + white[6:12],
         ca.vertcat(heading, height + errors.height_sigma(height) * white[13]),
-        ca.vertcat(velocity, last, wandering),
+        ca.vertcat(velocity, last, drifts),
     ]
     return ca.Function("sense", [now, noise, state], ca.cse(results))
 
@@ -122,18 +122,18 @@ class Sensors:
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
         self._errors, self._rng, self._truth = errors, rng, signals.truth
-        sigma = np.array([wander.sigma for wander in errors.wanders])
-        keep = np.array([exp(-step / wander.time) for wander in errors.wanders])
+        sigma = np.array([drift.sigma for drift in errors.drifts])
+        keep = np.array([exp(-step / drift.time) for drift in errors.drifts])
         self._drive = sigma * np.sqrt(1.0 - keep**2)
         self._white = np.array([*errors.inertial_noise, *errors.fix_noise, errors.heading_noise, 1.0])
-        self._state = np.concatenate([np.zeros(_BEFORE), sigma * rng.standard_normal(_WANDERS)])
-        self._wandering = self._state[_BEFORE:]
+        self._state = np.concatenate([np.zeros(_BEFORE), sigma * rng.standard_normal(_DRIFTS)])
+        self._drift = self._state[_BEFORE:]
         self._remember()
         self.inertial, self.fix, self.heading_and_height = np.zeros(6), np.zeros(6), np.zeros(2)
         self.has_fix = self.has_heading_and_height = False
         antenna, noise = np.zeros(6), np.zeros(_NOISE)
         self._sense = Recursion(
-            sense(errors, step, gravity),
+            sensor_function(errors, step, gravity),
             (signals.truth, noise, self._state),
             (self.inertial, antenna, self.heading_and_height),
             backend=backend,
@@ -146,9 +146,9 @@ class Sensors:
     @property
     def biases(self) -> np.ndarray:
         """Errors of accelerometers and gyros that wander, as they are: what a filter looks for."""
-        return np.asarray(self._wandering[:6])
+        return np.asarray(self._drift[:6])
 
-    def move(self, displacement: SE2) -> None:
+    def move_world(self, displacement: SE2) -> None:
         """Follows a motion of the whole world, after which the truth is that of the signals."""
         self._remember()
         self._turned += displacement.heading
@@ -159,7 +159,7 @@ class Sensors:
 
     def _remember(self) -> None:
         """Takes the truth as what was so a period ago."""
-        nominal = first_nominal()(self._truth)
+        nominal = initial_nominal_function()(self._truth)
         self._state[:_BEFORE] = nominal.elements()[3:10]
 
     def run(self) -> None:
@@ -176,13 +176,13 @@ class Sensors:
 
     def _receive(self) -> None:
         """Takes the oldest fix, with the error that wanders."""
-        north, east, down = self._wandering[6:9].tolist()
-        wander = SE2(0.0, 0.0, self._turned) @ SE2(north, east, 0.0)
+        north, east, down = self._drift[6:9].tolist()
+        drift = SE2(0.0, 0.0, self._turned) @ SE2(north, east, 0.0)
         self.fix[:] = self._fixes.oldest
-        self.fix[:3] += (wander.x, wander.y, down)
+        self.fix[:3] += (drift.x, drift.y, down)
 
     def _draw(self, periods: int) -> Float[np.ndarray, "n 24"]:
         """Draws what spoils the readings of many periods."""
-        driven = self._drive * self._rng.standard_normal((periods, _WANDERS))
-        white = self._white * self._rng.standard_normal((periods, _WHITES))
+        driven = self._drive * self._rng.standard_normal((periods, _DRIFTS))
+        white = self._white * self._rng.standard_normal((periods, _WHITE_NOISES))
         return np.hstack([driven, white])

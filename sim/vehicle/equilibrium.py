@@ -75,7 +75,7 @@ class EquilibriumFinder:
     def __init__(self, parameters: Parameters, *, height: float | None = None) -> None:
         self._servos, self._gyro_gain = parameters.servos, parameters.tail_rotor.gyro_gain
         unknowns, velocity = ca.SX.sym("unknowns", 12), ca.SX.sym("velocity", 3)
-        residual, power = balance(parameters, unknowns, velocity, height=height)
+        residual, power = trim_residual(parameters, unknowns, velocity, height=height)
         self._balance = ca.Function("balance", [unknowns, velocity], [residual, power])
         problem = {"x": unknowns, "p": velocity, "g": residual}
         self._solve = ca.rootfinder("equilibrium", "newton", problem, {"error_on_fail": False})
@@ -100,10 +100,10 @@ class EquilibriumFinder:
         worst, power = self.residual(found)
         if not worst <= RESIDUAL:
             raise NoEquilibriumError(velocity, f"residual {worst:.1e}, expected at most {RESIDUAL:.0e}")
-        self._refuse_beyond_travel(found)
+        self._check_servo_travel(found)
         return replace(found, power=power)
 
-    def _refuse_beyond_travel(self, found: Equilibrium) -> None:
+    def _check_servo_travel(self, found: Equilibrium) -> None:
         servos = self._servos
         cyclic = servos.cyclic_limit
         for name, value, low, high in (
@@ -135,7 +135,7 @@ def find_equilibrium(parameters: Parameters, velocity: Twist) -> Equilibrium:
     return EquilibriumFinder(parameters).find(velocity)
 
 
-def balance(
+def trim_residual(
     parameters: Parameters, unknowns: ca.SX, velocity: ca.SX, *, height: float | None = None
 ) -> tuple[ca.SX, ca.SX]:
     """States the balance of steady level flight in still air.
@@ -153,10 +153,10 @@ def balance(
     roll, pitch = unknowns[0], unknowns[1]
     state = RotorState._make([*ca.vertsplit(unknowns[2:]), ca.SX(0)])
     body_level = rotation_body_level(roll, pitch)
-    nearness = 0.0 if height is None else rotor.ground_nearness(parameters, ca.SX(height))
+    ground_effect = 0.0 if height is None else rotor.ground_effect_factor(parameters, ca.SX(height))
     velocity_body = body_level @ ca.vertcat(velocity[0], velocity[1], 0)
     rates = body_level @ ca.vertcat(0, 0, velocity[2])
-    air = rotor.still_air(velocity_body, rates, nearness=nearness)
+    air = rotor.still_air(velocity_body, rates, ground_effect=ground_effect)
     acceleration, angular = accelerations(parameters, state, air, down_body=body_level[:, 2])
     flapping = rotor.flapping_targets(parameters, state, air)
     main, tail = rotor.inflow_targets(parameters, state, air)

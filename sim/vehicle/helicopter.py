@@ -21,8 +21,8 @@ from sim.loop.signals import Signals
 
 from .equilibrium import Equilibrium
 from .parameters import Parameters
-from .plant import REMEMBERED, delay_steps, observation_function, plant_function
-from .rotor_step import Drives, sound_drives
+from .plant import ROTOR_STATES, delay_steps, observation_function, plant_function
+from .rotor_step import AllServoDynamics, nominal_servo_dynamics
 
 DEFAULT_STEP = 0.005
 # The skids reach this far below the centre of mass, in m.
@@ -82,7 +82,7 @@ class Helicopter:
         self._steps = 0
         self._delay = delay_steps(parameters, step)
         # The rotor state, then the commands on their way to the servos.
-        self._memory = np.zeros(REMEMBERED + 4 * self._delay)
+        self._memory = np.zeros(ROTOR_STATES + 4 * self._delay)
         self._heading = np.zeros(1)
         self.lacking = np.zeros(4)
         """How much faster sound servos would have moved in the last plant step, rad/s; 0 where all are."""
@@ -104,16 +104,18 @@ class Helicopter:
             backend=backend,
         )
 
-    def refit(self, parameters: Parameters, drives: Drives) -> None:
+    def refit(self, parameters: Parameters, servo_dynamics: AllServoDynamics) -> None:
         """Goes on from the same state as another vehicle with other servos; the transport delay stays."""
-        sound = parameters == self._sound and drives == sound_drives(parameters.servos)
+        sound = parameters == self._sound and servo_dynamics == nominal_servo_dynamics(parameters.servos)
         self.lacking[:] = 0.0
         self._plant = (
             self._bind(plant_function(parameters, self.step_length), self._backend)
             if sound
             # The bits are those of machine code, without the seconds that a compiler takes.
             else self._bind(
-                plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
+                plant_function(parameters, self.step_length, servo_dynamics),
+                Backend.INTERPRETED,
+                self.lacking,
             )
         )
         # Other flights share the model.
@@ -173,13 +175,13 @@ class Helicopter:
     def state(self) -> HelicopterState:
         """Returns the state, to be restored later."""
         position, velocity = self._data.qpos.tolist(), self._data.qvel.tolist()
-        pending = self._memory[REMEMBERED:].reshape(-1, 4).tolist()
+        pending = self._memory[ROTOR_STATES:].reshape(-1, 4).tolist()
         return HelicopterState(
             position=_flip(position[:3]),
             quaternion=(position[3], *_flip(position[4:])),
             velocity=_flip(velocity[:3]),
             rates=_flip(velocity[3:]),
-            rotor_state=tuple(self._memory[:REMEMBERED].tolist()),
+            rotor_state=tuple(self._memory[:ROTOR_STATES].tolist()),
             heading=float(self._heading[0]),
             pending=tuple(tuple(command) for command in pending),
         )

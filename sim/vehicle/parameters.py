@@ -12,7 +12,7 @@ from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
 
 import models
 from flight.errors import BadFileError
-from flight.schema import first_problem, read_text, refuse_other_schema
+from flight.schema import check_schema_name, first_problem, read_text
 
 SCHEMA = "maneuver-vehicle/1"
 """What a vehicle's file may name itself; one that does not is of this version."""
@@ -182,7 +182,7 @@ def read_parameters(path: Path | None = None) -> Parameters:
     path = path or models.FOLDER / "gtmax.toml"
     try:
         content = tomllib.loads(read_text(path))
-        refuse_other_schema(str(content.pop("schema", SCHEMA)), SCHEMA)
+        check_schema_name(str(content.pop("schema", SCHEMA)), SCHEMA)
         # A strict model takes a table for a dataclass only from JSON.
         return _reader().validate_json(json.dumps(content))
     except tomllib.TOMLDecodeError as error:

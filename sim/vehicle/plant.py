@@ -13,9 +13,9 @@ import casadi as ca
 from . import rotor
 from .parameters import Parameters
 from .rotor import Air, RotorState
-from .rotor_step import Drives, advance, follow_commands, sound_drives
+from .rotor_step import AllServoDynamics, advance, follow_commands, nominal_servo_dynamics
 
-REMEMBERED = len(RotorState._fields)
+ROTOR_STATES = len(RotorState._fields)
 # Warm started at every step, this many relaxed iterations follow any gust.
 _INFLOW_ITERATIONS = 4
 _FLIP = ca.diag(ca.DM([1.0, -1.0, -1.0]))
@@ -27,42 +27,52 @@ def delay_steps(parameters: Parameters, step: float) -> int:
 
 
 @cache
-def plant_function(parameters: Parameters, step: float, drives: Drives | None = None) -> ca.Function:
+def plant_function(
+    parameters: Parameters, step: float, servo_dynamics: AllServoDynamics | None = None
+) -> ca.Function:
     """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step.
 
     Args:
         parameters: the vehicle.
         step: s.
-        drives: what its servos can do; sound ones where None.
+        servo_dynamics: what its servos can do; sound ones where None.
 
     Returns:
         (qpos, qvel, controls, wind, memory) -> (wrench, servo positions, memory); the memory is the rotor
-        state and the commands on their way to the servos, the oldest first. With `drives`, before the
+        state and the commands on their way to the servos, the oldest first. With `servo_dynamics`, before the
         memory: how much faster sound servos would have moved, rad/s.
     """
     position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
     controls, wind = ca.SX.sym("controls", 4), ca.SX.sym("wind", 6)
-    memory = ca.SX.sym("memory", REMEMBERED + 4 * delay_steps(parameters, step))
+    memory = ca.SX.sym("memory", ROTOR_STATES + 4 * delay_steps(parameters, step))
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - wind[:3])
     rates = _FLIP @ velocity[3:]
     air_rates = rates + rotation.T @ wind[3:]
     u, v, w = ca.vertsplit(air_velocity)
     p, q, r = ca.vertsplit(air_rates)
-    nearness = rotor.ground_nearness(parameters, position[2])
-    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
-    before = RotorState(*ca.vertsplit(memory[:REMEMBERED]))
-    on_their_way = ca.vertcat(memory[REMEMBERED:], controls)
+    ground_effect = rotor.ground_effect_factor(parameters, position[2])
+    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), ground_effect))
+    before = RotorState(*ca.vertsplit(memory[:ROTOR_STATES]))
+    on_their_way = ca.vertcat(memory[ROTOR_STATES:], controls)
     command, servos = on_their_way[:4], parameters.servos
     state = advance(
-        parameters, before, air, command=command, step=step, iterations=_INFLOW_ITERATIONS, drives=drives
+        parameters,
+        before,
+        air,
+        command=command,
+        step=step,
+        iterations=_INFLOW_ITERATIONS,
+        servo_dynamics=servo_dynamics,
     )
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
     after = ca.vertcat(*state, on_their_way[4:])
     results = [wrench, after[:4], after]
-    if drives is not None:
-        sound = follow_commands(servos, before, command, step=step, drives=sound_drives(servos))
+    if servo_dynamics is not None:
+        sound = follow_commands(
+            servos, before, command, step=step, servo_dynamics=nominal_servo_dynamics(servos)
+        )
         results.insert(2, (ca.vertcat(*sound[:4]) - after[:4]) / step)
     return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
 

@@ -23,7 +23,7 @@ class Air(NamedTuple):
 
     Disc, bar and gyro answer to the body's own rates, `roll_rate`, `pitch_rate` and `yaw_rate` in rad/s. A
     gust rate reaches the disc through lift only, as an angle of rate over rotor speed, which is neglected.
-    `nearness` is (R / 4 z)^2 with the rotor's height z over the ground; 0 far from it.
+    `ground_effect` is (R / 4 z)^2 with the rotor's height z over the ground; 0 far from it.
     """
 
     u: ca.SX
@@ -35,17 +35,17 @@ class Air(NamedTuple):
     roll_rate: ca.SX
     pitch_rate: ca.SX
     yaw_rate: ca.SX
-    nearness: ca.SX
+    ground_effect: ca.SX
 
 
-def still_air(velocity: ca.SX, rates: ca.SX, *, nearness: ca.SX | float = 0.0) -> Air:
+def still_air(velocity: ca.SX, rates: ca.SX, *, ground_effect: ca.SX | float = 0.0) -> Air:
     """Returns motion through still air from body velocity and body rates, shapes (3, 1)."""
     u, v, w = ca.vertsplit(velocity)
     p, q, r = ca.vertsplit(rates)
-    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q, yaw_rate=r, nearness=ca.SX(nearness))
+    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q, yaw_rate=r, ground_effect=ca.SX(ground_effect))
 
 
-def ground_nearness(parameters: Parameters, height: ca.SX) -> ca.SX:
+def ground_effect_factor(parameters: Parameters, height: ca.SX) -> ca.SX:
     """Returns (R / 4 z)^2 of the main rotor (Cheeseman and Bennett 1955).
 
     Args:
@@ -128,13 +128,13 @@ def _main_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca
     return at_disc, at_disc + (2.0 / 3.0) * rotor.speed * rotor.radius * state.collective
 
 
-def _felt_inflow(state: RotorState, air: Air) -> ca.SX:
+def _inflow_in_ground_effect(state: RotorState, air: Air) -> ca.SX:
     """Returns the main rotor's inflow that is left by the ground, in m/s.
 
     Cheeseman and Bennett (ARC R&M 3021): the ground's image takes its share in hover, and less with speed.
     """
     swept = (air.u**2 + air.v**2) / (state.inflow**2 + _ROOT_FLOOR)
-    return state.inflow * (1.0 - air.nearness / (1.0 + swept))
+    return state.inflow * (1.0 - air.ground_effect / (1.0 + swept))
 
 
 def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
@@ -150,7 +150,7 @@ def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple
         _main_axial(parameters, state, air),
         _tail_axial(parameters, state, air),
     )
-    main_thrust = _thrust(main, density, main_blade, _felt_inflow(state, air))
+    main_thrust = _thrust(main, density, main_blade, _inflow_in_ground_effect(state, air))
     tail_thrust = _thrust(tail, density, tail_blade, state.tail_inflow)
     targets = []
     for rotor, thrust, axial, in_plane, inflow in (
@@ -206,7 +206,7 @@ def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Fla
 def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
     rotor, density = parameters.main_rotor, parameters.environment.air_density
     axial, at_blade = _main_axial(parameters, state, air)
-    inflow = _felt_inflow(state, air)
+    inflow = _inflow_in_ground_effect(state, air)
     thrust = _thrust(rotor, density, at_blade, inflow)
     power = thrust * (inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
     # The wake's share of the force in the disc plane goes with the inflow; the identified one is hover's.

@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.units import FOOT
-from sim.loop.motion import Seen
+from sim.loop.motion import Estimate
 
 # Below this the frozen field is no model of what a hovering rotor meets; in m/s.
 AIRSPEED_FLOOR = 4.0
@@ -141,9 +141,9 @@ def wind_function(model: Dryden, step: float) -> ca.Function:
         (motion, noise, mean, memory) -> (wind, memory): the motion of the vehicle, 6 standard normal numbers,
         the mean wind north and east with the cosine and sine of where it comes from, `Turbulence`.
     """
-    motion, noise = ca.SX.sym("motion", len(Seen._fields)), ca.SX.sym("noise", 6)
+    motion, noise = ca.SX.sym("motion", len(Estimate._fields)), ca.SX.sym("noise", 6)
     mean, memory = ca.SX.sym("mean", 4), ca.SX.sym("memory", len(Turbulence._fields))
-    vehicle, before = Seen._make(ca.vertsplit(motion)), Turbulence._make(ca.vertsplit(memory))
+    vehicle, before = Estimate._make(ca.vertsplit(motion)), Turbulence._make(ca.vertsplit(memory))
     ahead, aside = ca.cos(vehicle.heading), ca.sin(vehicle.heading)
     north = ahead * vehicle.forward - aside * vehicle.side - mean[0]
     east = aside * vehicle.forward + ahead * vehicle.side - mean[1]

@@ -2,7 +2,7 @@
 
 from sim.loop.backend import Backend
 from sim.loop.signals import Signals
-from sim.loop.specification import CONTROL_PERIOD, FADE, FlightSpecification
+from sim.loop.specification import CONTROL_PERIOD, WIND_FADE_TIME, FlightSpecification
 from sim.loop.streams import Stream, random_stream
 from sim.vehicle.parameters import Parameters
 
@@ -47,13 +47,13 @@ class Weather:
         # Counts from the flight's start, which is not yet.
         self._period: int | None = None
         for air in self._airs[1:]:
-            air.turn(self._airs[0].direction - air.direction)
+            air.rotate_world(self._airs[0].direction - air.direction)
         self.run = self._change if self._times else self._airs[0].run
 
-    def turn(self, angle: float) -> None:
+    def rotate_world(self, angle: float) -> None:
         """Follows a turn of the whole world about the vertical, in rad."""
         for air in self._airs:
-            air.turn(angle)
+            air.rotate_world(angle)
 
     def begin(self) -> None:
         """Takes now for the flight's start."""
@@ -67,7 +67,7 @@ class Weather:
             come = sum(start <= time for start in self._times)
             self._period += 1
         self._airs[come].run()
-        if not come or (share := (time - self._times[come - 1]) / FADE) >= 1.0:
+        if not come or (share := (time - self._times[come - 1]) / WIND_FADE_TIME) >= 1.0:
             return
         new = self._wind.copy()
         self._airs[come - 1].run()

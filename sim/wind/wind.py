@@ -113,14 +113,14 @@ class DrydenWind:
             backend=backend,
         )
         self._noise = Noise(noise, lambda periods: rng.standard_normal((periods, len(noise))))
-        self.turn(0.0)
+        self.rotate_world(0.0)
 
     @property
     def direction(self) -> float:
         """Where the mean wind comes from, rad clockwise from north."""
         return self._direction
 
-    def turn(self, angle: float) -> None:
+    def rotate_world(self, angle: float) -> None:
         """Follows a turn of the whole world about the vertical, in rad."""
         self._direction += angle
         c, s = cos(self._direction), sin(self._direction)

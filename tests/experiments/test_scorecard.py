@@ -8,11 +8,11 @@ import pytest
 
 import libraries
 from experiments.mission.result import MissionResult
-from experiments.validation.scorecard import Share, quantile, scorecard, totals
-from experiments.validation.time_bound_trial import kept_factor, promises, time_promises
+from experiments.validation.scorecard import Proportion, quantile, scorecard_cells, scorecard_totals
+from experiments.validation.time_bound_trial import find_time_bounds, time_bound_trials, time_factor
 from flight.automaton.library_file import library_hash, read_library
 from flight.plan.plan import read_plan
-from flight.plan.time_bound import TimePromise, read_times, times_path, times_text
+from flight.plan.time_bound import TimeBound, read_time_bounds, time_bounds_path, time_bounds_text
 from maneuver.app import run
 
 
@@ -40,7 +40,7 @@ def result(mission: str, number: int, *, flown: float = 10.0, reached: bool = Tr
 
 def test_a_cell_counts_what_reached_the_goal_and_what_kept_the_prediction() -> None:
     rows = [result("a", 0, flown=9.0), result("a", 1, flown=11.0), result("a", 2, flown=5.0, reached=False)]
-    (cell,) = scorecard(rows)
+    (cell,) = scorecard_cells(rows)
     assert (cell.reached.count, cell.inside.count, cell.flights) == (2, 1, 3)
     assert cell.flown_time == 10.0
     assert cell.flown_time_95 is None  # a third of the flights never arrives
@@ -54,8 +54,8 @@ def test_a_cell_counts_what_reached_the_goal_and_what_kept_the_prediction() -> N
 
 def test_all_missions_together_are_a_cell_of_their_own() -> None:
     rows = [result(name, number) for name in "abc" for number in range(4)]
-    (whole,) = totals(rows)
-    assert (whole.mission, whole.flights, len(scorecard(rows))) == ("all", 12, 3)
+    (whole,) = scorecard_totals(rows)
+    assert (whole.mission, whole.flights, len(scorecard_cells(rows))) == ("all", 12, 3)
 
 
 def test_a_quantile_is_a_value_that_so_many_keep() -> None:
@@ -67,7 +67,7 @@ def test_a_quantile_is_a_value_that_so_many_keep() -> None:
 def test_a_promise_made_on_some_missions_is_kept_on_others() -> None:
     rng = np.random.default_rng(5)
     rows = [result(f"m{n % 400}", n, flown=float(10 * rng.lognormal(0, 0.3))) for n in range(2000)]
-    (promise,) = promises(rows, share=0.9)
+    (promise,) = time_bound_trials(rows, share=0.9)
     # Of 200 missions the 188th: with 95 % confidence 90 % keep what 94 % did.
     assert promise.factor == pytest.approx(np.exp(0.3 * 1.555), rel=0.06)
     assert promise.kept.low < 0.94 < promise.kept.high
@@ -75,7 +75,7 @@ def test_a_promise_made_on_some_missions_is_kept_on_others() -> None:
 
 def test_too_few_flights_promise_nothing() -> None:
     rows = [result(name, number) for name in "ab" for number in range(3)]
-    (promise,) = promises(rows, share=0.9)
+    (promise,) = time_bound_trials(rows, share=0.9)
     assert promise.factor is None
     assert promise.kept.count == 0
 
@@ -85,10 +85,10 @@ def test_a_flight_of_a_mission_that_is_flown_often_counts_for_less() -> None:
     slow = [result("slow", n, flown=50.0) for n in range(90)]
     quick = [[result(f"quick {n}", 0, flown=10.0 + n)] for n in range(39)]
     # Of 40 missions 39 are held, or more, with a chance of 8 % where 90 % keep it; all 40 with one of 1.5 %.
-    assert kept_factor([slow, *quick], 0.9) == 5.0
+    assert time_factor([slow, *quick], 0.9) == 5.0
     # With a chance of 4.3 % 36 are, or more, where 80 % do.
-    assert kept_factor([slow, *quick], 0.8) == pytest.approx(4.6)
-    assert kept_factor([slow, *quick], 0.95) == np.inf
+    assert time_factor([slow, *quick], 0.8) == pytest.approx(4.6)
+    assert time_factor([slow, *quick], 0.95) == np.inf
 
 
 def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds() -> None:
@@ -100,7 +100,7 @@ def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds
             [result(f"m{k}", n, flown=float(10 * slow * rng.lognormal(0, 0.05))) for n in range(5)]
             for k, slow in enumerate(rng.lognormal(0, 0.3, 40))
         ]
-        factor = kept_factor(made, 0.9)
+        factor = time_factor(made, 0.9)
         others = rng.lognormal(0, 0.3, 500) * rng.lognormal(0, 0.05, 500)
         kept.append(float((others <= factor).mean()))
     # One promise in twenty may fail.
@@ -109,24 +109,24 @@ def test_where_flights_of_a_mission_resemble_one_another_the_promise_still_holds
 
 
 def test_shares_of_groups_have_the_interval_of_so_many_groups() -> None:
-    alone = Share.of_groups([[True]] * 45 + [[False]] * 5)
-    often = Share.of_groups([[True] * 7] * 45 + [[False] * 7] * 5)
+    alone = Proportion.of_groups([[True]] * 45 + [[False]] * 5)
+    often = Proportion.of_groups([[True] * 7] * 45 + [[False] * 7] * 5)
     rows = [result("a", n, reached=n < 45) for n in range(50)]
-    counted = Share.counted(rows, lambda row: row.reached)
+    counted = Proportion.counted(rows, lambda row: row.reached)
     assert (alone.low, alone.high) == pytest.approx((counted.low, counted.high))
     assert (often.low, often.high) == pytest.approx((alone.low, alone.high))
     assert (often.count, often.of) == (315, 350)
 
 
-def stated(seed: int) -> TimePromise:
-    return TimePromise("worst-case", 1.0, "gtmax", 0.9, 1.5, missions=100, flights=100, seed=seed)
+def stated(seed: int) -> TimeBound:
+    return TimeBound("worst-case", 1.0, "gtmax", 0.9, 1.5, missions=100, flights=100, seed=seed)
 
 
 def test_what_is_promised_beside_a_library_is_tested_on_all_missions_but_those_that_made_it() -> None:
     rows = [result(f"m{n}", n, flown=14.0 if n % 2 else 16.0) for n in range(40)]
-    (fresh,) = promises(rows, share=0.9, stated=[stated(2)], seed=1)
+    (fresh,) = time_bound_trials(rows, share=0.9, stated=[stated(2)], seed=1)
     assert (fresh.stated, fresh.factor, fresh.kept.count, fresh.kept.of) == (True, 1.5, 20, 40)
-    (own,) = promises(rows, share=0.9, stated=[stated(1)], seed=1)
+    (own,) = time_bound_trials(rows, share=0.9, stated=[stated(1)], seed=1)
     assert (own.stated, own.kept.of) == (False, 20)
 
 
@@ -134,13 +134,13 @@ def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureF
     library = tmp_path / "mine.json"
     library.write_text((libraries.FOLDER / "gtmax-sim.json").read_text())
     own = library_hash(read_library(library))
-    (made,), lacking = time_promises(
+    (made,), lacking = find_time_bounds(
         [result(f"m{n}", n, flown=10.0 + n / 10) for n in range(40)], share=0.9, seed=3
     )
     assert lacking == ()
-    file = times_path(library)
-    file.write_text(times_text([made], library_hash=own, command="maneuver validate"))
-    assert read_times(library, library_hash=own) == (made,)
+    file = time_bounds_path(library)
+    file.write_text(time_bounds_text([made], library_hash=own, command="maneuver validate"))
+    assert read_time_bounds(library, library_hash=own) == (made,)
     out = tmp_path / "plan.json"
     assert run(("plan", "gtmax-2", "--library", str(library), "--out", str(out))) == 0
     plan = read_plan(out)
@@ -155,7 +155,7 @@ def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureF
     # Of the nominal policy nothing was found, and nothing for missions that want a heading.
     assert run(("plan", "gtmax-2", "--library", str(library), "--policy", "nominal")) == 0
     assert "of flights are there" not in capsys.readouterr().out
-    file.write_text(times_text([made], library_hash="0" * 64, command="maneuver validate"))
+    file.write_text(time_bounds_text([made], library_hash="0" * 64, command="maneuver validate"))
     assert run(("plan", "gtmax-2", "--library", str(library))) == 0
     shown = capsys.readouterr()
     assert "of flights are there" not in shown.out
@@ -166,5 +166,5 @@ def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureF
 
 
 def test_too_few_missions_promise_no_time() -> None:
-    made, lacking = time_promises([result("a", n) for n in range(30)], share=0.9, seed=3)
+    made, lacking = find_time_bounds([result("a", n) for n in range(30)], share=0.9, seed=3)
     assert (made, lacking) == ((), ("worst-case",))

@@ -9,13 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.mission.blame import Blame, Performance, blame, performances
+from experiments.mission.error_attribution import (
+    ErrorAttribution,
+    Performance,
+    attribute_errors,
+    performances,
+)
 from experiments.mission.fly import fly_helicopter
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.random_missions import FARTHEST, NEAREST, NoMissionError, random_missions
 from experiments.mission.recorded_latency import recorded_latency
 from experiments.mission.result import MissionResult
-from experiments.mission.result_store import FLIGHTS, fly_all
-from experiments.mission.task import MissionTask
+from experiments.mission.result_store import FLIGHTS, fly_tasks
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.automaton.maneuver import ManeuverError
@@ -28,17 +33,17 @@ from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from maneuver.app import run
 from maneuver.options.latencies import latency_of
-from planner.closed_loop.flight_record import Flown
+from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
 from planner.policies.worst_case import WorstCase
-from runtime.executor import Means
+from runtime.executor import JobExecutor
 from scenarios.find import find_library, find_mission
 
 LIBRARY = find_library("gtmax-sim")
 
 
-Flight = tuple[MissionTask, Flown, FlightLog]
+Flight = tuple[MissionTask, FlightRecord, FlightLog]
 
 
 def test_random_missions_repeat_and_each_has_a_plan() -> None:
@@ -73,7 +78,9 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 
     def fly(some: list[MissionTask]) -> list[MissionResult]:
         with ThreadPoolExecutor(1) as executor:
-            return fly_all(some, folder=tmp_path / "out", logs=None, means=Means(executor), force=False)
+            return fly_tasks(
+                some, folder=tmp_path / "out", logs=None, job_executor=JobExecutor(executor), force=False
+            )
 
     first = fly(tasks[:2])
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / FLIGHTS).iterdir()}
@@ -89,7 +96,9 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 def test_a_folder_with_something_else_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("dear")
     with ThreadPoolExecutor(1) as executor, pytest.raises(FlightError, match="exists"):
-        fly_all([automaton_task(0)], folder=tmp_path, logs=None, means=Means(executor), force=False)
+        fly_tasks(
+            [automaton_task(0)], folder=tmp_path, logs=None, job_executor=JobExecutor(executor), force=False
+        )
 
 
 def test_a_validation_writes_scorecards_and_pictures(
@@ -219,12 +228,12 @@ def test_a_library_that_claims_too_much_is_found_out() -> None:
     # Largest deviations as flights in the library's own wind have them: one in some hundred is outside.
     shares = np.abs(rng.normal(0.55, 0.17, 200))
 
-    def judged(factor: float) -> Blame:
+    def judged(factor: float) -> ErrorAttribution:
         flights = [
             (f"flight {n}", [Performance("trim", 2, 1.0, "side", float(share) / factor)])
             for n, share in enumerate(shares)
         ]
-        (row,) = blame(flights, LIBRARY)
+        (row,) = attribute_errors(flights, LIBRARY)
         return row
 
     honest, boastful = judged(1.0), judged(0.7)

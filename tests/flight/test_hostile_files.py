@@ -11,9 +11,9 @@ import benchmarks.files.hostile_files as hostile
 import models
 from flight.errors import FlightError
 from flightlog.channels import TRUTH
-from flightlog.consistency import refuse_contradictions
+from flightlog.consistency import check_log_consistency
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers.mjcf_check import parse_model
@@ -25,7 +25,7 @@ OURS = ("flight", "sim", "identification", "planner", "review", "maneuver", "too
 
 
 @pytest.fixture(scope="module")
-def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.Kind]:
+def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.FileKind]:
     return {kind.name: kind for kind in hostile.kinds(tmp_path_factory.mktemp("good"))}
 
 
@@ -33,14 +33,14 @@ def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.Kind]:
     "name", ["library", "mission", "plan", "sequence", "vehicle", "model", "campaign", "log", "torn log"]
 )
 def test_a_mutated_file_is_answered_or_refused_in_one_line(
-    kinds: dict[str, hostile.Kind], name: str, tmp_path: Path
+    kinds: dict[str, hostile.FileKind], name: str, tmp_path: Path
 ) -> None:
     count = 6 if name == "log" else 25
     found = [hostile.outcome(kinds[name], Random(f"{name} {n}"), tmp_path) for n in range(count)]
     assert not [outcome for outcome in found if outcome.startswith("wrong")]
 
 
-def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, hostile.Kind], tmp_path: Path) -> None:
+def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, hostile.FileKind], tmp_path: Path) -> None:
     for name in ("library", "plan", "sequence", "vehicle", "model", "campaign"):
         path = tmp_path / f"good{kinds[name].suffix}"
         path.write_bytes(kinds[name].content)
@@ -53,7 +53,7 @@ def changed(log: FlightLog, series: Series) -> FlightLog:
 
 def test_a_log_whose_checksums_are_right_may_still_contradict_itself() -> None:
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
-    refuse_contradictions(log)
+    check_log_consistency(log)
     truth = log[TRUTH]
     backwards, broken = truth.time.copy(), truth.values.copy()
     backwards[10] = 0.0
@@ -65,7 +65,7 @@ def test_a_log_whose_checksums_are_right_may_still_contradict_itself() -> None:
         (Series(TRUTH, truth.time[:0], truth.values[:0]), "has no message"),
     ):
         with pytest.raises(ValueError, match=words):
-            refuse_contradictions(changed(log, wrong))
+            check_log_consistency(changed(log, wrong))
 
 
 RUNNING = {"eval", "exec", "compile", "__import__"}
@@ -169,7 +169,7 @@ def test_a_log_with_a_harmful_shape_ends_in_one_line_and_exit_code_2(
     # Our own writer would draw the shape for viewers, and refuse.
     monkeypatch.setattr("flightlog.file.writer.viewer_channels", lambda log: ())
     path = tmp_path / "harmful.mcap"
-    publish_log(replace(log, attachments={**log.attachments, "model.xml": HARMFUL[harm].encode()}), path)
+    write_log(replace(log, attachments={**log.attachments, "model.xml": HARMFUL[harm].encode()}), path)
     assert run(["review", str(path), "--still", str(tmp_path / "still.png")]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("maneuver: ")
@@ -180,7 +180,7 @@ def test_a_log_that_would_unpack_to_more_than_is_allowed_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "bomb.mcap"
-    publish_log(synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1), path)
+    write_log(synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1), path)
     read_log(path)
     monkeypatch.setattr("flightlog.file.reader.LARGEST_LOG", path.stat().st_size)
     with pytest.raises(FlightError, match="bytes of content, got more"):

@@ -9,7 +9,7 @@ import pytest
 
 from flightlog.channels import ACTUATORS, ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
-from identification.segmentation.segmentation import Entry, Walk, cut
+from identification.segmentation.segmentation import ObservedWalk, TrimEntry, cut_into_segments
 from maneuver.app import run
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
@@ -44,7 +44,7 @@ def test_columns_are_taken_by_their_names_in_the_axes_stated(tmp_path: Path) -> 
     ):
         np.testing.assert_allclose(truth[field], value, atol=1e-6, err_msg=field)
     assert log[ACTUATORS].topic.field_names == ("control_1",)
-    assert not truth.holds("roll_rate")
+    assert not truth.has_fields("roll_rate")
 
 
 def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Path) -> None:
@@ -96,13 +96,13 @@ def test_without_positions_maneuvers_are_as_long_as_their_velocities_make_them()
     log = synthetic_log(library, (1, 3, 7, 3), (4.0,) * 4, seed=1, noise=STILL)
     starts = log.series["/primitive"]
     entries = [
-        Entry(time, int(left), int(reached))
+        TrimEntry(time, int(left), int(reached))
         for time, kind, left, reached in zip(
             starts.time, starts["kind"], starts["from_trim"], starts["to_trim"], strict=True
         )
         if kind == 1
     ]
-    walk = Walk(1, tuple(entries))
+    walk = ObservedWalk(1, tuple(entries))
     truth = log[TRUTH]
     fields = [name for name in truth.topic.field_names if name not in {"north", "east"}]
     blind_topic = TRUTH.only(fields)
@@ -110,7 +110,10 @@ def test_without_positions_maneuvers_are_as_long_as_their_velocities_make_them()
     blind = type(log)(
         log.header, {TRUTH.name: type(truth)(blind_topic, truth.time, blind_values)}, log.attachments
     )
-    seen, unseen = cut(log, walk, library).maneuvers, cut(blind, walk, library).maneuvers
+    seen, unseen = (
+        cut_into_segments(log, walk, library).maneuvers,
+        cut_into_segments(blind, walk, library).maneuvers,
+    )
     assert len(seen) == len(unseen) == 3
     for one, other in zip(seen, unseen, strict=True):
         assert other.duration == one.duration

@@ -16,14 +16,14 @@ from flight.automaton.library_file import library_text, read_library
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
-from flightlog.imports.axes import Axes, quaternions_of
+from flightlog.file.writer import write_log
+from flightlog.imports.axes import Axes, quaternions_from_euler
 from flightlog.imports.measured_motion import attitude_source
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers.z_up_frames import attitudes
 from maneuver.app import run
-from tests.support.foreign_bags import plain_bag, ros2_bag
+from tests.support.external_bags import plain_bag, ros2_bag
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 
@@ -96,7 +96,7 @@ def test_json_says_where_and_how_fast_and_what_it_does_not_say_is_absent(
     said = json.loads(capsys.readouterr().out)
     truth = log[TRUTH]
     np.testing.assert_allclose(truth["side"], FLOWN["side"], atol=1e-9)
-    assert not truth.holds("roll_rate")
+    assert not truth.has_fields("roll_rate")
     assert said["absent_of_the_state"] == ["roll_rate", "pitch_rate", "body_yaw_rate"]
     assert {"/estimate", "/wind", "/command"} <= set(said["absent"])
     # Without body rates the rate of the heading is its slope.
@@ -205,7 +205,7 @@ def test_an_imported_flight_gives_the_library_that_its_original_gives(tmp_path: 
     truth = with_rates_of_the_turn(flown[TRUTH])
     bag.write_bytes(ros2_bag(truth, topics=["/odom"]))
     named.write_text(library_text(library))
-    publish_log(replace(flown, series={TRUTH.name: truth}), logs["original"])
+    write_log(replace(flown, series={TRUTH.name: truth}), logs["original"])
     assert run(["import", str(bag), "--pose", "/odom", "--as", "truth", "--out", str(logs["imported"])]) == 0
     found = {}
     for name, log in logs.items():
@@ -228,17 +228,17 @@ def test_axes_turn_as_matrices_do(quaternion: tuple[float, ...]) -> None:
     w, x, y, z = np.array(quaternion) / np.linalg.norm(quaternion)
     theirs = Rotation.from_quat([x, y, z, w]).as_matrix()
     swap, flip = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]), np.diag([1.0, -1, -1])
-    ours = Axes("enu", "flu").turned(np.array([[w, x, y, z]]))[0]
+    ours = Axes("enu", "flu").in_ned_frd(np.array([[w, x, y, z]]))[0]
     np.testing.assert_allclose(
         Rotation.from_quat(ours[[1, 2, 3, 0]]).as_matrix(), swap @ theirs @ flip, atol=1e-12
     )
-    same = Axes("ned", "frd").turned(np.array([[w, x, y, z]]))
+    same = Axes("ned", "frd").in_ned_frd(np.array([[w, x, y, z]]))
     np.testing.assert_array_equal(same, [[w, x, y, z]])
 
 
 @given(roll=st.floats(-3.1, 3.1), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
 def test_angles_of_a_quaternion_of_angles_are_these_angles(roll: float, pitch: float, yaw: float) -> None:
-    one = quaternions_of(*(np.array([angle]) for angle in (roll, pitch, yaw)))
+    one = quaternions_from_euler(*(np.array([angle]) for angle in (roll, pitch, yaw)))
     angles = attitude_source(np.zeros(1), one).columns
     np.testing.assert_allclose(
         [angles[name][0] for name in ("roll", "pitch", "heading")], [roll, pitch, yaw], atol=1e-7
@@ -247,9 +247,9 @@ def test_angles_of_a_quaternion_of_angles_are_these_angles(roll: float, pitch: f
 
 def test_the_viewers_channels_of_a_ros_bag_are_its_own_poses_again() -> None:
     """Ours to viewers is the way back from theirs to ours: two files that know nothing of one another."""
-    from tests.support.foreign_bags import Motion
+    from tests.support.external_bags import MatrixMotion
 
     there = attitudes(replace(FLOWN))
-    theirs = Motion(FLOWN).quaternions
+    theirs = MatrixMotion(FLOWN).quaternions
     same = np.minimum(np.abs(there - theirs).max(axis=1), np.abs(there + theirs).max(axis=1))
     assert same.max() < 1e-12

@@ -9,7 +9,7 @@ import pytest
 from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, TRUTH, WIND
-from flightlog.events import Level, events_of_flight
+from flightlog.events import Level, flight_events
 from flightlog.file.reader import read_log
 from flightlog.imports.px4_log import Messages, series_of
 from flightlog.topic import Series
@@ -96,8 +96,8 @@ def test_what_is_not_valid_or_not_logged_is_absent_and_the_rest_is_there() -> No
     place = topics["vehicle_local_position"]
     never = {**place, "xy_valid": np.zeros(len(place["x"]))}
     estimate = series_of({**topics, "vehicle_local_position": never})[ESTIMATE.name]
-    assert not estimate.holds("north")
-    assert not estimate.holds("east")
+    assert not estimate.has_fields("north")
+    assert not estimate.has_fields("east")
     np.testing.assert_allclose(estimate["forward"], SPEED, atol=2e-5)
     np.testing.assert_allclose(estimate["down"], -12.0)
     lying = {name: part for name, part in topics.items() if name != "vehicle_attitude"}
@@ -152,7 +152,7 @@ def test_a_real_log_is_imported_and_reviewed(tmp_path: Path, capsys: pytest.Capt
     assert "/truth" in said["absent"]
     flight = read_log(log)
     assert json.loads(flight.attachments[IMPORT_ATTACHMENT])["information"]["ver_hw"] == "PX4_SITL"
-    told = [event for event in events_of_flight(flight) if event.source == "autopilot"]
+    told = [event for event in flight_events(flight) if event.source == "autopilot"]
     assert any(event.text.endswith("Preflight: GPS fix too low") for event in told)
     assert {event.level for event in told} >= {Level.INFO, Level.WARNING}
     # It hopped to about two metres.
@@ -170,8 +170,8 @@ def test_a_real_log_without_positions_is_reviewed_by_what_it_has(
     said = json.loads(capsys.readouterr().out)
     assert said["absent_of_the_state"] == ["north", "east", "forward", "side"]
     flight = read_log(log)
-    assert flight[ESTIMATE].holds("down", "roll", "pitch", "heading", "roll_rate")
-    assert flight[ACTUATORS].holds("control_1", "control_4")
+    assert flight[ESTIMATE].has_fields("down", "roll", "pitch", "heading", "roll_rate")
+    assert flight[ACTUATORS].has_fields("control_1", "control_4")
     # Its estimator of the wind never ran: the zeros that it logged are no calm.
     assert WIND.name not in flight.series
     assert run(["review", str(log), "--html", "--png", "--json", "--out", str(tmp_path / "review")]) == 0

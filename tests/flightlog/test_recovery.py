@@ -13,7 +13,7 @@ from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 
 from flightlog.file.reader import read_log
-from flightlog.file.recovery import holds, recovered_bytes, salvage
+from flightlog.file.recovery import contains_salvage, recovered_bytes, salvage
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from maneuver.app import run
@@ -88,7 +88,7 @@ def test_a_chunk_damaged_in_the_middle_is_left_out_and_the_rest_kept(content: by
     assert not found.lossless
     assert found.announced is not None
     assert 0 < len(found.messages) < found.announced
-    assert holds(recovered_bytes(found), found)
+    assert contains_salvage(recovered_bytes(found), found)
 
 
 def test_altered_words_beside_the_messages_are_no_lossless_recovery(content: bytes) -> None:
@@ -128,7 +128,7 @@ def test_whatever_was_done_to_a_log_what_is_recovered_is_a_part_of_it(
     true = {(m.channel_id, m.log_time, m.data) for m in original.messages}
     assert {(m.channel_id, m.log_time, m.data) for m in found.messages} <= true
     if found.messages:
-        assert holds(recovered_bytes(found), found)
+        assert contains_salvage(recovered_bytes(found), found)
     if found.lossless:
         assert len(found.messages) == len(original.messages)
 

@@ -22,13 +22,13 @@ from flight.plan.planned_track import planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import MISSION_ATTACHMENT, MODEL_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH
-from flightlog.events import Level, events_of_flight
+from flightlog.events import Level, flight_events
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from flightlog.topic import Series
-from flightlog.viewers.channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
-from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill
-from flightlog.viewers.z_up_frames import BELIEVED_VEHICLE, VEHICLE, WORLD, attitudes, positions
+from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill_template
+from flightlog.viewers.viewer_channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
+from flightlog.viewers.z_up_frames import ESTIMATED_VEHICLE, VEHICLE, WORLD, attitudes, positions
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -75,7 +75,7 @@ def test_a_transform_puts_the_vehicle_where_it_was(flight: FlightLog) -> None:
             assert transform.translation.y == states["north"][row]
             assert transform.translation.z == -states["down"][row]
             assert transform.timestamp.ToNanoseconds() == round(time * 1e9)
-        assert [part.child_frame_id for part in message.transforms] == [VEHICLE, BELIEVED_VEHICLE]
+        assert [part.child_frame_id for part in message.transforms] == [VEHICLE, ESTIMATED_VEHICLE]
     times = np.array([time for time, _ in found])
     assert times[0] == 0.0
     assert times[-1] == pytest.approx(truth.time[-1], abs=1e-9)
@@ -158,7 +158,7 @@ def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None
 
 def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: FlightLog) -> None:
     broken = replace(flight, attachments={**flight.attachments, PLANS_ATTACHMENT: b"[{]"})
-    errors = [event.text for event in events_of_flight(broken) if event.level is Level.ERROR]
+    errors = [event.text for event in flight_events(broken) if event.level is Level.ERROR]
     assert errors == [text for text in errors if text.startswith("plans.json: is not JSON")]
     assert errors
     assert {channel.topic.name for channel in viewer_channels(broken)} == {
@@ -188,7 +188,7 @@ def test_a_filled_template_is_the_message_that_the_runtime_reads(times: list[int
     part.timestamp.seconds, part.timestamp.nanos = SECONDS, NANOSECONDS
     part.translation.x, part.translation.z = 1e300, 2e300
     columns = {1e300: np.full(len(times), value), 2e300: np.arange(len(times), dtype=np.float64)}
-    filled = fill(template, times=np.array(times), columns=columns)
+    filled = fill_template(template, times=np.array(times), columns=columns)
     for row, time in enumerate(times):
         read = FrameTransforms.FromString(filled[row].tobytes()).transforms[0]
         assert (read.timestamp.ToNanoseconds(), read.child_frame_id) == (time, "vehicle")

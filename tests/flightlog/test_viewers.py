@@ -15,7 +15,7 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 
 from experiments.mission.fly import fly_helicopter
-from experiments.mission.task import MissionTask
+from experiments.mission.mission_task import MissionTask
 from flight.mission.fault import parse_fault
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
@@ -25,12 +25,12 @@ from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers import z_up_frames as z_up
-from flightlog.viewers.channels import VIEWER_TOPICS
+from flightlog.viewers.viewer_channels import VIEWER_TOPICS
 from maneuver.app import run
 from scenarios.find import find_library, find_mission
 from sim.campaign_flight import fly_specification
-from sim.loop.specification import Departure, specify_sequence
-from tests.support.foreign_bags import ros2_bag
+from sim.loop.specification import FlightOptions, specify_sequence
+from tests.support.external_bags import ros2_bag
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LAYOUT = Path(__file__).parents[2] / "review" / "viewers" / "foxglove-layout.json"
@@ -81,7 +81,9 @@ def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     if request.param in {"sequence", "fault"}:
         walk = Sequence("short", SE2.identity(), (1, 2), (2.0, 2.0), "gtmax")
         faults = (parse_fault("gps dropout 1 2"),) if request.param == "fault" else ()
-        log = fly_specification(specify_sequence(walk, seed=1).depart(Departure(faults=faults)), library)
+        log = fly_specification(
+            specify_sequence(walk, seed=1).with_options(FlightOptions(faults=faults)), library
+        )
     elif request.param == "imported":
         bag = path.with_name("bag.mcap")
         bag.write_bytes(ros2_bag(synthetic_log(synthetic_library(), (1, 2), (2.0, 2.0), seed=1)[TRUTH]))

@@ -91,7 +91,7 @@ def test_both_boxes_hold_all_samples_and_touch_them(seed: int, count: int, scala
     low = rng.standard_normal((count, scalars)) * 10.0 ** rng.integers(-6, 6, scalars)
     high = low + rng.exponential(size=low.shape)
     for box in (box_around(low.mean(axis=0), low, high), smallest_box(low, high)):
-        assert box.holds(low, high).all()
+        assert box.contains(low, high).all()
         shrunken = type(box)(box.centre, box.size * (1 - 1e-9), box.support)
-        assert not shrunken.holds(low, high).all()
+        assert not shrunken.contains(low, high).all()
     assert smallest_box(low, high).support == 2 * scalars

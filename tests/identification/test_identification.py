@@ -16,12 +16,12 @@ from flightlog.log import FlightLog
 from identification.data_sheet import data_sheet
 from identification.design.schedule import schedule
 from identification.identify import InconsistentLogsError, identify
-from identification.segmentation.flight_evidence import FlightEvidence, evidence
+from identification.segmentation.flight_evidence import FlightEvidence, extract_evidence
 from identification.segmentation.segmentation import CoastSegment, segment
 from identification.statistics.coast_errors import running_average
 from identification.statistics.coverage import joint_coverage
 from identification.statistics.samples import NeverFlownError
-from tests.support.synthetic_log import BREEZE, STILL, Noise, synthetic_library, synthetic_log
+from tests.support.synthetic_log import BREEZE, STILL, FlightNoise, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
 
@@ -31,7 +31,7 @@ def tours(flights: int, seed: int = 5) -> tuple[Sequence, ...]:
     return schedule(LIBRARY, flights=flights, rng=rng, coasting_range=(1.0, 3.0), wind="calm")
 
 
-def flown(flights: int, noise: Noise = BREEZE, library: Library = LIBRARY) -> list[FlightLog]:
+def flown(flights: int, noise: FlightNoise = BREEZE, library: Library = LIBRARY) -> list[FlightLog]:
     return [
         synthetic_log(library, tour.trims, tour.coasting_times, seed=seed, noise=noise, start=tour.start)
         for seed, tour in enumerate(tours(flights))
@@ -39,7 +39,9 @@ def flown(flights: int, noise: Noise = BREEZE, library: Library = LIBRARY) -> li
 
 
 def gathered(logs: list[FlightLog]) -> list[FlightEvidence]:
-    return [evidence(log, name=f"log {place}", sha256=f"{place:064x}") for place, log in enumerate(logs)]
+    return [
+        extract_evidence(log, name=f"log {place}", sha256=f"{place:064x}") for place, log in enumerate(logs)
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -212,7 +214,10 @@ def test_the_averages_of_a_coast_are_those_of_its_beginnings() -> None:
 
 
 def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) -> None:
-    heard = [evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate") for n, log in enumerate(logs)]
+    heard = [
+        extract_evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate")
+        for n, log in enumerate(logs)
+    ]
     library = identify(heard, name="believed")
     assert "believed motion" in library.description
     blind = [
@@ -222,7 +227,10 @@ def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) 
         truth = log.series["/truth"]
         truth_free = replace(truth, values=np.zeros_like(truth.values))
         log.series["/truth"] = truth_free  # type: ignore[index]
-    again = [evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate") for n, log in enumerate(blind)]
+    again = [
+        extract_evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate")
+        for n, log in enumerate(blind)
+    ]
     assert library_text(identify(again, name="believed")) == library_text(library)
     assert library_text(identify(gathered(logs), name="believed")) != library_text(library)
 
@@ -240,7 +248,7 @@ def test_logs_of_different_winds_make_no_library(logs: list[FlightLog]) -> None:
 
 
 def test_the_same_flight_twice_is_refused(logs: list[FlightLog]) -> None:
-    twice = [evidence(logs[0], name=name, sha256="ab") for name in ("a", "b")]
+    twice = [extract_evidence(logs[0], name=name, sha256="ab") for name in ("a", "b")]
     with pytest.raises(InconsistentLogsError, match="b is the same flight as a"):
         identify(twice, name="twice")
 

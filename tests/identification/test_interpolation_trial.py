@@ -19,18 +19,18 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from flight.se2 import Twist
 from flight.units import FOOT
-from flightlog.file.writer import publish_log
-from identification.design.interpolation_schedule import Drawn, draw, sampled_schedule
+from flightlog.file.writer import write_log
+from identification.design.interpolation_schedule import PrimitiveSample, draw_sample, sampled_schedule
 from identification.design.trend_automaton import turns_automaton
-from identification.interpolation.interpolate import grow
-from identification.interpolation.interpolated_trims import grown_trims
-from identification.interpolation.interpolation_claim import calibrated
+from identification.interpolation.interpolate import interpolate_library
+from identification.interpolation.interpolated_trims import interpolate_trims
+from identification.interpolation.interpolation_claim import calibrate_claim
 from identification.interpolation.trim_scatter import TrimScatter, trim_scatter
-from identification.interpolation_trial import grown_trials
-from identification.segmentation.flight_evidence import FlightEvidence, evidence
-from identification.statistics.coverage import held_share, most_exceeding
+from identification.interpolation_trial import interpolation_trials
+from identification.segmentation.flight_evidence import FlightEvidence, extract_evidence
+from identification.statistics.coverage import most_exceedances, order_statistic_coverage
 from maneuver.app import run
-from tests.support.planted_flights import Planted, planted_log
+from tests.support.planted_flights import PlantedDeviations, planted_log
 from tests.support.synthetic_growth import flown_library
 from tests.support.synthetic_growth import scatter as spread
 
@@ -40,18 +40,24 @@ SCALES = np.array([0.05, 0.05, 0.015])
 
 def test_the_share_held_is_exact_for_any_continuous_law() -> None:
     """59 draws without one above the limit are the shortest proof of 95 % with 95 % confidence."""
-    assert held_share(59, exceeding=0, confidence=0.95) >= 0.95 > held_share(58, exceeding=0, confidence=0.95)
-    assert held_share(262, exceeding=7, confidence=0.95) == pytest.approx(beta.ppf(0.05, 255, 8))
-    assert held_share(3, exceeding=3, confidence=0.95) == 0.0
+    assert (
+        order_statistic_coverage(59, exceeding=0, confidence=0.95)
+        >= 0.95
+        > order_statistic_coverage(58, exceeding=0, confidence=0.95)
+    )
+    assert order_statistic_coverage(262, exceeding=7, confidence=0.95) == pytest.approx(
+        beta.ppf(0.05, 255, 8)
+    )
+    assert order_statistic_coverage(3, exceeding=3, confidence=0.95) == 0.0
 
 
 @given(st.integers(1, 500), st.floats(0.5, 0.99), st.floats(0.5, 0.99))
 @settings(deadline=None)
 def test_no_more_exceed_than_the_coverage_bears(count: int, coverage: float, confidence: float) -> None:
-    most = most_exceeding(count, coverage=coverage, confidence=confidence)
+    most = most_exceedances(count, coverage=coverage, confidence=confidence)
     if most:
-        assert held_share(count, exceeding=most, confidence=confidence) >= coverage
-    assert held_share(count, exceeding=most + 1, confidence=confidence) < coverage
+        assert order_statistic_coverage(count, exceeding=most, confidence=confidence) >= coverage
+    assert order_statistic_coverage(count, exceeding=most + 1, confidence=confidence) < coverage
 
 
 @pytest.mark.parametrize("count", [44, 262])
@@ -61,7 +67,7 @@ def test_of_claims_at_95_percent_confidence_one_in_twenty_is_too_large(count: in
     wrong = 0
     for _ in range(2000):
         scores = rng.uniform(1.0, 2.0, count)
-        claim = calibrated(scores, flights=12, coverage=0.95, confidence=0.95)
+        claim = calibrate_claim(scores, flights=12, coverage=0.95, confidence=0.95)
         wrong += claim.factor - 1.0 < claim.coverage
     assert binom.sf(wrong - 1, 2000, 0.05) > 0.001
     assert binom.cdf(wrong, 2000, 0.05) > 0.001
@@ -80,7 +86,7 @@ def scattering(
     assert rule is not None
     left = {trim.id: tail(rng) for trim in automaton.trims}
     flown = [flown_trim(trim, left[trim.id], rng) for trim in automaton.trims]
-    new, _ = grown_trims(flown, rule, speed_step=4 * FOOT, yaw_rate_step=0.1)
+    new, _ = interpolate_trims(flown, rule, speed_step=4 * FOOT, yaw_rate_step=0.1)
     wanted = [*flown, *new]
     longer = {trim.id: 1.5 * left.get(trim.id, tail(rng)) for trim in wanted}
     scatter = trim_scatter(
@@ -144,10 +150,10 @@ def test_the_claim_of_grown_trims_keeps_and_a_shrunken_one_does_not() -> None:
 
 @cache
 def grown_library() -> Library:
-    return grow(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown").library
+    return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown").library
 
 
-def planted(library: Library, drawn: Drawn, *, flights: int, share: float) -> list[FlightEvidence]:
+def planted(library: Library, drawn: PrimitiveSample, *, flights: int, share: float) -> list[FlightEvidence]:
     """Returns flights in which every number deviates by at most a share of the grown library's bounds."""
     rng = np.random.default_rng(11)
     truth = grown_library()
@@ -164,8 +170,8 @@ def planted(library: Library, drawn: Drawn, *, flights: int, share: float) -> li
         # A planted maneuver lasts longer than its dwell.
         for row in truth.maneuvers:
             rows[row.id][0] = max(0.0, 1.01 - row.duration)
-        log = planted_log(truth, text, tour, Planted(trims, rows), seed=number)
-        found.append(evidence(log, name=f"flight {number}", sha256=f"flight {number}"))
+        log = planted_log(truth, text, tour, PlantedDeviations(trims, rows), seed=number)
+        found.append(extract_evidence(log, name=f"flight {number}", sha256=f"flight {number}"))
     assert library.conditions.maneuver_end == truth.conditions.maneuver_end
     return found
 
@@ -189,22 +195,22 @@ def shrink(library: Library, by: float) -> Library:
 
 def test_a_random_sample_flown_inside_the_bounds_keeps_the_claim_and_shrunken_bounds_are_refuted() -> None:
     library = grown_library()
-    drawn = draw(library, most=20, rng=np.random.default_rng(1))
+    drawn = draw_sample(library, most=20, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=3, share=0.99)
-    primitives, trials = grown_trials(library, drawn, flights)
+    primitives, trials = interpolation_trials(library, drawn, flights)
     assert [(trial.kind, trial.drawn, trial.kept) for trial in trials] == [
         ("trim", 20, 20),
         ("maneuver", 20, 20),
     ]
     assert all(one.flights == 3 and one.kept for one in primitives)
     assert not any(trial.refuted for trial in trials)
-    _, trials = grown_trials(shrink(library, 0.7), drawn, flights)
+    _, trials = interpolation_trials(shrink(library, 0.7), drawn, flights)
     assert all(trial.refuted for trial in trials)
 
 
 def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_as_flown_ones_are() -> None:
     library = grown_library()
-    drawn = draw(library, most=15, rng=np.random.default_rng(2))
+    drawn = draw_sample(library, most=15, rng=np.random.default_rng(2))
     rng = np.random.default_rng(3)
     edges = {(row.from_trim, row.to_trim): row for row in library.maneuvers}
     ways_in = {trim: set[int]() for trim in drawn.trims}
@@ -222,26 +228,26 @@ def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_a
 
 def test_only_what_is_interpolated_is_drawn_and_the_seed_decides() -> None:
     library = grown_library()
-    drawn = draw(library, most=10_000, rng=np.random.default_rng(1))
+    drawn = draw_sample(library, most=10_000, rng=np.random.default_rng(1))
     assert set(drawn.maneuvers) == {row.id for row in library.maneuvers if row.interpolated}
     assert set(drawn.trims) == {trim.id for trim in library.trims if trim.interpolated}
-    some = [draw(library, most=9, rng=np.random.default_rng(seed)) for seed in (4, 4, 5)]
+    some = [draw_sample(library, most=9, rng=np.random.default_rng(seed)) for seed in (4, 4, 5)]
     assert some[0] == some[1] != some[2]
 
 
 def test_a_claim_for_twelve_flights_is_not_tested_with_more() -> None:
     library = grown_library()
-    drawn = draw(library, most=2, rng=np.random.default_rng(1))
+    drawn = draw_sample(library, most=2, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=13, share=0.5)
     with pytest.raises(FlightError, match="the claim of grown trims is for 12 flights each, got 13"):
-        grown_trials(library, drawn, flights)
+        interpolation_trials(library, drawn, flights)
 
 
 def test_the_command_judges_logs_of_a_grown_library(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     library = grown_library()
-    drawn = draw(library, most=12, rng=np.random.default_rng(1))
+    drawn = draw_sample(library, most=12, rng=np.random.default_rng(1))
     tours = sampled_schedule(
         library,
         drawn,
@@ -250,13 +256,13 @@ def test_the_command_judges_logs_of_a_grown_library(
         coasting_range=(2.0, 8.0),
         wind="calm",
     )
-    nothing = Planted(
+    nothing = PlantedDeviations(
         {trim.id: np.zeros(3) for trim in library.trims},
         {row.id: np.array([max(0.0, 1.01 - row.duration), 0, 0, 0]) for row in library.maneuvers},
     )
     for number, tour in enumerate(tours):
         log = planted_log(library, library_text(library).encode(), tour, nothing, seed=number)
-        publish_log(log, tmp_path / f"{number}.mcap", force=False)
+        write_log(log, tmp_path / f"{number}.mcap", force=False)
     path = tmp_path / "grown.json"
     path.write_text(library_text(library))
     assert run(("library", "test", str(path), "--flights", "13")) == 2

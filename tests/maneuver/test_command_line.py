@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from flight.automaton.library_file import library_text
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from maneuver.app import run
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
@@ -16,7 +16,7 @@ from tests.support.synthetic_log import synthetic_library, synthetic_log
 @pytest.fixture
 def log_path(tmp_path: Path) -> Path:
     path = tmp_path / "flight.mcap"
-    publish_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), path)
+    write_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), path)
     return path
 
 

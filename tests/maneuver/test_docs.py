@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from flight.mission.campaign import read_campaign
-from flight.mission.fault import KINDS
+from flight.mission.fault import FAULT_KINDS
 from flight.mission.mission import read_mission
 from flight.mission.sequence import read_sequence
 from tools.gallery import SHOTS, commands
@@ -29,9 +29,9 @@ def test_the_examples_of_files_are_read(place: int, read: Callable[[Path], objec
 def test_every_kind_of_fault_stands_on_the_page_of_the_helicopter() -> None:
     text = (PAGE.parent / "helicopter.md").read_text(encoding="utf-8")
     assert re.findall(r"^\| `(\w+ \w+) START DURATION", text, flags=re.MULTILINE) == [
-        " ".join(place) for place in KINDS
+        " ".join(place) for place in FAULT_KINDS
     ]
-    assert all(f"| `{kind.words}` | {kind.meaning} |" in text for kind in KINDS.values())
+    assert all(f"| `{kind.words}` | {kind.meaning} |" in text for kind in FAULT_KINDS.values())
 
 
 def test_the_gallery_shows_the_commands_that_make_it_and_its_pictures_exist() -> None:

@@ -10,13 +10,13 @@ import pytest
 
 from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import TRUTH
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
 from review.page.campaign_page import campaign_page
-from review.page.campaign_rows import FlightRow, outliers_first, row_of
-from review.page.comparison import scorecard
-from review.summary.bound_check import judged_by
+from review.page.campaign_rows import FlightRow, flight_row, sort_outliers_first
+from review.page.comparison import comparison_rows
+from review.summary.bound_check import with_bounds_of
 from review.summary.summary import summarise
 from tests.support.browser import CHROMIUM, browser
 from tests.support.synthetic_log import synthetic_library, synthetic_log
@@ -39,18 +39,18 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Nine ordinary flights, one far off command, one lost, one log cut short."""
     folder = tmp_path_factory.mktemp("campaign")
     for seed in range(9):
-        publish_log(flight(seed), folder / f"ordinary-{seed}.mcap")
-    publish_log(disturbed(flight(20), 1.0), folder / "sideways.mcap")
+        write_log(flight(seed), folder / f"ordinary-{seed}.mcap")
+    write_log(disturbed(flight(20), 1.0), folder / "sideways.mcap")
     lost = flight(21)
-    publish_log(replace(lost, header=replace(lost.header, outcome="flight lost")), folder / "lost.mcap")
-    publish_log(flight(22), folder / "whole.mcap")
+    write_log(replace(lost, header=replace(lost.header, outcome="flight lost")), folder / "lost.mcap")
+    write_log(flight(22), folder / "whole.mcap")
     (folder / "cut.mcap").write_bytes((folder / "whole.mcap").read_bytes()[:5000])
     (folder / "whole.mcap").unlink()
     return folder
 
 
 def test_what_failed_comes_first_then_what_stands_out(campaign: Path) -> None:
-    rows = outliers_first([row_of(path) for path in sorted(campaign.iterdir())])
+    rows = sort_outliers_first([flight_row(path) for path in sorted(campaign.iterdir())])
     assert [row.path.name for row in rows[:3]] == ["cut.mcap", "lost.mcap", "sideways.mcap"]
     assert [row.score for row in rows[:2]] == [inf, inf]
     assert "maneuver recover" in rows[0].problem
@@ -61,13 +61,13 @@ def test_what_failed_comes_first_then_what_stands_out(campaign: Path) -> None:
 
 
 def test_a_single_flight_and_an_empty_campaign_have_no_outlier() -> None:
-    assert outliers_first([]) == ()
-    (alone,) = outliers_first([FlightRow(Path("a.mcap"), good=True, figures=(("side", 3.0),))])
+    assert sort_outliers_first([]) == ()
+    (alone,) = sort_outliers_first([FlightRow(Path("a.mcap"), good=True, figures=(("side", 3.0),))])
     assert alone.score == 0.0
 
 
 def test_a_spark_keeps_the_worst_moment(campaign: Path) -> None:
-    row = row_of(campaign / "sideways.mcap")
+    row = flight_row(campaign / "sideways.mcap")
     off = np.hypot(
         *(
             disturbed(flight(20), 1.0)[TRUTH][name] - flight(20).series["/command"][name]
@@ -95,7 +95,7 @@ def test_the_folder_is_reviewed_with_pages_for_the_first_and_an_honest_no(
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
 def test_the_index_sorts_and_links_in_a_browser(campaign: Path, tmp_path: Path) -> None:
-    rows = outliers_first([row_of(path) for path in sorted(campaign.iterdir())])
+    rows = sort_outliers_first([flight_row(path) for path in sorted(campaign.iterdir())])
     page = campaign_page(rows, title="<b>tour</b>", pages={rows[2].path: "sideways.html"})
     (tmp_path / "index.html").write_text(page, encoding="utf-8")
     with browser(tmp_path / "profile") as tab:
@@ -120,7 +120,7 @@ def test_two_flights_of_one_mission_stand_side_by_side(
     for name, goal in (("nominal", [90.0, 0.0]), ("worst-case", [4.0, 0.0])):
         log = flight(1, name="gtmax-1")
         mission = json.dumps({"goal": goal, "tolerance": 1.0}).encode()
-        publish_log(
+        write_log(
             replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: mission}),
             tmp_path / f"{name}.mcap",
         )
@@ -133,9 +133,9 @@ def test_two_flights_of_one_mission_stand_side_by_side(
 
 
 def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
-    assert "left their bounds" not in {name for name, *_ in scorecard([summarise(flight(1))] * 2)}
-    summary = summarise(judged_by(flight(1), synthetic_library()))
-    rows = {name for name, *_ in scorecard([summary, summary])}
+    assert "left their bounds" not in {name for name, *_ in comparison_rows([summarise(flight(1))] * 2)}
+    summary = summarise(with_bounds_of(flight(1), synthetic_library()))
+    rows = {name for name, *_ in comparison_rows([summary, summary])}
     assert "goal" not in rows
     assert "left their bounds" in rows
 

@@ -63,7 +63,7 @@ def test_missions_and_libraries_come_from_a_cluster_with_the_same_bytes(
 def test_a_cluster_that_does_not_answer_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("runtime.cluster.PATIENCE", 1)
+    monkeypatch.setattr("runtime.cluster.CONNECTION_TIMEOUT", 1)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"

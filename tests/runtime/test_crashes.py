@@ -15,8 +15,8 @@ from benchmarks.files.crash_sweep import (
     note,
     whole_writer,
 )
-from runtime.atomic_write import publish_bytes
-from tests.support.crash_disk import Loss, NotingDisk, after_crash
+from runtime.atomic_write import write_atomically
+from tests.support.crash_file_system import CrashLoss, RecordingFileSystem, after_crash
 
 PIECE = 700_000
 
@@ -28,7 +28,7 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
 
 def test_after_a_crash_at_any_step_nothing_is_lost_doubled_or_half_there(sweep: Sweep) -> None:
     counts = crash_everywhere(sweep, whole_writer, piece=PIECE, seed=1)
-    assert counts.keys() == {*Loss}
+    assert counts.keys() == {*CrashLoss}
     steps, _ = note(sweep, whole_writer, piece=PIECE)
     assert all(found == Counter(points=len(steps) + 1) for found in counts.values())
 
@@ -41,23 +41,23 @@ def test_a_writer_that_opens_files_in_their_place_is_caught_at_most_points(sweep
 
 
 def test_a_writer_that_does_not_sync_is_caught_only_where_the_machine_stops(sweep: Sweep) -> None:
-    class Hasty(NotingDisk):
+    class Hasty(RecordingFileSystem):
         def sync(self, descriptor: int) -> None:
             pass
 
-    def caught(loss: Loss) -> int:
-        disk, reported = Hasty(PIECE), list[tuple[int, str]]()
+    def caught(loss: CrashLoss) -> int:
+        file_system, reported = Hasty(PIECE), list[tuple[int, str]]()
         sweep.lay_out({})
-        sweep.run(whole_writer, disk, reported=reported)
+        sweep.run(whole_writer, file_system, reported=reported)
         wrong = 0
-        for number in range(len(disk.steps) + 1):
-            found = sweep.relative(after_crash(disk.steps[:number], loss, Random(number)))
+        for number in range(len(file_system.steps) + 1):
+            found = sweep.relative(after_crash(file_system.steps[:number], loss, Random(number)))
             wrong += bool(sweep.faults(found, {name for step, name in reported if step <= number}))
         return wrong
 
-    assert caught(Loss.KILLED) == 0
-    assert caught(Loss.DROPPED) > 0
-    assert caught(Loss.NAMES_FIRST) > 0
+    assert caught(CrashLoss.KILLED) == 0
+    assert caught(CrashLoss.DROPPED) > 0
+    assert caught(CrashLoss.NAMES_FIRST) > 0
 
 
 def test_a_disk_that_is_full_from_any_step_on_leaves_a_campaign_that_goes_on(sweep: Sweep) -> None:
@@ -72,17 +72,17 @@ def test_a_campaign_killed_again_and_again_comes_to_the_same_library() -> None:
 
 
 def test_what_was_synced_outlives_the_machine_and_what_was_not_may_go(tmp_path: Path) -> None:
-    disk, path = NotingDisk(5000), tmp_path / "file"
-    publish_bytes(bytes(range(1, 250)) * 40, path, disk=disk)
+    file_system, path = RecordingFileSystem(5000), tmp_path / "file"
+    write_atomically(bytes(range(1, 250)) * 40, path, file_system=file_system)
     whole = path.read_bytes()
-    steps = [step.what for step in disk.steps]
+    steps = [step.what for step in file_system.steps]
     assert steps == ["open", "write", "write", "sync", "rename", "sync folder"]
-    synced = {loss: after_crash(disk.steps, loss, Random(1)) for loss in Loss}
+    synced = {loss: after_crash(file_system.steps, loss, Random(1)) for loss in CrashLoss}
     assert all(found == {path: whole} for found in synced.values())
     # Before the folder is synced the name may be gone, the content not; before that, both.
-    assert after_crash(disk.steps[:5], Loss.DROPPED, Random(1)) == {}
-    assert after_crash(disk.steps[:5], Loss.NAMES_FIRST, Random(1)) == {path: whole}
-    assert after_crash(disk.steps[:2], Loss.KILLED, Random(1)).popitem()[1] == whole[:5000]
-    torn = {bytes(*after_crash(disk.steps[:3], Loss.TORN, Random(n)).values()) for n in range(20)}
+    assert after_crash(file_system.steps[:5], CrashLoss.DROPPED, Random(1)) == {}
+    assert after_crash(file_system.steps[:5], CrashLoss.NAMES_FIRST, Random(1)) == {path: whole}
+    assert after_crash(file_system.steps[:2], CrashLoss.KILLED, Random(1)).popitem()[1] == whole[:5000]
+    torn = {bytes(*after_crash(file_system.steps[:3], CrashLoss.TORN, Random(n)).values()) for n in range(20)}
     assert len(torn) > 5
     assert whole not in torn or len(torn) > 1

@@ -45,7 +45,7 @@ def test_a_campaign_stopped_by_a_signal_says_so_and_resumes(tmp_path: Path, stop
         assert process.returncode == 128 + stop
         assert len(said.splitlines()) == 1
         assert "the same command goes on from there" in said
-        assert not publishing.partials(tmp_path / "flights")
+        assert not publishing.partial_files(tmp_path / "flights")
     deadline = time.monotonic() + 20
     while any(map(alive, workers)):
         assert time.monotonic() < deadline, "workers outlive the program that started them"

@@ -2,14 +2,14 @@
 
 from pathlib import Path
 
-from benchmarks.files.bit_identity import Ways, hash_of
+from benchmarks.files.bit_identity import LibraryRuns, hash_of
 from maneuver.app import run
 
 THREADS = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 
 def test_order_interruption_and_threads_do_not_show_in_logs_and_library(tmp_path: Path) -> None:
-    ways = Ways(tmp_path, flights=2)
+    ways = LibraryRuns(tmp_path, flights=2)
     plain = ways.by_command("1 worker", "--workers", "1", environment=dict.fromkeys(THREADS, "1"))
     assert ways.shuffled() == plain
     assert ways.resumed() == plain

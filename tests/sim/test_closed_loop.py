@@ -18,18 +18,18 @@ from flight.se2 import SE2
 from flightlog.decision import DECISION, DecisionKind, decision_series
 from maneuver.validate import THESIS_MISSIONS
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, TrueGammaError, independent_gammas
-from planner.closed_loop.flight_record import Flown
-from planner.closed_loop.gamma_estimator import Levels
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.gamma_estimator import GammaEstimator
 from planner.closed_loop.latency import Latency, LatencyRecordError
-from planner.closed_loop.receding_horizon import fly
-from planner.closed_loop.remaining_plan import Remainder, Step
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.closed_loop.remaining_plan import PlanStep, RemainingPlan
 from planner.closed_loop.settings import Settings
 from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
 from planner.policies.worst_case import WorstCase
-from planner.walks.safe_stop import rest_trim, way_to_rest
+from planner.walks.safe_stop import rest_trim, safe_stop_path
 from scenarios.find import MISSIONS, find_library
-from sim.loop.specification import FlightSpecification, pose
+from sim.loop.specification import FlightSpecification, specified_pose
 from sim.simulated_helicopter import SimulatedHelicopter
 
 LIBRARY = find_library("gtmax-sim")
@@ -45,10 +45,10 @@ def flown(
     *,
     settings: Settings | None = None,
     planner: Planner | None = None,
-) -> Flown:
+) -> FlightRecord:
     vehicle = AutomatonVehicle(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=gamma)
     planner = planner or Nominal(LIBRARY)
-    return fly(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
+    return fly_closed_loop(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
 
 
 def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_plans_for() -> None:
@@ -181,19 +181,19 @@ def test_planning_in_a_maneuver_has_the_plan_ready_at_its_end() -> None:
 
 @pytest.mark.parametrize("gamma", [-1.0, 0.0, 1.0])
 def test_the_level_shows_itself_in_one_primitive(gamma: float) -> None:
-    levels = Levels(LIBRARY, (30.0, 10.0))
-    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
+    levels = GammaEstimator(LIBRARY, (30.0, 10.0))
+    assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
     begin = SE2(1.0, 2.0, 0.3)
-    step = Step(2, 0.0, 3)
-    levels.see(step, begin, step.exit(begin, LIBRARY, gamma))
-    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
+    step = PlanStep(2, 0.0, 3)
+    levels.update(step, begin, step.exit(begin, LIBRARY, gamma))
+    assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
     # Levels that are asked for later are judged by all that was seen.
-    assert levels.shown((0.5 * gamma, gamma), otherwise=-1.0) == gamma
+    assert levels.estimate((0.5 * gamma, gamma), otherwise=-1.0) == gamma
 
 
 @pytest.mark.parametrize("trim", [trim.id for trim in LIBRARY.trims])
 def test_every_trim_has_a_way_to_rest(trim: int) -> None:
-    way = (trim, *way_to_rest(LIBRARY, trim))
+    way = (trim, *safe_stop_path(LIBRARY, trim))
     LIBRARY.maneuvers_along(way)
     assert way[-1] == rest_trim(LIBRARY) == 1
     assert LIBRARY.trim(way[-1]).velocity.forward == 0
@@ -201,7 +201,7 @@ def test_every_trim_has_a_way_to_rest(trim: int) -> None:
 
 def test_without_a_hover_rest_is_the_slowest_straight_trim() -> None:
     assert rest_trim(thesis_kinematic()) == 1
-    assert way_to_rest(thesis_kinematic(), 1) == ()
+    assert safe_stop_path(thesis_kinematic(), 1) == ()
 
 
 def test_every_plan_says_how_it_comes_to_rest() -> None:
@@ -214,7 +214,7 @@ def test_what_is_left_of_a_plan_leads_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
     plan = WorstCase(LIBRARY, 1.0).plan(mission)
     for scenario in plan.scenarios:
-        end, time = Remainder.of(plan, scenario).outcome(mission.start, LIBRARY, scenario.gamma)
+        end, time = RemainingPlan.of(plan, scenario).predicted_end(mission.start, LIBRARY, scenario.gamma)
         assert time == pytest.approx(scenario.cost)
         assert end.position == pytest.approx(scenario.end.position, abs=1e-6)
 
@@ -252,7 +252,7 @@ class Falling(AutomatonVehicle):
 def test_the_track_of_the_leg_in_which_the_vehicle_is_lost_is_kept() -> None:
     mission = shipped("gtmax-2")
     falling = Falling(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    result = fly(falling, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(falling, mission, planner=Nominal(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert "it met the ground" in result.reason
     assert result.legs[-1].track[-1, 1] == 99.0
@@ -270,13 +270,15 @@ def test_decisions_are_a_topic_of_the_log_in_the_order_of_time() -> None:
 def test_a_way_to_rest_needs_maneuvers() -> None:
     library: Library = thesis_gtmax()
     stranded = replace(library, maneuvers=library.maneuvers[:1])
-    assert way_to_rest(stranded, 3) == ()
-    assert way_to_rest(stranded, 2) == (1,)
+    assert safe_stop_path(stranded, 3) == ()
+    assert safe_stop_path(stranded, 2) == (1,)
 
 
 def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     mission = shipped("gtmax-2")
-    specification = FlightSpecification(seed=1, start=pose(mission.start), start_trim=2, settling_time=1.0)
+    specification = FlightSpecification(
+        seed=1, start=specified_pose(mission.start), start_trim=2, settling_time=1.0
+    )
     helicopter = SimulatedHelicopter(specification, LIBRARY)
     advance = SimulatedHelicopter._advance
 
@@ -286,7 +288,7 @@ def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: py
         advance(self)
 
     monkeypatch.setattr(SimulatedHelicopter, "_advance", fall)
-    result = fly(helicopter, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(helicopter, mission, planner=Nominal(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert result.flown_time == pytest.approx(6.0)
     assert result.legs[-1].track[-1, 0] == pytest.approx(6.0)

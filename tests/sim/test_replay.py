@@ -6,13 +6,13 @@ from pathlib import Path
 
 import pytest
 
-from experiments.mission.repeat import fly_again
+from experiments.mission.repeat import repeat_flight
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
 from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
-from flightlog.file.writer import log_bytes, publish_log
+from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog
-from flightlog.log_diff import bytes_that_differ, differences
+from flightlog.log_diff import count_differing_bytes, differences
 from flightlog.topic import Series
 from maneuver.app import run
 from planner.kernel.build import search_backend
@@ -33,7 +33,7 @@ FLIGHTS = {
         *("fly", "--mission", "gtmax-1", "--policy", "nominal", "--ideal-sensors", "--wind", "light"),
     ],
     "a mission in wind that changes, at the level that is met": [
-        *("fly", "--mission", "gtmax-1", "--policy", "calibrated", "--wind-change", "4 light"),
+        *("fly", "--mission", "gtmax-1", "--policy", "adaptive-gamma", "--wind-change", "4 light"),
     ],
     "a sequence without adaptation, with a servo that lags": [
         *(*SEQUENCE, "--no-adaptation", "--fault", "pedal lag 5 5 0.2"),
@@ -89,7 +89,7 @@ def test_a_log_that_was_altered_is_told_from_its_flight(
     values = estimate.values.copy()
     values[1000:, 0] += 1e-9
     altered = replace(walk, series={**walk.series, ESTIMATE.name: Series(ESTIMATE, estimate.time, values)})
-    publish_log(altered, tmp_path / "altered.mcap")
+    write_log(altered, tmp_path / "altered.mcap")
     assert run(["replay", str(tmp_path / "altered.mcap"), "--json"]) == 1
     (found,) = json.loads(capsys.readouterr().out)
     assert found["differing"] > 0
@@ -101,7 +101,7 @@ def test_a_replay_flies_the_seed_and_the_faults_of_the_log(walk: FlightLog) -> N
     specification = json.loads(walk.attachments[SPECIFICATION_ATTACHMENT])
     assert specification["faults"]
     other = json.dumps({**specification, "faults": []}).encode()
-    without = fly_again(replace(walk, attachments={**walk.attachments, SPECIFICATION_ATTACHMENT: other}))
+    without = repeat_flight(replace(walk, attachments={**walk.attachments, SPECIFICATION_ATTACHMENT: other}))
     assert any("/truth differs from 5." in words for words in differences(walk, without))
 
 
@@ -110,7 +110,7 @@ def test_a_replay_uses_the_back_end_and_the_vehicle_of_the_log(walk: FlightLog) 
     heavy = change_vehicle(read_parameters(), mass=1.1)
     log = fly_specification(specification, walk.library(), parameters=heavy, backend=Backend.INTERPRETED)
     assert log.header.backend.endswith(" interpreted")
-    assert log_bytes(fly_again(log)) == log_bytes(log)
+    assert log_bytes(repeat_flight(log)) == log_bytes(log)
     assert log.attachments[VEHICLE_ATTACHMENT] != walk.attachments[VEHICLE_ATTACHMENT]
 
 
@@ -130,7 +130,7 @@ def test_a_log_of_another_back_end_or_vehicle_is_refused_by_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     path = tmp_path / "other.mcap"
-    publish_log(replace(walk, header=replace(walk.header, **change)), path)  # type: ignore[arg-type]
+    write_log(replace(walk, header=replace(walk.header, **change)), path)  # type: ignore[arg-type]
     assert run(["replay", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert words in line
@@ -144,7 +144,7 @@ def test_a_mission_planned_by_another_search_is_refused(
     here = search_backend()
     assert log.header.search_backend == here
     other = {"compiled": "interpreted", "interpreted": "compiled"}[here]
-    publish_log(replace(log, header=log.header.planned_by(other)), tmp_path / "other.mcap")
+    write_log(replace(log, header=log.header.with_search_backend(other)), tmp_path / "other.mcap")
     capsys.readouterr()
     assert run(["replay", str(tmp_path / "other.mcap")]) == 2
     assert f"expected the search for plans of the log, {other}, got {here}" in capsys.readouterr().err
@@ -154,7 +154,7 @@ def test_a_flight_of_another_code_is_flown_again_and_that_is_said(
     walk: FlightLog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "other.mcap"
-    publish_log(replace(walk, header=replace(walk.header, code_version="0.1.0+000000000000")), path)
+    write_log(replace(walk, header=replace(walk.header, code_version="0.1.0+000000000000")), path)
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
     said = capsys.readouterr().out
     assert ": 0 of " in said
@@ -166,7 +166,7 @@ def test_what_no_simulator_of_ours_flew_is_not_flown_again(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
-    publish_log(log, tmp_path / "planted.mcap")
+    write_log(log, tmp_path / "planted.mcap")
     assert run(["replay", str(tmp_path / "planted.mcap")]) == 2
     assert "has no specification.json" in capsys.readouterr().err
 
@@ -177,13 +177,13 @@ def test_a_broken_mission_in_a_log_is_refused_in_one_line(
 ) -> None:
     log = read_log(flown["a mission nominally planned, with ideal sensors"])
     path = tmp_path / "broken.mcap"
-    publish_log(replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: broken}), path)
+    write_log(replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: broken}), path)
     capsys.readouterr()
     assert run(["replay", str(path)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
 def test_bytes_are_counted_place_by_place() -> None:
-    assert bytes_that_differ(b"abc", b"abc") == 0
-    assert bytes_that_differ(b"abc", b"abd") == 1
-    assert bytes_that_differ(b"abcde", b"xbc") == 3
+    assert count_differing_bytes(b"abc", b"abc") == 0
+    assert count_differing_bytes(b"abc", b"abd") == 1
+    assert count_differing_bytes(b"abcde", b"xbc") == 3

@@ -18,11 +18,11 @@ from flight.se2 import SE2, Twist
 from flightlog.channels import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, primitives_flown
+from flightlog.primitives import PrimitiveKind, flown_primitives
 from sim.campaign_flight import fly_sequence, fly_specification
 from sim.loop.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.loop.streams import Stream, random_stream
-from sim.replay import AnotherVehicleError, replay
+from sim.replay import VehicleMismatchError, replay
 from sim.simulated_helicopter import SimulatedHelicopter
 
 BARE = read_library(libraries.FOLDER / "thesis-gtmax.json")
@@ -59,7 +59,7 @@ def test_the_walk_of_these_tests_flies_every_maneuver_once() -> None:
 def test_every_trim_and_maneuver_is_flown_stably_in_gtmax_turbulence(seed: int) -> None:
     log = fly_specification(specify(*EVERY_EDGE, seed=seed), LIBRARY)
     assert log.header.outcome == "completed"
-    flown = primitives_flown(log)
+    flown = flown_primitives(log)
     assert len(flown) == 45
     assert not any(primitive.timed_out for primitive in flown)
     truth = log[TRUTH]
@@ -104,7 +104,7 @@ def test_a_flight_begins_settled_at_its_start_pose(trim: int) -> None:
     assert truth.pose.distance_to(start.position) < 1e-9
     assert truth.heading == pytest.approx(start.heading, abs=1e-9)
     assert helicopter.time == 0.0
-    assert BANDS[trim].holds(truth.velocity, LIBRARY.trim(trim).velocity)
+    assert BANDS[trim].contains(truth.velocity, LIBRARY.trim(trim).velocity)
     # It believes to be near, not exactly there.
     assert 0.0 < helicopter.pose.distance_to(start.position) < 0.5
 
@@ -158,7 +158,7 @@ def test_a_maneuver_that_does_not_settle_times_out_and_says_so() -> None:
     assert not leg.settled
     assert leg.duration == pytest.approx(3.0)
     helicopter.coast(1.0)
-    assert [primitive.timed_out for primitive in primitives_flown(helicopter.log())] == [True, False]
+    assert [primitive.timed_out for primitive in flown_primitives(helicopter.log())] == [True, False]
 
 
 def test_a_lost_flight_ends_its_log_and_says_why() -> None:
@@ -217,7 +217,7 @@ def test_a_plant_step_that_does_not_divide_the_control_period_is_refused() -> No
 def test_a_log_of_another_vehicle_is_not_replayed() -> None:
     log = fly_specification(specify(1), LIBRARY)
     other = FlightLog(replace(log.header, model_hash="0" * 64), log.series, log.attachments)
-    with pytest.raises(AnotherVehicleError, match="expected the vehicle of the log, 0000"):
+    with pytest.raises(VehicleMismatchError, match="expected the vehicle of the log, 0000"):
         replay(other)
 
 

@@ -9,32 +9,32 @@ import numpy as np
 import pytest
 
 from experiments.faults.fault_matrix import FaultCase, find_fault_matrix
-from experiments.faults.outcome import Outcome, acted, outcome
-from experiments.faults.report import outcomes, together
+from experiments.faults.fault_report import count_outcomes, merge_outcomes
+from experiments.faults.outcome import Outcome, all_faults_acted, outcome_of
 from experiments.mission.fly import fly_helicopter, fly_mission
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.result import MissionResult
-from experiments.mission.safe_envelope import Exit, SafeEnvelope, first_exit
-from experiments.mission.task import MissionTask
+from experiments.mission.safe_envelope import EnvelopeExit, SafeEnvelope, first_exit
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
 from flight.mission.fault import parse_fault
 from flight.se2 import SE2
-from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_of
+from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_from_series
 from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.decision import DecisionKind
-from flightlog.events import events_of_flight
+from flightlog.events import flight_events
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from maneuver.app import run
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
-from planner.closed_loop.receding_horizon import fly
+from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.settings import Settings
 from planner.policies.nominal import Nominal
 from scenarios.find import find_library, find_mission
-from sim.loop.specification import Departure, FlightSpecification
+from sim.loop.specification import FlightOptions, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
 from tests.experiments.test_scorecard import result
@@ -44,9 +44,9 @@ LIBRARY = find_library("gtmax-sim")
 
 def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightLog:
     """Flies 4 s of slow flight, the change to fast flight, and 3 s of that."""
-    departure = Departure(faults=tuple(map(parse_fault, words)), supervised=supervised)
+    flight_options = FlightOptions(faults=tuple(map(parse_fault, words)), supervised=supervised)
     helicopter = SimulatedHelicopter(
-        FlightSpecification(seed=8, start_trim=2, wind=wind).depart(departure), LIBRARY
+        FlightSpecification(seed=8, start_trim=2, wind=wind).with_options(flight_options), LIBRARY
     )
     with suppress(FlightLostError):
         helicopter.coast(4.0)
@@ -56,7 +56,7 @@ def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightL
 
 
 def alarms(log: FlightLog) -> tuple[Alarm, ...]:
-    return alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+    return alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
 
 
 @pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
@@ -106,10 +106,10 @@ def test_a_flight_is_the_same_whether_it_is_watched_or_not() -> None:
 
 def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
     log = flight("gps stuck 1 inf")
-    publish_log(log, tmp_path / "flight.mcap")
+    write_log(log, tmp_path / "flight.mcap")
     again = read_log(tmp_path / "flight.mcap")
     assert alarms(again) == alarms(log)
-    said = [event.text for event in events_of_flight(again) if event.source == "alarm"]
+    said = [event.text for event in flight_events(again) if event.source == "alarm"]
     assert said[0].startswith("fixes are the same to the bit: 0.4 s, allowed 0.35 s")
 
 
@@ -127,7 +127,9 @@ class Doubting(AutomatonVehicle):
 def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
     mission = find_mission("gtmax-1")
     vehicle = Doubting(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0))
+    flown = fly_closed_loop(
+        vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0)
+    )
     assert (flown.reached, flown.claimed, flown.reason) == (False, False, "alarm: doubt")
     kinds = [decision.kind for decision in flown.decisions]
     assert kinds.index(DecisionKind.ALARM) < kinds.index(DecisionKind.FALLBACK)
@@ -155,7 +157,7 @@ class Mistaken(AutomatonVehicle):
         return self._mistaken(super().perform(maneuver))
 
     def _mistaken(self, leg: Leg) -> Leg:
-        return replace(leg, believed=np.add(leg.track, (0.0, 0.0, self.east, 0.0)))
+        return replace(leg, estimated_track=np.add(leg.track, (0.0, 0.0, self.east, 0.0)))
 
 
 class Uncertain(AutomatonVehicle):
@@ -163,17 +165,17 @@ class Uncertain(AutomatonVehicle):
 
     def coast(self, duration: float) -> Leg:
         """Holds the trim."""
-        return replace(super().coast(duration), spread=2.0)
+        return replace(super().coast(duration), standard_deviation=2.0)
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Performs the maneuver."""
-        return replace(super().perform(maneuver), spread=2.0)
+        return replace(super().perform(maneuver), standard_deviation=2.0)
 
 
 def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> None:
     mission = find_mission("gtmax-2")
     vehicle = Mistaken(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    flown = fly_closed_loop(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY)
     assert flown.claimed
     assert not flown.reached
     assert flown.closest > mission.tolerance
@@ -186,7 +188,9 @@ def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal()
     def flown(certainty: float) -> bool:
         vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
         settings = Settings(certainty=certainty, max_activations=40)
-        return fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=settings).claimed
+        return fly_closed_loop(
+            vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=settings
+        ).claimed
 
     assert not flown(3.0)
     assert flown(0.0)
@@ -214,12 +218,12 @@ def test_a_flight_leaves_its_envelope_where_its_truth_does() -> None:
     assert no_number is not None
     assert no_number.time == time
     lost = replace(log, header=replace(log.header, outcome="flight lost: in the ground"))
-    assert first_exit(lost, envelope) == Exit(log.duration, "flight lost: in the ground")
+    assert first_exit(lost, envelope) == EnvelopeExit(log.duration, "flight lost: in the ground")
     with pytest.raises(ValueError, match="must be > 0"):
         SafeEnvelope(tilt=0.0)
 
 
-GONE = Exit(5.0, "gone")
+GONE = EnvelopeExit(5.0, "gone")
 
 
 @pytest.mark.parametrize(
@@ -227,25 +231,25 @@ GONE = Exit(5.0, "gone")
     [
         ({"reached": True, "claimed": True}, Outcome.SAFE),
         ({"reached": False, "claimed": False}, Outcome.SAFE),
-        ({"reached": False, "claimed": True}, Outcome.WRONG),
-        ({"reached": False, "claimed": False, "left": GONE}, Outcome.WRONG),
-        ({"reached": True, "claimed": True, "left": GONE}, Outcome.WRONG),
+        ({"reached": False, "claimed": True}, Outcome.UNDETECTED_FAILURE),
+        ({"reached": False, "claimed": False, "left": GONE}, Outcome.UNDETECTED_FAILURE),
+        ({"reached": True, "claimed": True, "left": GONE}, Outcome.UNDETECTED_FAILURE),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(4.0, AlarmKind.TILT, 1, 0),)},
-            Outcome.LOST,
+            Outcome.DETECTED_LOSS,
         ),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(5.9, AlarmKind.TILT, 1, 0),)},
-            Outcome.LOST,
+            Outcome.DETECTED_LOSS,
         ),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(6.1, AlarmKind.TILT, 1, 0),)},
-            Outcome.WRONG,
+            Outcome.UNDETECTED_FAILURE,
         ),
     ],
 )
 def test_what_a_flight_came_to(changes: dict[str, object], came_to: Outcome) -> None:
-    assert outcome(replace(result("a", 0), **changes)) is came_to  # type: ignore[arg-type]
+    assert outcome_of(replace(result("a", 0), **changes)) is came_to  # type: ignore[arg-type]
 
 
 def rows_of(count: int, **changes: object) -> list[MissionResult]:
@@ -255,36 +259,38 @@ def rows_of(count: int, **changes: object) -> list[MissionResult]:
 def test_outside_the_contract_nothing_passes_wherever_it_went() -> None:
     fault = parse_fault("gps dropout 2 inf")
     rows = rows_of(20)
-    inside = outcomes(FaultCase(fault, contract=True, expected=""), rows)
-    outside = outcomes(FaultCase(fault, contract=False, expected=""), rows)
+    inside = count_outcomes(FaultCase(fault, contract=True, expected=""), rows)
+    outside = count_outcomes(FaultCase(fault, contract=False, expected=""), rows)
     assert (inside.passed, inside.safe, inside.wrong) == (20, 20, 0)
     assert (outside.passed, outside.safe, outside.wrong) == (None, 20, 0)
-    assert together([inside, outside]).passed is None
+    assert merge_outcomes([inside, outside]).passed is None
     # 0 of 20: the share p with (1 - p)^20 = 0.05.
     assert outside.wrong_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
-    assert outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
+    assert count_outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
     alarmed = rows_of(3, alarms=(Alarm(4.0, AlarmKind.TILT, 1.0, 0.5),))
-    assert outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
+    assert count_outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
 
 
 def test_a_fault_that_did_nothing_is_not_seen_to_act() -> None:
-    assert acted(replace(result("a", 0), effects=(0.3,)))
-    assert not acted(replace(result("a", 0), effects=(0.0,)))
-    assert not acted(result("a", 0))
+    assert all_faults_acted(replace(result("a", 0), effects=(0.3,)))
+    assert not all_faults_acted(replace(result("a", 0), effects=(0.0,)))
+    assert not all_faults_acted(result("a", 0))
 
 
 def test_with_protection_a_dead_gyro_is_said_and_without_it_is_not() -> None:
     def flown(*, supervised: bool) -> MissionResult:
-        departure = Departure(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
+        flight_options = FlightOptions(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
         return fly_mission(
-            MissionTask(find_mission("gtmax-2"), LIBRARY, "worst-case", 1.0, "gtmax", 3, departure=departure)
+            MissionTask(
+                find_mission("gtmax-2"), LIBRARY, "worst-case", 1.0, "gtmax", 3, flight_options=flight_options
+            )
         )
 
     with_it, without = flown(supervised=True), flown(supervised=False)
-    assert acted(with_it)
-    assert acted(without)
-    assert outcome(with_it) is Outcome.LOST
-    assert outcome(without) is Outcome.WRONG
+    assert all_faults_acted(with_it)
+    assert all_faults_acted(without)
+    assert outcome_of(with_it) is Outcome.DETECTED_LOSS
+    assert outcome_of(without) is Outcome.UNDETECTED_FAILURE
 
 
 def test_missions_are_flown_watched() -> None:

@@ -26,7 +26,7 @@ _JUST_BEFORE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Planted:
+class PlantedDeviations:
     """Deviations of one flight from the library's values, by the ids of its primitives.
 
     Attributes:
@@ -38,7 +38,9 @@ class Planted:
     maneuvers: dict[int, Float[np.ndarray, "4"]]
 
 
-def planted_log(library: Library, text: bytes, tour: Sequence, planted: Planted, seed: int) -> FlightLog:
+def planted_log(
+    library: Library, text: bytes, tour: Sequence, planted: PlantedDeviations, seed: int
+) -> FlightLog:
     """Returns the log of a flight along a tour.
 
     Args:

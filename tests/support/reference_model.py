@@ -18,7 +18,7 @@ def at_rest(velocity: Twist) -> Float[np.ndarray, "2 3"]:
     return np.array([[velocity.forward, velocity.side, velocity.yaw_rate], [0.0, 0.0, 0.0]])
 
 
-def respond(
+def reference_response(
     state: Float[np.ndarray, "2 3"], target: Twist, ticks: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "2 3"]]:
     """Returns the velocities over some ticks and the state after them; exact for a constant target."""

@@ -10,7 +10,7 @@ from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT, VEH
 from flightlog.channels import CONTROLS, NAVIGATION, TRUTH
 from flightlog.log import FlightLog
 from flightlog.topic import Series
-from review.page.page import Reviewed, review_page
+from review.page.page import ReviewedFlight, review_page
 from review.summary.control_limits import control_limits
 from review.summary.summary import summarise
 
@@ -44,5 +44,5 @@ def whole_flight(*, coasts: tuple[float, ...] = COASTS, seed: int = 1, name: str
 
 
 def page_of(*logs: FlightLog) -> str:
-    flights = [Reviewed(log, summarise(log), f"flight {place}") for place, log in enumerate(logs)]
+    flights = [ReviewedFlight(log, summarise(log), f"flight {place}") for place, log in enumerate(logs)]
     return review_page(flights, limits=control_limits(logs[0]))

@@ -17,7 +17,7 @@ from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.automaton.maneuver import Maneuver, ManeuverError
-from flight.automaton.maneuver_end import Band, ManeuverEnd, ManeuverEndJudge, Verdict
+from flight.automaton.maneuver_end import Band, ManeuverEnd, ManeuverEndDetector, ManeuverStatus
 from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_error
 from flight.automaton.trim import Trim
 from flight.se2 import SE2, Twist
@@ -28,7 +28,7 @@ from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
 from flightlog.topic import Series
 
-from .reference_model import STEP, at_rest, integrate, respond
+from .reference_model import STEP, at_rest, integrate, reference_response
 
 ALTITUDE = 30.0
 """Metres above ground."""
@@ -51,7 +51,7 @@ EDGES = (
 
 
 @dataclass(frozen=True, slots=True)
-class Noise:
+class FlightNoise:
     """What keeps a synthetic flight from being perfect; standard deviations of stationary noise.
 
     Attributes:
@@ -67,15 +67,15 @@ class Noise:
     correlation_time: float = 2.0
 
 
-BREEZE = Noise(Twist(0.06, 0.06, 0.006), Twist(0.02, 0.02, 0.002), 0.3)
+BREEZE = FlightNoise(Twist(0.06, 0.06, 0.006), Twist(0.02, 0.02, 0.002), 0.3)
 """A good day: a trim is held to a quarter of a metre per second."""
 
-STILL = Noise(Twist(0.0, 0.0, 0.0), Twist(0.0, 0.0, 0.0), 0.0)
+STILL = FlightNoise(Twist(0.0, 0.0, 0.0), Twist(0.0, 0.0, 0.0), 0.0)
 """No noise: the truth is the command, and the estimate the truth."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Noises:
+class _NoiseSamples:
     """Samples drawn for the longest flight possible."""
 
     motion: Float[np.ndarray, "n 3"]
@@ -108,7 +108,7 @@ def synthetic_log(
     coasting_times: Sequence[float],
     *,
     seed: int,
-    noise: Noise = BREEZE,
+    noise: FlightNoise = BREEZE,
     start: SE2 | None = None,
     kind: str = "sequence",
     name: str = "synthetic",
@@ -151,7 +151,7 @@ def synthetic_log(
 def _maneuver(number: int, edge: tuple[int, int], rule: ManeuverEnd) -> Maneuver:
     """Returns what the noiseless reference model does between two trims, with round errors."""
     (_, before), (_, after) = TRIMS[edge[0]], TRIMS[edge[1]]
-    response = respond(at_rest(before), after, round(rule.timeout / STEP) + 1)[0]
+    response = reference_response(at_rest(before), after, round(rule.timeout / STEP) + 1)[0]
     ticks = _ending(rule, edge[1], after, 0.0, response)[0]
     pose = integrate(response[: ticks + 1], SE2.identity())[-1]
     error = signed_maneuver_error(ManeuverError(0.6, 0.6, 0.4, 0.08), left=before, reached=after)
@@ -178,18 +178,18 @@ def _fly(
     first = library.trim(trims[0])
     rows = [_row(0.0, PrimitiveKind.COAST, first.id, (first, first))]
     pieces, state, tick = [], at_rest(first.velocity), 0
-    piece, state = respond(state, first.velocity, round(coasting_times[0] / STEP))
+    piece, state = reference_response(state, first.velocity, round(coasting_times[0] / STEP))
     pieces.append(piece)
     tick += len(piece)
     for edge, coasting_time in zip(pairwise(trims), coasting_times[1:], strict=True):
         before, after = library.trim(edge[0]), library.trim(edge[1])
         rows.append(_row(_seconds(tick), PrimitiveKind.MANEUVER, library.maneuver(*edge).id, (before, after)))
-        ahead, _ = respond(state, after.velocity, round(rule.timeout / STEP) + 1)
+        ahead, _ = reference_response(state, after.velocity, round(rule.timeout / STEP) + 1)
         believed = ahead + deviation[tick : tick + len(ahead)]
         ticks, verdict = _ending(rule, after.id, after.velocity, _seconds(tick), believed)
-        late = verdict is Verdict.TIMED_OUT
+        late = verdict is ManeuverStatus.TIMED_OUT
         rows.append(_row(_seconds(tick + ticks), PrimitiveKind.COAST, after.id, (after, after), late=late))
-        piece, state = respond(state, after.velocity, ticks + round(coasting_time / STEP))
+        piece, state = reference_response(state, after.velocity, ticks + round(coasting_time / STEP))
         pieces.append(piece)
         tick += len(piece)
     pieces.append(state[None, 0])
@@ -214,17 +214,17 @@ def _row(
 
 def _ending(
     rule: ManeuverEnd, to_trim: int, target: Twist, entry_time: float, velocity: Float[np.ndarray, "n 3"]
-) -> tuple[int, Verdict]:
+) -> tuple[int, ManeuverStatus]:
     """Returns after how many ticks the rule ends a maneuver, and how."""
-    judge = ManeuverEndJudge(rule, to_trim=to_trim, target=target, entry_time=entry_time)
+    judge = ManeuverEndDetector(rule, to_trim=to_trim, target=target, entry_time=entry_time)
     for ticks, (forward, side, yaw_rate) in enumerate(velocity.tolist()):
-        verdict = judge.judge(entry_time + ticks * STEP, Twist(forward, side, yaw_rate))
-        if verdict is not Verdict.UNDER_WAY:
+        verdict = judge.update(entry_time + ticks * STEP, Twist(forward, side, yaw_rate))
+        if verdict is not ManeuverStatus.UNDER_WAY:
             return ticks, verdict
     raise AssertionError("the rule's time-out ends every maneuver")
 
 
-def _draw(noise: Noise, count: int, seed: int) -> _Noises:
+def _draw(noise: FlightNoise, count: int, seed: int) -> _NoiseSamples:
     rng = np.random.default_rng(seed)
     moving = noise != STILL
     sizes = [
@@ -238,10 +238,10 @@ def _draw(noise: Noise, count: int, seed: int) -> _Noises:
     # From the stationary law at once, so that no transient stands at the beginning.
     white[0] /= np.sqrt(1 - keep**2)
     drawn = np.asarray(lfilter([1.0], [1.0, -keep], white, axis=0)) * np.array(sizes)
-    return _Noises(drawn[:, 0:3], drawn[:, 3:6], drawn[:, 6:9], drawn[:, 9], drawn[:, 10:13])
+    return _NoiseSamples(drawn[:, 0:3], drawn[:, 3:6], drawn[:, 6:9], drawn[:, 9], drawn[:, 10:13])
 
 
-def _series(response: Float[np.ndarray, "n 3"], noises: _Noises, start: SE2) -> list[Series]:
+def _series(response: Float[np.ndarray, "n 3"], noises: _NoiseSamples, start: SE2) -> list[Series]:
     count = len(response)
     time = np.array([_seconds(tick) for tick in range(count)])
     velocity = response + noises.motion[:count]

@@ -14,9 +14,9 @@ from flight.mission.mission import Mission, read_mission
 from flight.plan.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
 from maneuver.app import run
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
 from planner.policies.worst_case import WorstCase
-from planner.proof.certify_plan import certified
+from planner.proof.certify_plan import certify_plan
 from scenarios.find import MISSIONS
 
 
@@ -25,7 +25,7 @@ def proved_case() -> tuple[Plan, Library, Mission]:
     """As `case`, of walks of at most two trims, with a certificate."""
     library = thesis_gtmax()
     mission = Mission("short", SE2.identity(), 3, (12.0, -9.0), 0.5, max_trims=2)
-    return certified(WorstCase(library, 0.5).plan(mission), library, mission), library, mission
+    return certify_plan(WorstCase(library, 0.5).plan(mission), library, mission), library, mission
 
 
 @cache
@@ -52,14 +52,14 @@ def later(plan: Plan, place: int, seconds: float) -> Plan:
 
 def test_a_good_plan_passes() -> None:
     plan, library, mission = case()
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
 
 
 def test_a_plan_passes_after_a_journey_through_a_file(tmp_path: Path) -> None:
     plan, library, mission = case()
     path = tmp_path / "plan.json"
     path.write_text(plan_text(plan))
-    assert problems(read_plan(path), library, mission) == ()
+    assert plan_problems(read_plan(path), library, mission) == ()
 
 
 BREAKAGES: dict[str, tuple[Callable[[Plan], Plan], str]] = {
@@ -108,18 +108,18 @@ BREAKAGES: dict[str, tuple[Callable[[Plan], Plan], str]] = {
 def test_a_broken_plan_is_rejected_with_the_reason(name: str) -> None:
     plan, library, mission = case()
     broken, reason = BREAKAGES[name]
-    assert any(reason in problem for problem in problems(broken(plan), library, mission))
+    assert any(reason in problem for problem in plan_problems(broken(plan), library, mission))
 
 
 def test_a_plan_for_a_nearer_goal_misses_this_one() -> None:
     plan, library, mission = case()
     moved = replace(mission, goal=(mission.goal[0] + 5.0, mission.goal[1]))
-    assert any("missed by" in problem for problem in problems(plan, library, moved))
+    assert any("missed by" in problem for problem in plan_problems(plan, library, moved))
 
 
 def test_a_plan_is_checked_against_the_numbers_of_the_library() -> None:
     plan, _, mission = case()
-    found = problems(replace(plan, library_hash=""), thesis_kinematic(), mission)
+    found = plan_problems(replace(plan, library_hash=""), thesis_kinematic(), mission)
     assert any("library_hash" in problem for problem in found)
     assert len(found) > 1
 
@@ -132,7 +132,7 @@ def test_every_small_lie_about_times_is_found() -> None:
         trim = int(rng.integers(len(plan.sequence)))
         times = list(plan.scenarios[place].coasting_times)
         times[trim] += float(10 ** rng.uniform(-5, 0))
-        assert problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
+        assert plan_problems(with_scenario(plan, place, coasting_times=tuple(times)), library, mission)
 
 
 def _turned(leaf: str) -> str:
@@ -207,13 +207,13 @@ def broken(plan: Plan, rng: np.random.Generator) -> Plan:
 
 def test_a_thousand_broken_plans_are_all_rejected() -> None:
     plan, library, mission = proved_case()
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
     rng = np.random.default_rng(2)
     known = plan.library_hash
     passed = [
         lie
         for lie in (broken(plan, rng) for _ in range(1000))
-        if not problems(lie, library, mission, known_hash=known)
+        if not plan_problems(lie, library, mission, known_hash=known)
     ]
     assert passed == []
 
@@ -222,7 +222,7 @@ def test_three_hundred_broken_proofs_are_all_rejected() -> None:
     plan, library, mission = proved_case()
     rng = np.random.default_rng(3)
     lies = (broken_proof(plan, rng) for _ in range(300))
-    assert all(problems(lie, library, mission, known_hash=plan.library_hash) for lie in lies)
+    assert all(plan_problems(lie, library, mission, known_hash=plan.library_hash) for lie in lies)
 
 
 def test_the_verb_tells_good_from_broken_by_its_exit_code(

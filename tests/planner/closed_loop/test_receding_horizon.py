@@ -12,14 +12,14 @@ from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg, Vehicle
 from flight.errors import FlightLostError
-from flight.mission.goal import first_arrival
+from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission, read_mission
 from flight.plan.plan import Plan
 from flight.se2 import SE2
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, TrueGammaError
-from planner.closed_loop.flight_record import Flown
+from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.latency import Latency
-from planner.closed_loop.receding_horizon import NoToleranceError, fly
+from planner.closed_loop.receding_horizon import NoToleranceError, fly_closed_loop
 from planner.closed_loop.settings import Settings
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
@@ -34,9 +34,9 @@ def vehicle(library: Library, mission: Mission, gamma: float = 0.0) -> Automaton
     return AutomatonVehicle(library, start=mission.start, trim=mission.start_trim, gamma=gamma)
 
 
-def flown(mission: Mission, settings: Settings | None = None, *, gamma: float = 0.0) -> Flown:
+def flown(mission: Mission, settings: Settings | None = None, *, gamma: float = 0.0) -> FlightRecord:
     library = thesis_gtmax()
-    return fly(
+    return fly_closed_loop(
         vehicle(library, mission, gamma),
         mission,
         planner=Nominal(library),
@@ -80,7 +80,9 @@ def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:
 @pytest.mark.parametrize("gamma", [-0.5, 0.5])
 def test_errors_are_flown_out_by_planning_again(gamma: float) -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
-    result = fly(vehicle(library, mission, gamma), mission, planner=WorstCase(library, 0.5), library=library)
+    result = fly_closed_loop(
+        vehicle(library, mission, gamma), mission, planner=WorstCase(library, 0.5), library=library
+    )
     assert result.reached
     assert result.closest <= mission.tolerance
     assert result.reason == "reached the goal"
@@ -113,7 +115,7 @@ def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_r
     planner = Refusing(Nominal(library), plans=2)  # the promise and the first plan
     settings = Settings(max_activations=40)
     broken = vehicle(library, mission)
-    result = fly(broken, mission, planner=planner, library=library, settings=settings)
+    result = fly_closed_loop(broken, mission, planner=planner, library=library, settings=settings)
     assert result.closest <= mission.tolerance  # it was there, but on no plan
     assert not result.reached
     assert result.failures == result.activations - 1 > 0
@@ -124,7 +126,7 @@ def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_r
 def test_without_a_first_plan_nothing_is_flown() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     planner = Refusing(Nominal(library), plans=0)
-    result = fly(vehicle(library, mission), mission, planner=planner, library=library)
+    result = fly_closed_loop(vehicle(library, mission), mission, planner=planner, library=library)
     assert not result.reached
     assert result.legs == ()
     assert result.predicted_time == inf
@@ -161,7 +163,7 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 ) -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     broken = kind(library, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    result = fly(broken, mission, planner=Nominal(library), library=library)
+    result = fly_closed_loop(broken, mission, planner=Nominal(library), library=library)
     assert not result.reached
     assert reason in result.reason
 
@@ -169,7 +171,7 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 def test_a_goal_to_be_met_exactly_cannot_be_flown() -> None:
     mission, library = shipped("kinematic-1"), thesis_kinematic()
     with pytest.raises(NoToleranceError, match="kinematic-1: a flight needs a goal tolerance > 0 m"):
-        fly(vehicle(library, mission), mission, planner=Nominal(library), library=library)
+        fly_closed_loop(vehicle(library, mission), mission, planner=Nominal(library), library=library)
 
 
 @pytest.mark.parametrize(
@@ -233,8 +235,12 @@ class Careless:
 def test_passing_through_the_goal_in_another_trim_is_not_being_there() -> None:
     library, few = thesis_gtmax(), Settings(max_activations=6)
     through = Mission("through", SE2.identity(), 3, (12.0, 0.0), 1.0)
-    assert fly(vehicle(library, through), through, planner=Careless(library), library=library).reached
+    assert fly_closed_loop(
+        vehicle(library, through), through, planner=Careless(library), library=library
+    ).reached
     hover = replace(through, goal_trim=1)
-    careless = fly(vehicle(library, hover), hover, planner=Careless(library), library=library, settings=few)
+    careless = fly_closed_loop(
+        vehicle(library, hover), hover, planner=Careless(library), library=library, settings=few
+    )
     assert not careless.reached
-    assert fly(vehicle(library, hover), hover, planner=Nominal(library), library=library).reached
+    assert fly_closed_loop(vehicle(library, hover), hover, planner=Nominal(library), library=library).reached

@@ -15,14 +15,18 @@ from flight.mission.mission import Mission, read_mission
 from flight.plan.plan import plan_text
 from flight.se2 import SE2, Twist
 from maneuver.app import run
-from planner.independent_errors.error_path import Each
-from planner.independent_errors.independent_errors import TooManyScenariosError, all_signs, trust
-from planner.kernel.build import kernel
+from planner.independent_errors.error_path import ErrorGranularity
+from planner.independent_errors.independent_errors import (
+    TooManyScenariosError,
+    bound_independent_errors,
+    enumerate_signs,
+)
+from planner.kernel.build import load_kernel
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from scenarios.find import MISSIONS
 
-pytestmark = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+pytestmark = pytest.mark.skipif(load_kernel() is None, reason="this machine has no C compiler")
 
 
 AHEAD = """
@@ -44,7 +48,7 @@ max_trims = 1
 
 def test_table_33_is_reproduced_but_for_its_misprints() -> None:
     library, mission = simple_example()
-    signs = all_signs(library, mission, (1, 2), (0.0, 11.25))
+    signs = enumerate_signs(library, mission, (1, 2), (0.0, 11.25))
     assert len(signs.scenarios) == 27
     for scenario in signs.scenarios:
         _, change, fast = scenario.signs
@@ -53,7 +57,7 @@ def test_table_33_is_reproduced_but_for_its_misprints() -> None:
 
 def test_in_the_simple_example_the_single_gamma_is_the_worst() -> None:
     library, mission = simple_example()
-    signs = all_signs(library, mission, (1, 2), (0.0, 11.25))
+    signs = enumerate_signs(library, mission, (1, 2), (0.0, 11.25))
     assert signs.slowest.cost == pytest.approx(signs.slowest_single.cost)
 
 
@@ -61,7 +65,7 @@ def test_in_the_simple_example_the_single_gamma_is_the_worst() -> None:
 def test_through_turns_a_single_gamma_is_too_hopeful(name: str) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
     plan = WorstCase(library, 0.5).plan(mission)
-    signs = all_signs(library, mission, plan.sequence, plan.coasting_times, gamma=0.5)
+    signs = enumerate_signs(library, mission, plan.sequence, plan.coasting_times, gamma=0.5)
     assert len(signs.scenarios) == 3 ** (2 * len(plan.sequence) - 1)
     assert signs.slowest_single.cost == pytest.approx(plan.cost, abs=1e-6)
     assert signs.slowest.cost > plan.cost + 1e-3
@@ -71,7 +75,7 @@ def test_through_turns_a_single_gamma_is_too_hopeful(name: str) -> None:
 def test_a_walk_too_long_is_refused() -> None:
     mission = Mission("long", SE2.identity(), 2, (40.0, 0.0))
     with pytest.raises(TooManyScenariosError, match="at most 11 trims and maneuvers"):
-        all_signs(thesis_kinematic(), mission, (2, 1) * 4, (0.0,) * 8)
+        enumerate_signs(thesis_kinematic(), mission, (2, 1) * 4, (0.0,) * 8)
 
 
 def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -88,7 +92,7 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
     assert "no bound" not in shown
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
+@pytest.mark.skipif(load_kernel() is None, reason="this machine has no C compiler")
 def test_errors_that_no_coasting_time_answers_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -109,9 +113,9 @@ def test_errors_that_no_coasting_time_answers_are_named(
 
 
 @pytest.mark.parametrize("each", ["primitive", "scalar"])
-def test_who_is_at_the_goal_needs_no_time_whatever_the_errors(each: Each) -> None:
+def test_who_is_at_the_goal_needs_no_time_whatever_the_errors(each: ErrorGranularity) -> None:
     mission = Mission("here", SE2.identity(), 2, (0.0, 0.0), tolerance=0.0, max_trims=1)
-    found = trust(thesis_gtmax(), mission, (2,), (0.0,), gamma=1.0, each=each)
+    found = bound_independent_errors(thesis_gtmax(), mission, (2,), (0.0,), gamma=1.0, each=each)
     assert found.slowest_bound.bound == pytest.approx(0.0, abs=1e-6)
 
 
@@ -119,7 +123,7 @@ def test_what_is_found_in_the_box_is_no_less_than_its_worst_corner() -> None:
     mission = read_mission(MISSIONS / "gtmax-2.toml")
     plan = WorstCase(thesis_gtmax(), 0.8).plan(mission)
     for each in ("primitive", "scalar"):
-        found = trust(
+        found = bound_independent_errors(
             thesis_gtmax(), mission, plan.sequence, plan.coasting_times, gamma=0.8, each=each, most_boxes=10
         )
         assert found.furthest.value <= found.furthest_bound.found <= found.furthest_bound.bound

@@ -16,8 +16,8 @@ from planner.fallback.coasting import solve, state
 from planner.fallback.optimality import settled
 from planner.fallback.starts import Goal, closed_forms
 from planner.fallback.two_times import close, meet_disc
-from planner.walks.goal import reaches
-from planner.walks.kinematics import Motion, motion
+from planner.walks.goal_condition import reaches_goal
+from planner.walks.kinematics import WalkMotion, walk_motion
 
 CLOSED = 1e-7
 """Metres by which a closed form may miss, for turns no slower than a thousandth of a radian a second."""
@@ -29,9 +29,9 @@ def mission(x: float, y: float, tolerance: float = 0.0) -> Mission:
     return Mission("test", HERE, 1, (x, y), tolerance)
 
 
-def walk(*velocities: Twist) -> Motion:
+def walk(*velocities: Twist) -> WalkMotion:
     """A walk whose maneuvers take no time and lead nowhere."""
-    return Motion(velocities, (HERE,) * (len(velocities) - 1), 0.0)
+    return WalkMotion(velocities, (HERE,) * (len(velocities) - 1), 0.0)
 
 
 NORTH, EAST, RIGHT = Twist(2, 0, 0), Twist(0, 4, 0), Twist(3, 0, 0.5)
@@ -127,7 +127,7 @@ def test_what_counts_as_settled_the_solver_cannot_improve(tolerance: float) -> N
     checked = 0
     for library in (thesis_kinematic(), thesis_gtmax()):
         for trims in [(2, 1), (1, 2), (1, 3)] if library.name == "thesis-gtmax" else [(1, 2, 5), (2, 6, 2)]:
-            numbers = motion(library, trims, 0.5)
+            numbers = walk_motion(library, trims, 0.5)
             batch = Batch.of([numbers])
             aim = Goal(complex(*goal.goal), tolerance * (1 - 1e-9))
             found = closed_forms(batch, aim)
@@ -141,6 +141,6 @@ def test_what_counts_as_settled_the_solver_cannot_improve(tolerance: float) -> N
 
 def test_reaching_needs_the_heading_too() -> None:
     there = replace(mission(0, 0, 1.0), goal_heading=-pi, heading_tolerance=0.1)
-    assert reaches(SE2(0.5, 0.0, pi), there)
-    assert not reaches(SE2(0.5, 0.0, 3.0), there)
-    assert not reaches(SE2(1.5, 0.0, pi), there)
+    assert reaches_goal(SE2(0.5, 0.0, pi), there)
+    assert not reaches_goal(SE2(0.5, 0.0, 3.0), there)
+    assert not reaches_goal(SE2(1.5, 0.0, pi), there)

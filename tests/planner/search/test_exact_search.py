@@ -23,18 +23,18 @@ from planner.fallback.coasting import solve
 from planner.fallback.search import search
 from planner.fallback.walk_table import tabulate
 from planner.kernel import build
-from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
-from planner.walks.answer import Answer
-from planner.walks.goal import reaches
-from planner.walks.kinematics import motion
+from planner.walks.goal_condition import reaches_goal
+from planner.walks.kinematics import walk_motion
+from planner.walks.search_result import SearchResult
 
 AGREEMENT = 1e-4
 """Seconds by which no other search may be faster."""
 
-needs_kernel = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
+needs_kernel = pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler")
 
 
 def shipped() -> tuple[Library, ...]:
@@ -63,7 +63,7 @@ def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -
 @needs_kernel
 @pytest.mark.parametrize("seed", range(40))
 def test_bounds_leave_out_no_walk_that_is_best(seed: int) -> None:
-    """`least_costs_of_each` solves every walk on its own, before there is a plan that could exclude one."""
+    """`least_costs` solves every walk on its own, before there is a plan that could exclude one."""
     rng = np.random.default_rng(seed)
     library = (*shipped(), synthetic_library(12, 60, seed=seed))[seed % 4]
     mission = random_mission(rng, library, 4)
@@ -73,7 +73,7 @@ def test_bounds_leave_out_no_walk_that_is_best(seed: int) -> None:
     gammas = (0.0, -0.5, 0.5)
     levels = [tables(library, (gamma,), mission.start_trim, mission.max_trims, None) for gamma in gammas]
     worst = [
-        np.max([least_costs_of_each(table, mission) for table in same], axis=0).min()
+        np.max([least_costs(table, mission) for table in same], axis=0).min()
         for same in zip(*levels, strict=True)
     ]
     found = max(ExactSearch(library, gammas).answer(mission).costs, default=inf)
@@ -93,7 +93,7 @@ def test_no_plan_of_the_other_search_is_faster(seed: int) -> None:
     assert exact.exhausted
     assert max(exact.costs, default=np.inf) <= max(other.costs, default=np.inf) + AGREEMENT
     for level, times in zip(gammas, exact.times, strict=False):
-        assert reaches(motion(library, exact.walk, level).end(mission.start, times), mission)
+        assert reaches_goal(walk_motion(library, exact.walk, level).end(mission.start, times), mission)
 
 
 @needs_kernel
@@ -126,9 +126,9 @@ def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
         if not plan.found or mission.goal_heading is not None:
             continue
         # The goal moved to where this walk ends without any coasting at all.
-        end = motion(library, plan.sequence, 0.0).end(mission.start, (0.0,) * len(plan.sequence))
+        end = walk_motion(library, plan.sequence, 0.0).end(mission.start, (0.0,) * len(plan.sequence))
         there = Nominal(library).plan(replace(mission, goal=end.position, tolerance=0.5))
-        assert there.cost <= motion(library, plan.sequence, 0.0).fixed_time + 1e-9
+        assert there.cost <= walk_motion(library, plan.sequence, 0.0).fixed_time + 1e-9
 
 
 @needs_kernel
@@ -142,7 +142,7 @@ def test_without_a_compiler_the_answer_is_the_same(seed: int, monkeypatch: pytes
         return WorstCase(library, 0.5).plan(mission)
 
     known = plan()
-    monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+    monkeypatch.setattr("planner.kernel.exact.load_kernel", lambda: None)
     fallback = plan()
     assert fallback.status == known.status
     if known.found:
@@ -156,9 +156,9 @@ def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> Non
         "long straight", SE2(-9.6283, -16.0214, -0.8197), 1, (49.5143, -34.1173), 6.18, goal_trim=3
     )
     table = tables(shipped()[0], (0.3,), 1, 4, 3)[-1]
-    costs = dict(zip(map(tuple, table.walks.tolist()), least_costs_of_each(table, mission), strict=True))
+    costs = dict(zip(map(tuple, table.walks.tolist()), least_costs(table, mission), strict=True))
     walk = (1, 4, 1, 3)
-    numbers = motion(shipped()[0], walk, 0.3)
+    numbers = walk_motion(shipped()[0], walk, 0.3)
     times = solve(numbers, mission, (0.0, 4.6, 50.0, 0.0))
     assert times is not None
     assert costs[walk] == pytest.approx(numbers.cost(times), abs=1e-5)
@@ -166,7 +166,7 @@ def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> Non
 
 def test_without_a_compiler_a_bad_start_is_improved_until_nothing_is_better() -> None:
     library, mission = thesis_kinematic(), Mission("improved", SE2.identity(), 1, (30.0, 12.0), 0.0)
-    slow = Answer((), (), (), 0.0)
+    slow = SearchResult((), (), (), 0.0)
     found = proved_best(slow, library, mission, (0.0, -0.5, 0.5))
     known = WorstCase(library, 0.5).plan(mission)
     assert found.exhausted
@@ -180,7 +180,7 @@ def test_a_deadline_gives_the_best_so_far_with_a_bound(
     library = shipped()[0]
     mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8 if compiled else 4)
     if not compiled:
-        monkeypatch.setattr("planner.kernel.exact.kernel", lambda: None)
+        monkeypatch.setattr("planner.kernel.exact.load_kernel", lambda: None)
     planner = WorstCase(library, 0.5, deadline=0.002)
     planner.plan(mission)
     stopped = planner.plan(mission)
@@ -197,22 +197,22 @@ def test_machine_code_is_made_where_the_cache_is_and_only_once(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    build.kernel.cache_clear()
-    assert build.kernel() is not None
+    build.load_kernel.cache_clear()
+    assert build.load_kernel() is not None
     (made,) = (tmp_path / "maneuver-automaton").iterdir()
     written = made.stat().st_mtime_ns
-    build.kernel.cache_clear()
-    assert build.kernel() is not None
+    build.load_kernel.cache_clear()
+    assert build.load_kernel() is not None
     assert made.stat().st_mtime_ns == written
 
 
 def test_a_machine_without_a_compiler_has_no_kernel(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setenv("PATH", "")
-    build.kernel.cache_clear()
-    assert build.kernel() is None
+    build.load_kernel.cache_clear()
+    assert build.load_kernel() is None
     monkeypatch.undo()
-    build.kernel.cache_clear()
+    build.load_kernel.cache_clear()
 
 
 @needs_kernel
@@ -237,7 +237,7 @@ def test_a_turn_that_ends_along_the_straight_before_it_is_found(aside: float) ->
     trims = (Trim(1, "ahead", Twist(10.0, 0.0, 0.0), still), Trim(2, "turn", Twist(10.0, 0.0, 0.005), still))
     step = Maneuver(1, 1, 2, 2.0, SE2(15.0, 1.0, -0.02), ManeuverError(0.0, 0.0, 0.0, 0.0))
     library = Library("along", "", "", trims, (step,))
-    end = motion(library, (1, 2), 0.0).end(SE2.identity(), (5.0, 4.0))
+    end = walk_motion(library, (1, 2), 0.0).end(SE2.identity(), (5.0, 4.0))
     mission = Mission("along", SE2.identity(), 1, (end.x, end.y + aside), tolerance=0.01, max_trims=2)
     plan = Nominal(library).plan(mission)
     assert plan.status == "optimal"

@@ -19,12 +19,12 @@ from planner.kernel.exact import ExactSearch
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from planner.proof.certify import certify
-from planner.proof.certify_plan import certified
-from planner.walks.goal import reaches
-from planner.walks.kinematics import motion
+from planner.proof.certify_plan import certify_plan
+from planner.walks.goal_condition import reaches_goal
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import trims_of_walks, walks
 
-needs_kernel = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
+needs_kernel = pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler")
 
 STILL = Twist(0.0, 0.0, 0.0)
 CERTAIN = ManeuverError(0.0, 0.0, 0.0, 0.0)
@@ -101,9 +101,9 @@ def test_a_plan_of_hours_is_no_slower_than_a_way_that_is_known(
 def test_a_straight_trim_that_errs_by_a_hair_is_planned_with_to_the_tolerances_edge() -> None:
     """The 18 km of `FAR`, flown at one gamma with times that another search found."""
     library, walk, times = thesis_gtmax(), (3, 6, 3), (1729.0350925, 7.3674557, 4237.2986192)
-    numbers = motion(library, walk, -0.001)
+    numbers = walk_motion(library, walk, -0.001)
     mission = replace(FAR, tolerance=FAR.tolerance + 1e-3)
-    assert reaches(numbers.end(mission.start, times), mission)
+    assert reaches_goal(numbers.end(mission.start, times), mission)
     assert max(ExactSearch(library, (-0.001,)).answer(mission).costs) <= numbers.cost(times)
 
 
@@ -120,7 +120,7 @@ def test_a_plan_is_never_slower_than_a_way_that_was_flown(seed: int) -> None:
         library = library_of(*rates, speeds=speeds, turns=tuple(rng.uniform(-0.6, 0.6, 6)))
         every = walks(library, 1, max_trims=3)
         walk = every[int(rng.integers(len(every)))]
-        numbers = motion(library, walk, 0.0)
+        numbers = walk_motion(library, walk, 0.0)
         longest = 10 ** rng.uniform(0, 3.2)
         times = tuple(
             float(min(rng.exponential(longest), 6.0 / max(abs(twist.yaw_rate), 1e-12)) * (rng.random() < 0.8))
@@ -181,7 +181,7 @@ def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status:
 def test_a_turn_too_slow_to_show_is_certified_as_a_straight_line(rate: float, tolerance: float) -> None:
     library = library_of(0.1, 0.0, rate, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), tolerance, max_trims=2)
-    plan = certified(Nominal(library).plan(mission), library, mission)
+    plan = certify_plan(Nominal(library).plan(mission), library, mission)
     assert plan.status == "optimal", plan.reason
 
 

@@ -17,7 +17,7 @@ from flight.se2 import SE2, Twist
 from planner.fallback.bounds import least_costs
 from planner.fallback.coasting import solve
 from planner.fallback.walk_table import tabulate
-from planner.kernel.build import kernel
+from planner.kernel.build import load_kernel
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from planner.walks.kinematics import GammaError, NegativeDurationError
@@ -141,7 +141,7 @@ def test_a_vehicle_that_stands_still_goes_nowhere() -> None:
 def test_a_goal_behind_a_vehicle_that_cannot_turn_is_proved_infeasible() -> None:
     plan = Nominal(one_trim(Twist(1.0, 0.0, 0.0))).plan(Mission("behind", HERE, 1, (-10.0, 0.0), 1.0))
     # Without a compiler nothing exhausts the coasting times, and nothing is claimed.
-    assert plan.status == ("unknown" if kernel() is None else "infeasible")
+    assert plan.status == ("unknown" if load_kernel() is None else "infeasible")
     assert plan.reason
     assert not plan.found
 
@@ -193,7 +193,7 @@ def test_a_mission_with_an_unknown_trim_is_refused(trims: dict[str, int]) -> Non
 
 
 def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("planner.policies.policy.problems", lambda *_, **__: ("broken on purpose",))
+    monkeypatch.setattr("planner.policies.policy.plan_problems", lambda *_, **__: ("broken on purpose",))
     plan = Nominal(thesis_kinematic()).plan(shipped("kinematic-1"))
     assert plan.status == "unknown"
     assert not plan.found

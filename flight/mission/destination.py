@@ -1,0 +1,119 @@
+"""Where a flight is to go, and when its true track first gets there."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import inf, pi
+
+import numpy as np
+from jaxtyping import Float
+
+Track = Float[np.ndarray, "n 4"]
+
+
+@dataclass(frozen=True, slots=True)
+class Destination:
+    """Where a flight is to go, and what counts as there.
+
+    Attributes:
+        position: north and east in metres.
+        tolerance: radius in metres.
+        heading: wanted there, in radians; None leaves it free.
+        heading_tolerance: half width around that heading, in radians.
+    """
+
+    position: tuple[float, float]
+    tolerance: float
+    heading: float | None = None
+    heading_tolerance: float = pi
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """How near a flight came.
+
+    Attributes:
+        time: seconds since the start at which the tolerance was entered; None where it never was.
+        closest: metres between the goal and the nearest point of the track, up to the stretch between two
+            points in which it arrives, and no more than the tolerance then.
+    """
+
+    time: float | None
+    closest: float
+
+
+def first_arrival(tracks: Sequence[Track], destination: Destination) -> Arrival:
+    """Returns when the true track, taken as a polyline, first enters the goal's tolerance disc.
+
+    Where a heading is wanted, it must be held there too; the heading between two points is interpolated.
+
+    Args:
+        tracks: stretches of one flight, in order: time since the start, north, east, heading (not wrapped).
+        destination: judged with its own tolerance.
+    """
+    closest = inf
+    for stretch in tracks:
+        track = stretch if len(stretch) > 1 else np.repeat(stretch, 2, axis=0)
+        begin, end = track[:-1], track[1:]
+        inside = _shares_inside_goal(begin, end, destination)
+        nearest = _distance_to_goal(begin, end, destination)
+        entered = np.flatnonzero(inside[:, 0] <= inside[:, 1])
+        if len(entered):
+            place = entered[0]
+            share = inside[place, 0]
+            time = begin[place, 0] + share * (end[place, 0] - begin[place, 0])
+            return Arrival(
+                float(time), min(closest, destination.tolerance, float(nearest[: place + 1].min()))
+            )
+        closest = min(closest, float(nearest.min()))
+    return Arrival(None, closest)
+
+
+def _distance_to_goal(
+    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], destination: Destination
+) -> Float[np.ndarray, "n"]:
+    """Returns the distance between the goal and each piece of the track."""
+    offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
+    length = (way**2).sum(axis=1)
+    share = np.clip(-(offset * way).sum(axis=1) / np.where(length > 0, length, 1.0), 0.0, 1.0)
+    distance: Float[np.ndarray, "n"] = np.linalg.norm(offset + share[:, None] * way, axis=1)
+    return distance
+
+
+def _shares_inside_goal(
+    begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], destination: Destination
+) -> Float[np.ndarray, "n 2"]:
+    """Returns from which to which share of each piece it is at the goal; never: first above second."""
+    offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
+    # |offset + s way| = tolerance, a quadratic in s.
+    a, b = (way**2).sum(axis=1), (offset * way).sum(axis=1)
+    c = (offset**2).sum(axis=1) - destination.tolerance**2
+    moving = a > 0
+    root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
+    scale = np.where(moving, a, 1.0)
+    meets = moving & (b**2 >= a * c)
+    low = np.where(meets, (-b - root) / scale, np.where(~moving & (c <= 0), 0.0, inf))
+    high = np.where(meets, (-b + root) / scale, np.where(~moving & (c <= 0), 1.0, -inf))
+    if destination.heading is not None:
+        low, high = _restrict_to_heading(low, high, begin[:, 3], end[:, 3], destination)
+    return np.column_stack([np.maximum(low, 0.0), np.minimum(high, 1.0)])
+
+
+def _restrict_to_heading(
+    low: Float[np.ndarray, "n"],
+    high: Float[np.ndarray, "n"],
+    begin: Float[np.ndarray, "n"],
+    end: Float[np.ndarray, "n"],
+    destination: Destination,
+) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
+    """Narrows the shares to where the heading is the one wanted; pieces turn by less than half a turn."""
+    off = begin - (destination.heading or 0.0)
+    off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    turn = end - begin
+    held = np.abs(off) <= destination.heading_tolerance
+    scale = np.where(turn != 0, turn, 1.0)
+    one = (-destination.heading_tolerance - off) / scale
+    two = (destination.heading_tolerance - off) / scale
+    turning = turn != 0
+    first = np.where(turning, np.minimum(one, two), np.where(held, -inf, inf))
+    last = np.where(turning, np.maximum(one, two), np.where(held, inf, -inf))
+    return np.maximum(low, first), np.minimum(high, last)

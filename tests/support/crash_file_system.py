@@ -1,0 +1,194 @@
+"""A disk of which every step is noted, and the states that it may be in after a crash at any of them.
+
+A process that is killed leaves what it wrote: the system still has it. A machine that stops leaves what was
+synced, and of the rest whatever the disk had got to: pages of 4096 bytes, in any order and some of them in
+part, and names whose folder was not synced. That is the weakest promise that file systems make; some make
+stronger ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import StrEnum
+from errno import ENOSPC
+from pathlib import Path
+from random import Random
+
+from runtime.atomic_write import FileSystem
+
+_PAGE = 4096
+
+
+class CrashLoss(StrEnum):
+    """What a crash takes away, beyond the steps that were still to come."""
+
+    KILLED = "killed"
+    DROPPED = "all unsynced dropped"
+    TORN = "unsynced torn"
+    NAMES_FIRST = "names kept, unsynced content dropped"
+
+
+@dataclass(slots=True)
+class _Content:
+    """A file's content, apart from its names: as written, and as synced."""
+
+    written: bytes = b""
+    synced: bytes = b""
+
+
+@dataclass(slots=True)
+class _State:
+    """Names and contents: as the system has them, and as the disk surely has them.
+
+    Attributes:
+        names: of files, as the system has them.
+        kept: names that were synced with their folder.
+        pending: changes of names since their folder was synced, in order: name, content or None.
+    """
+
+    names: dict[Path, _Content] = field(default_factory=dict)
+    kept: dict[Path, _Content] = field(default_factory=dict)
+    pending: list[tuple[Path, _Content | None]] = field(default_factory=list)
+
+    def name(self, path: Path, content: _Content | None) -> None:
+        """Gives or takes a name."""
+        if content is None:
+            self.names.pop(path, None)
+        else:
+            self.names[path] = content
+        self.pending.append((path, content))
+
+    def sync_names(self, folder: Path) -> None:
+        """Makes the names of a folder last."""
+        for path, content in self.pending:
+            if path.parent == folder:
+                _apply(self.kept, path, content)
+        self.pending = [(path, content) for path, content in self.pending if path.parent != folder]
+
+
+@dataclass(frozen=True, slots=True)
+class FileOperation:
+    """One call of the disk; what a write adds stands in `content`."""
+
+    what: str
+    path: Path
+    target: Path | None = None
+    content: bytes = b""
+
+
+class RecordingFileSystem(FileSystem):
+    """Does every step, and notes it.
+
+    Args:
+        piece: bytes that a write takes at most, so that there are steps within files.
+        full_after: steps after which nothing more can be written; None for never.
+    """
+
+    def __init__(self, piece: int, *, full_after: int | None = None) -> None:
+        self.steps: list[FileOperation] = []
+        self._piece, self._full_after, self._open = piece, full_after, dict[int, Path]()
+
+    def open(self, path: Path) -> int:
+        """Opens a file anew."""
+        self._need_room()
+        descriptor = super().open(path)
+        self._open[descriptor] = path
+        self.steps.append(FileOperation("open", path))
+        return descriptor
+
+    def write(self, descriptor: int, content: bytes) -> int:
+        """Writes a piece at most."""
+        self._need_room()
+        taken = super().write(descriptor, content[: self._piece])
+        self.steps.append(FileOperation("write", self._open[descriptor], content=content[:taken]))
+        return taken
+
+    def sync(self, descriptor: int) -> None:
+        """Makes a content last."""
+        self._need_room()
+        super().sync(descriptor)
+        self.steps.append(FileOperation("sync", self._open[descriptor]))
+
+    def rename(self, path: Path, target: Path) -> None:
+        """Gives a new name."""
+        super().rename(path, target)
+        self.steps.append(FileOperation("rename", path, target))
+
+    def remove(self, path: Path) -> None:
+        """Takes a name."""
+        super().remove(path)
+        self.steps.append(FileOperation("remove", path))
+
+    def sync_folder(self, path: Path) -> None:
+        """Makes names last."""
+        super().sync_folder(path)
+        self.steps.append(FileOperation("sync folder", path))
+
+    def _need_room(self) -> None:
+        if self._full_after is not None and len(self.steps) >= self._full_after:
+            raise OSError(ENOSPC, "No space left on device")
+
+
+def after_crash(steps: Sequence[FileOperation], loss: CrashLoss, chance: Random) -> dict[Path, bytes]:
+    """Returns the files, by name, that a disk may hold when all stops after some steps.
+
+    Args:
+        steps: that were taken.
+        loss: what is taken away.
+        chance: decides what of it, where that is open.
+    """
+    state = _State()
+    for step in steps:
+        _apply_operation(state, step)
+    if loss is CrashLoss.KILLED:
+        return {path: content.written for path, content in state.names.items()}
+    names = dict(state.kept)
+    for path, content in state.pending:
+        if loss is CrashLoss.NAMES_FIRST or (loss is CrashLoss.TORN and chance.random() < 0.5):
+            _apply(names, path, content)
+    if loss is CrashLoss.TORN:
+        return {path: _torn_content(content, chance) for path, content in names.items()}
+    return {path: content.synced for path, content in names.items()}
+
+
+def _apply_operation(state: _State, step: FileOperation) -> None:
+    match step.what:
+        case "open":
+            if step.path in state.names:
+                state.names[step.path].written = b""
+            else:
+                state.name(step.path, _Content())
+        case "write":
+            state.names[step.path].written += step.content
+        case "sync":
+            state.names[step.path].synced = state.names[step.path].written
+        case "rename":
+            assert step.target is not None
+            content = state.names[step.path]
+            # After a crash either name may be there, or both, or none.
+            state.name(step.target, content)
+            state.name(step.path, None)
+        case "remove":
+            state.name(step.path, None)
+        case "sync folder":
+            state.sync_names(step.path)
+
+
+def _apply(names: dict[Path, _Content], path: Path, content: _Content | None) -> None:
+    if content is None:
+        names.pop(path, None)
+    else:
+        names[path] = content
+
+
+def _torn_content(content: _Content, chance: Random) -> bytes:
+    """Returns a content of which some pages that were not synced are there, some not, and one in part."""
+    if content.written == content.synced:
+        return content.written
+    size = chance.randrange(len(content.written) + 1)
+    pages = bytearray(content.synced[:size].ljust(size, b"\0"))
+    for begin in range(0, size, _PAGE):
+        end = min(begin + _PAGE, size)
+        fate = chance.random()
+        kept = end if fate < 0.5 else begin if fate < 0.9 else chance.randrange(begin, end + 1)
+        pages[begin:kept] = content.written[begin:kept]
+    return bytes(pages)

@@ -9,7 +9,7 @@ from flight.errors import FlightError
 from flight.mission.goal import first_arrival
 
 from .alarm import ADVICE, ALARM, alarms_of
-from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
+from .attachments import goal_of_flight, plannings_of_flight
 from .autopilot_messages import messages_told
 from .channels import PRIMITIVE, TRUTH
 from .fault_record import faults_flown
@@ -76,14 +76,16 @@ def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
 
 def _plannings(log: FlightLog) -> list[Event]:
     events = []
-    for number, plan in enumerate(plannings_of_flight(log), start=1):
-        if isinstance(plan, PlanOfFlight):
-            how = ", ".join(word for word in (plan.policy, plan.status) if word)
+    for number, planning in enumerate(plannings_of_flight(log), start=1):
+        plan = planning.plan
+        if plan.found:
             walk = " ".join(map(str, plan.sequence))
-            text = f"plan {number}: {plan.cost:.2f} s through trims {walk}{f' ({how})' if how else ''}"
-            events.append(Event(plan.time, Level.INFO, "plan", text))
+            how = f"({plan.policy}, {plan.status})"
+            text = f"plan {number}: {plan.cost:.2f} s through trims {walk} {how}"
+            events.append(Event(planning.time, Level.INFO, "plan", text))
         else:
-            events.append(Event(plan.time, Level.WARNING, "plan", f"plan {number}: none; {plan.reason}"))
+            why = plan.reason or "no reason given"
+            events.append(Event(planning.time, Level.WARNING, "plan", f"plan {number}: none; {why}"))
     return events
 
 

@@ -1,18 +1,22 @@
 """What the log of a closed-loop flight carries beside the motion: what was asked, and what was planned."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 
-from flight.plan.plan import plan_content
+from flight.file_value import FileValue
+from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
+from flightlog.attachments import PlanOfFlight, plannings_text
 from flightlog.identity import identity
 from planner.closed_loop.flight_record import Flown
+from planner.closed_loop.settings import Settings
 from planner.kernel.build import search_backend
 from sim.flight_header import flight_header, flight_inputs
 from sim.loop.backend import Backend
 from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
 from sim.vehicle.parameters import read_parameters
 
+from .policies import FlownPolicy
 from .task import MissionTask
 
 
@@ -38,20 +42,29 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
     return identity(header.planned_by(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
 
 
-def mission_json(task: MissionTask) -> bytes:
-    """Returns what a mission is flown from: mission, planner, and how the loop is closed.
+@dataclass(frozen=True, slots=True)
+class Asked(FileValue):
+    """What the log of a mission says of its flight beside the mission, in the same object.
 
-    Latencies of a flight that is repeated are left out: those charged stand with the plans, so that a flight
-    and its repetition have the same log.
+    Attributes:
+        policy: which planner.
+        gamma: uncertainty level of the worst-case planner.
+        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
+        settings: how the loop was closed. Latencies of a flight that is repeated are left out: those charged
+            stand with the plans, so that a flight and its repetition have the same log.
     """
-    latency = replace(task.settings.latency, recorded=None)
-    content = {
-        **asdict(task.mission),
-        "policy": task.policy,
-        "gamma": task.gamma,
-        "max_nodes": task.max_nodes,
-        "settings": asdict(replace(task.settings, latency=latency)),
-    }
+
+    policy: FlownPolicy
+    gamma: float
+    max_nodes: int | None
+    settings: Settings
+
+
+def mission_json(task: MissionTask) -> bytes:
+    """Returns what a mission is flown from: mission, planner, and how the loop is closed."""
+    settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
+    asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
+    content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)
     return json.dumps(content, indent=1).encode()
 
 
@@ -60,8 +73,5 @@ def plans_json(flown: Flown) -> bytes:
 
     The time each took by the clock would not repeat; it is there only where it was measured, and charged.
     """
-    plans = [
-        {"time": time, "latency": latency, **plan_content(replace(plan, solve_time=0.0))}
-        for time, latency, plan in zip(flown.times, flown.latencies, flown.plans, strict=True)
-    ]
-    return json.dumps(plans, indent=1).encode()
+    plans = [replace(plan, solve_time=0.0) for plan in flown.plans]
+    return plannings_text(list(map(PlanOfFlight, flown.times, flown.latencies, plans)))

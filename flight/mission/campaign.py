@@ -7,7 +7,6 @@ from typing import Annotated
 
 from pydantic import Field, FiniteFloat, PositiveInt
 
-from flight.automaton.library_schema import ManeuverEndPart
 from flight.automaton.maneuver_end import ManeuverEnd
 from flight.errors import FlightError
 from flight.schema import FileModel, read_toml, schema_named
@@ -76,7 +75,7 @@ class _CampaignFile(FileModel):
     flights: PositiveInt
     nominal_flights: int = Field(default=0, ge=0)
     coasting_range: tuple[FiniteFloat, FiniteFloat]
-    maneuver_end: dict[str, ManeuverEndPart]
+    maneuver_end: dict[str, ManeuverEnd]
 
 
 def read_campaign(path: Path) -> Campaign:
@@ -96,6 +95,6 @@ def _to_campaign(content: _CampaignFile) -> Campaign:
         altitude=content.altitude,
         flights=content.flights,
         coasting_range=content.coasting_range,
-        maneuver_end={wind: part.rule() for wind, part in content.maneuver_end.items()},
+        maneuver_end=content.maneuver_end,
         nominal_flights=content.nominal_flights,
     )

@@ -8,6 +8,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field, FiniteFloat, PositiveInt, model_validator
 
+from flight.file_value import FileValue
 from flight.schema import FileModel, read_toml, schema_named
 from flight.se2 import SE2
 
@@ -29,7 +30,7 @@ MOST_TRIMS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Mission:
+class Mission(FileValue):
     """A motion-planning task in the plane.
 
     Attributes:

@@ -144,13 +144,13 @@ def _plans(log: FlightLog) -> list[Content]:
     library = log.library()
     chosen = plans[:: -(-len(plans) // MOST_PLANS)]
 
-    def content(plan: PlanOfFlight) -> Content:
-        start = believed_pose(log, plan.time)
+    def content(planning: PlanOfFlight) -> Content:
+        plan, start = planning.plan, believed_pose(log, planning.time)
         walk = (library, plan.sequence, plan.coasting_times)
-        coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+        coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.deciding.gamma)
         line = np.concatenate([piece for pair in _in_turn(coasts, maneuvers) for piece in pair])
         return {
-            "time": plan.time,
+            "time": planning.time,
             "cost": plan.cost,
             "policy": plan.policy,
             "sequence": list(plan.sequence),

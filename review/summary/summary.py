@@ -8,7 +8,7 @@ from jaxtyping import Float
 
 from flight.mission.goal import Arrival, Destination, first_arrival
 from flightlog.attachment_names import PLANS_ATTACHMENT
-from flightlog.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
+from flightlog.attachments import goal_of_flight, plannings_of_flight
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.fault_record import faults_flown
 from flightlog.log import FlightLog
@@ -131,7 +131,7 @@ def summarise(log: FlightLog) -> Summary:
     names = trim_names(log)
     goal = goal_of_flight(log)
     plannings = plannings_of_flight(log)
-    plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
+    plans = [planning.plan for planning in plannings if planning.plan.found]
     motion, true = log.motion, TRUTH.name in log.series
     return Summary(
         kind=header.kind,

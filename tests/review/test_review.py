@@ -12,15 +12,15 @@ from numpy.typing import NDArray
 from flight.automaton.library import Library
 from flight.errors import BadFileError, FlightError
 from flight.mission.goal import Destination
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
-from flightlog.attachments import goal_of_flight, plans_of_flight
+from flightlog.attachment_names import MISSION_ATTACHMENT
+from flightlog.attachments import goal_of_flight, plannings_of_flight, plans_of_flight
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, stretches_flown
 from flightlog.topic import Series
 from review.summary.bound_check import bounds_kept
 from review.summary.summary import arrival, summarise
-from tests.support.altered_logs import added, attached, changed, without
+from tests.support.altered_logs import added, attached, bound_for, changed, planned, planning, without
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -173,23 +173,15 @@ def test_a_goal_passed_between_two_samples_is_reached() -> None:
 
 
 def test_mission_and_plans_are_read_as_they_are_attached() -> None:
-    plan = {
-        "time": 1.5,
-        "schema": "maneuver-plan/1",
-        "sequence": [1, 2],
-        "scenarios": [
-            {"gamma": 0.0, "cost": 8.0, "coasting_times": [1.0, 2.0], "end": {}},
-            {"gamma": -1.0, "cost": 9.0, "coasting_times": [1.0, 3.0], "end": {}},
-        ],
-    }
-    failed = {"time": 2.5, "sequence": [], "scenarios": []}
-    log = attached(still_flight(), PLANS_ATTACHMENT, [plan, failed])
-    log = attached(log, MISSION_ATTACHMENT, {"goal": [9, 0], "tolerance": 1, "name": "there"})
-    (found,) = plans_of_flight(log)
-    assert (found.gamma, found.cost, found.coasting_times) == (-1.0, 9.0, (1.0, 3.0))
-    assert goal_of_flight(log) == Destination((9.0, 0.0), 1.0)
-    closer = {"goal": [9, 0], "tolerance": 1, "settings": {"final_tolerance": 0.5}}
-    assert goal_of_flight(attached(log, MISSION_ATTACHMENT, closer)) == Destination((9.0, 0.0), 0.5)
+    plan = planning(1.5, (1, 2), (1.0, 3.0), gammas=(0.0, -1.0), cost=8.0)
+    failed = planning(2.5, reason="nothing reaches the goal")
+    log = planned(still_flight(), [plan, failed])
+    assert plannings_of_flight(log) == (plan, failed)
+    assert plans_of_flight(log) == (plan,)
+    assert (plan.plan.deciding.gamma, plan.plan.cost) == (-1.0, 9.0)
+    assert goal_of_flight(bound_for(log, (9.0, 0.0), 1.0)) == Destination((9.0, 0.0), 1.0)
+    closer = bound_for(log, (9.0, 0.0), 1.0, final_tolerance=0.5)
+    assert goal_of_flight(closer) == Destination((9.0, 0.0), 0.5)
 
 
 @pytest.mark.parametrize("content", [{"goal": [9]}, {"goal": [9, 0], "tolerance": -1}, [], None])

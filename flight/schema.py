@@ -16,7 +16,6 @@ from .errors import BadFileError, FlightError
 LARGEST_FILE = 16 * 1024 * 1024
 """Bytes; far above any library or mission, far below what would fill the memory."""
 
-Model = TypeVar("Model", bound="FileModel")
 Value = TypeVar("Value")
 
 
@@ -51,25 +50,33 @@ def refuse_other_schema(schema: str, known: str) -> str:
     return schema
 
 
-def read_toml(path: Path, model: type[Model], build: Callable[[Model], Value]) -> Value:
-    """Reads a TOML file into a model, and builds a value from the model.
+def read_toml(path: Path, kind: type[Value]) -> Value:
+    """Reads a TOML file into a `FileValue` or a `FileModel`.
 
     Raises:
         BadFileError: names the file and the first place in it that is wrong.
     """
+    # What is strict takes arrays for tuples, and tables for values, only from JSON.
+    return parse_json(json.dumps(toml_table(path)), path, kind)
+
+
+def toml_table(path: Path) -> dict[str, Any]:
+    """Reads a TOML file into plain JSON values.
+
+    Raises:
+        BadFileError: names the file, and where it is no TOML.
+    """
     text = read_text(path)
     try:
-        # A strict model takes arrays for tuples only from JSON.
-        as_json = json.dumps(tomllib.loads(text))
+        table = tomllib.loads(text)
+        json.dumps(table)
     except tomllib.TOMLDecodeError as error:
         raise BadFileError(path, f"is not TOML: {error}") from None
     except TypeError:
         raise BadFileError(path, "expected numbers, texts and arrays, got a date or time") from None
     except RecursionError:
         raise BadFileError(path, "is nested too deeply") from None
-    content = parse_json(as_json, path, model)
-    with refusing(path):
-        return build(content)
+    return table
 
 
 def parse_json(
@@ -172,8 +179,10 @@ def first_problem(error: ValidationError) -> str:
     first = details[0]
     if first["type"] == "json_invalid":
         return f"is not JSON: {first['msg'].removeprefix('Invalid JSON: ')}"
-    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     message = _WORDS.get(first["type"]) or first["msg"].removeprefix("Value error, ")
+    if first["type"] == "value_error" and not first["loc"]:
+        return message
+    place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
     came = "" if first["type"] in {"missing", "value_error"} else f", got {first['input']!r:.60}"
     # Of a file of another kind, nothing but that is worth saying.
     more = f" (and {len(details) - 1} more)" if len(details) > 1 and first["loc"] != ("schema",) else ""

@@ -108,13 +108,13 @@ def code_here() -> str:
     return f"{code_version()}, plans {search_backend()}"
 
 
-def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:
+def kept(task: MissionTask, folder: Path) -> KeptTask:
     """Returns the flight with the file that keeps it: another flight has another file."""
     code = code_here()
     content = {
         "code": code,
-        "model": model_sha256,
-        "library": library_sha256,
+        "model": model_hash(),
+        "library": library_hash(task.library),
         "mission": asdict(task.mission),
         "policy": task.policy,
         "gamma": task.gamma,
@@ -134,9 +134,7 @@ def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: 
 
 def keep_all(tasks: list[MissionTask], folder: Path) -> list[KeptTask]:
     """Returns the flights with the files that keep them."""
-    hashes = {id(task.library): library_hash(task.library) for task in tasks}
-    model = model_hash()
-    return [kept(task, folder, library_sha256=hashes[id(task.library)], model_sha256=model) for task in tasks]
+    return [kept(task, folder) for task in tasks]
 
 
 def fly_all(

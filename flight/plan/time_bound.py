@@ -108,9 +108,5 @@ def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] |
     path = times_path(library)
     if not path.exists():
         return ()
-
-    def build(content: _TimesFile) -> tuple[TimePromise, ...] | None:
-        same = content.library_hash == library_hash
-        return content.promise if same else None
-
-    return read_toml(path, _TimesFile, build)
+    content = read_toml(path, _TimesFile)
+    return content.promise if content.library_hash == library_hash else None

@@ -17,21 +17,20 @@ class Verdict:
     reason: str = ""
 
 
-def judge(plan: Plan, library: Library, asked: Mission, *, known_hash: str, late: bool) -> Verdict:
+def judge(plan: Plan, library: Library, asked: Mission, *, late: bool) -> Verdict:
     """Returns whether a plan may be flown; it is checked again, whatever it says of itself.
 
     Args:
         plan: the answer.
         library: flown with.
         asked: the question.
-        known_hash: of the library.
         late: whether it came when the vehicle was no longer where it begins.
     """
     if not plan.found:
         return Verdict(DecisionKind.FAILED, plan.reason)
     if late:
         return Verdict(DecisionKind.LATE, f"it took {plan.solve_time:.3f} s")
-    wrong = problems(plan, library, asked, known_hash=known_hash)
+    wrong = problems(plan, library, asked)
     if wrong:
         return Verdict(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")
     return Verdict(DecisionKind.ADOPTED)

@@ -266,7 +266,7 @@ class Committed:
         )
 
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(self._empty(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}")

@@ -159,7 +159,7 @@ class LibraryPlanner:
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(

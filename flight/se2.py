@@ -6,7 +6,11 @@ yaw rate is a right turn. Body axes are forward and to the right.
 
 from dataclasses import dataclass
 from math import cos, hypot, isfinite, pi, remainder, sin
-from typing import Self
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from .file_value import FileValue
 
 
 def wrap_angle(angle: float) -> float:
@@ -21,12 +25,12 @@ def rotate(x: float, y: float, heading: float) -> tuple[float, float]:
 
 
 @dataclass(frozen=True, slots=True)
-class Twist:
+class Twist(FileValue):
     """A constant body velocity: forward and side in metres per second, yaw rate in radians per second."""
 
-    forward: float
-    side: float
-    yaw_rate: float
+    forward: Annotated[float, Field(description="metres per second")]
+    side: Annotated[float, Field(description="metres per second, to the right")]
+    yaw_rate: Annotated[float, Field(description="radians per second, right turns positive")]
 
     def __post_init__(self) -> None:
         """Refuses non-finite components."""
@@ -48,7 +52,7 @@ class Twist:
 
 
 @dataclass(frozen=True, slots=True)
-class SE2:
+class SE2(FileValue):
     """A planar pose, or the displacement between two poses: metres, metres, radians (not wrapped).
 
     `pose_world_b = pose_world_a @ displacement_a_b`.

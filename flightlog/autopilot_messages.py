@@ -1,12 +1,8 @@
 """What an autopilot of another kind told while it flew: its own messages, in the log that was made of its."""
 
-import json
 from dataclasses import dataclass
 
-from pydantic import BaseModel, ConfigDict, FiniteFloat, TypeAdapter, ValidationError
-
-from flight.errors import BadFileError
-from flight.schema import first_problem
+from flight.schema import FileModel, parse_json
 
 from .attachment_names import IMPORT_ATTACHMENT
 from .log import FlightLog
@@ -21,18 +17,8 @@ class AutopilotMessage:
     text: str
 
 
-class _Message(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
-
-    time: FiniteFloat
-    level: str
-    text: str
-
-
-class _Import(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    messages: tuple[_Message, ...] = ()
+class _Import(FileModel):
+    messages: tuple[AutopilotMessage, ...] = ()
 
 
 def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
@@ -41,12 +27,5 @@ def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
     Raises:
         BadFileError: the attachment is there, but broken.
     """
-    if IMPORT_ATTACHMENT not in log.attachments:
-        return ()
-    try:
-        content = TypeAdapter(_Import).validate_python(json.loads(log.attachments[IMPORT_ATTACHMENT]))
-    except ValidationError as error:
-        raise BadFileError(IMPORT_ATTACHMENT, first_problem(error)) from None
-    except ValueError as error:
-        raise BadFileError(IMPORT_ATTACHMENT, f"is not JSON: {error}") from None
-    return tuple(AutopilotMessage(one.time, one.level, one.text) for one in content.messages)
+    text = log.attachments.get(IMPORT_ATTACHMENT)
+    return () if text is None else parse_json(text, IMPORT_ATTACHMENT, _Import, extra="ignore").messages

@@ -13,7 +13,7 @@ from .autopilot_messages import autopilot_messages
 from .channels import PRIMITIVE, TRUTH
 from .fault_record import fault_occurrences
 from .log import FlightLog
-from .mission_attachments import LoggedPlan, logged_goal, logged_plannings
+from .mission_attachments import logged_goal, logged_plannings
 from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from .trim_labels import trim_label, trim_names
 
@@ -76,14 +76,16 @@ def _sentence(part: FlownPrimitive, names: dict[int, str]) -> str:
 
 def _plannings(log: FlightLog) -> list[Event]:
     events = []
-    for number, plan in enumerate(logged_plannings(log), start=1):
-        if isinstance(plan, LoggedPlan):
-            how = ", ".join(word for word in (plan.policy, plan.status) if word)
+    for number, planning in enumerate(logged_plannings(log), start=1):
+        plan = planning.plan
+        if plan.found:
             walk = " ".join(map(str, plan.sequence))
-            text = f"plan {number}: {plan.cost:.2f} s through trims {walk}{f' ({how})' if how else ''}"
-            events.append(Event(plan.time, Level.INFO, "plan", text))
+            how = f"({plan.policy}, {plan.status})"
+            text = f"plan {number}: {plan.cost:.2f} s through trims {walk} {how}"
+            events.append(Event(planning.time, Level.INFO, "plan", text))
         else:
-            events.append(Event(plan.time, Level.WARNING, "plan", f"plan {number}: none; {plan.reason}"))
+            why = plan.reason or "no reason given"
+            events.append(Event(planning.time, Level.WARNING, "plan", f"plan {number}: none; {why}"))
     return events
 
 

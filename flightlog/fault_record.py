@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from flight.errors import BadFileError
 from flight.mission.fault import Fault
-from flight.schema import first_problem
+from flight.schema import parse_json
 
 from .attachment_names import FAULTS_ATTACHMENT
 from .channels import FAULT, FAULT_EFFECT
@@ -29,12 +29,7 @@ def logged_faults(log: FlightLog) -> tuple[Fault, ...]:
         BadFileError: the log says something else of them.
     """
     text = log.attachments.get(FAULTS_ATTACHMENT)
-    if text is None:
-        return ()
-    try:
-        return _FAULTS.validate_json(text)
-    except ValidationError as error:
-        raise BadFileError(FAULTS_ATTACHMENT, first_problem(error)) from None
+    return () if text is None else parse_json(text, FAULTS_ATTACHMENT, tuple[Fault, ...])
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,15 +1,16 @@
 """What a closed-loop flight's attachments say about where it was going: its mission and its plans."""
 
 import json
-from dataclasses import dataclass
-from math import pi
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
-from pydantic import BaseModel, ConfigDict, FiniteFloat, NonNegativeFloat, TypeAdapter, ValidationError
+from pydantic import FiniteFloat, NonNegativeFloat
 
-from flight.errors import BadFileError
 from flight.mission.destination import Destination
-from flight.schema import first_problem
+from flight.mission.mission import Mission
+from flight.plan.plan import Plan
+from flight.schema import FileModel, json_content, parse_json
 from flight.se2 import SE2
 
 from .attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT, SPECIFICATION_ATTACHMENT
@@ -20,35 +21,17 @@ Content = TypeVar("Content")
 
 @dataclass(frozen=True, slots=True)
 class LoggedPlan:
-    """One plan of a receding-horizon flight, as far as its reader needs it.
+    """One planning of a receding-horizon flight.
 
     Attributes:
-        time: seconds since the flight's start at which it was made.
-        gamma: uncertainty level of its deciding scenario.
-        cost: seconds that the deciding scenario takes.
-        sequence: trim ids.
-        coasting_times: seconds in each trim, of the deciding scenario.
-        policy: which planner made it; empty where the log does not say.
-        status: what the planner called it; empty where the log does not say.
-        level: uncertainty level that was planned for, 0 for a nominal plan.
+        time: seconds since the flight's start at which it was asked for.
+        latency: seconds that it took, as charged.
+        plan: its answer, which may be that there is none.
     """
 
     time: float
-    gamma: float
-    cost: float
-    sequence: tuple[int, ...]
-    coasting_times: tuple[float, ...]
-    policy: str = ""
-    status: str = ""
-    level: float = 0.0
-
-
-@dataclass(frozen=True, slots=True)
-class FailedPlanning:
-    """A planning that found nothing to fly: when, and why."""
-
-    time: float
-    reason: str
+    latency: float
+    plan: Plan
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,47 +44,26 @@ class LoggedSequence:
     altitude: float
 
 
-class _Part(BaseModel):
-    """Attachments may say more than is read here."""
+class _Asked(FileModel):
+    time: NonNegativeFloat
+    latency: NonNegativeFloat
 
-    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
-
-class _Settings(_Part):
+class _Settings(FileModel):
     final_tolerance: NonNegativeFloat | None = None
 
 
-class _Mission(_Part):
-    goal: tuple[FiniteFloat, FiniteFloat]
-    tolerance: NonNegativeFloat
-    goal_heading: FiniteFloat | None = None
-    heading_tolerance: NonNegativeFloat = pi
+class _Closed(FileModel):
     settings: _Settings = _Settings()
 
 
-class _Scenario(_Part):
-    gamma: FiniteFloat
-    cost: FiniteFloat
-    coasting_times: tuple[NonNegativeFloat, ...]
-
-
-class _Plan(_Part):
-    time: NonNegativeFloat
-    sequence: tuple[int, ...] = ()
-    scenarios: tuple[_Scenario, ...] = ()
-    policy: str = ""
-    status: str = ""
-    reason: str | None = None
-    gamma: FiniteFloat = 0.0
-
-
-class _Pose(_Part):
+class _Pose(FileModel):
     north: FiniteFloat = 0.0
     east: FiniteFloat = 0.0
     heading: FiniteFloat = 0.0
 
 
-class _Specification(_Part):
+class _Specification(FileModel):
     trims: tuple[int, ...] = ()
     coasting_times: tuple[NonNegativeFloat, ...] = ()
     start: _Pose = _Pose()
@@ -114,7 +76,7 @@ def logged_sequence(log: FlightLog) -> LoggedSequence | None:
     Raises:
         BadFileError: the attachment is there, but broken.
     """
-    flight = _attachment(log, SPECIFICATION_ATTACHMENT, TypeAdapter(_Specification))
+    flight = _attached(log, SPECIFICATION_ATTACHMENT, _Specification)
     if flight is None or not flight.trims:
         return None
     start = SE2(flight.start.north, flight.start.east, flight.start.heading)
@@ -127,12 +89,12 @@ def logged_goal(log: FlightLog) -> Destination | None:
     Raises:
         BadFileError: the attachment is there, but broken.
     """
-    mission = _attachment(log, MISSION_ATTACHMENT, TypeAdapter(_Mission))
-    if mission is None:
+    mission = _attached(log, MISSION_ATTACHMENT, Mission)
+    closed = _attached(log, MISSION_ATTACHMENT, _Closed)
+    if mission is None or closed is None:
         return None
     # What the loop was closed with comes before what the mission's file says.
-    tolerance = mission.settings.final_tolerance or mission.tolerance
-    return Destination(mission.goal, tolerance, mission.goal_heading, mission.heading_tolerance)
+    return replace(mission.destination, tolerance=closed.settings.final_tolerance or mission.tolerance)
 
 
 def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
@@ -141,44 +103,32 @@ def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
     Raises:
         BadFileError: the attachment is there, but broken.
     """
-    return tuple(plan for plan in logged_plannings(log) if isinstance(plan, LoggedPlan))
+    return tuple(planning for planning in logged_plannings(log) if planning.plan.found)
 
 
-def logged_plannings(log: FlightLog) -> tuple[LoggedPlan | FailedPlanning, ...]:
+def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
     """Returns every planning, with a plan or without, in order; empty where the log has none.
 
     Raises:
         BadFileError: the attachment is there, but broken.
     """
-    plans = _attachment(log, PLANS_ATTACHMENT, TypeAdapter(tuple[_Plan, ...])) or ()
-    return tuple(
-        _deciding_plan(plan)
-        if plan.scenarios
-        else FailedPlanning(plan.time, plan.reason or "no reason given")
-        for plan in plans
-    )
+    asked = _attached(log, PLANS_ATTACHMENT, tuple[_Asked, ...]) or ()
+    plans = _attached(log, PLANS_ATTACHMENT, tuple[Plan, ...]) or ()
+    return tuple(LoggedPlan(one.time, one.latency, plan) for one, plan in zip(asked, plans, strict=True))
 
 
-def _deciding_plan(plan: _Plan) -> LoggedPlan:
-    scenario = max(plan.scenarios, key=lambda scenario: scenario.cost)
-    return LoggedPlan(
-        time=plan.time,
-        gamma=scenario.gamma,
-        cost=scenario.cost,
-        sequence=plan.sequence,
-        coasting_times=scenario.coasting_times,
-        policy=plan.policy,
-        status=plan.status,
-        level=plan.gamma if any(part.gamma for part in plan.scenarios) else 0.0,
-    )
+def plannings_text(plannings: Sequence[LoggedPlan]) -> bytes:
+    """Returns the plannings of a flight as its log carries them."""
+    content = [{"time": one.time, "latency": one.latency, **json_content(one.plan)} for one in plannings]
+    return json.dumps(content, indent=1).encode()
 
 
-def _attachment(log: FlightLog, name: str, content: TypeAdapter[Content]) -> Content | None:
+def _attached(log: FlightLog, name: str, kind: type[Content]) -> Content | None:
+    """Returns what an attachment says of one kind, among other things; None where the log lacks it.
+
+    Raises:
+        BadFileError: the attachment is there, but broken.
+    """
     if name not in log.attachments:
         return None
-    try:
-        return content.validate_python(json.loads(log.attachments[name]))
-    except ValidationError as error:
-        raise BadFileError(name, first_problem(error)) from None
-    except ValueError as error:
-        raise BadFileError(name, f"is not JSON: {error}") from None
+    return parse_json(log.attachments[name], name, kind, extra="ignore")

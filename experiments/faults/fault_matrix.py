@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import Field, FiniteFloat
-
 from experiments.mission.safe_envelope import SafeEnvelope
 from flight.mission.fault import Fault, parse_fault
-from flight.schema import FileModel, read_toml
+from flight.schema import FileModel, read_toml, refusing
 from scenarios.find import FAULTS, find_file
 
 
@@ -45,13 +43,6 @@ class FaultMatrix:
             raise ValueError(f"fault: {twice!r} is there twice")
 
 
-class _Envelope(FileModel):
-    tilt: FiniteFloat = Field(gt=0)
-    height: FiniteFloat = Field(gt=0)
-    position: FiniteFloat = Field(gt=0)
-    heading: FiniteFloat = Field(gt=0)
-
-
 class _Case(FileModel):
     words: str
     contract: bool
@@ -60,7 +51,7 @@ class _Case(FileModel):
 
 class _MatrixFile(FileModel):
     name: str
-    envelope: _Envelope
+    envelope: SafeEnvelope
     fault: tuple[_Case, ...]
 
 
@@ -70,15 +61,10 @@ def read_fault_matrix(path: Path) -> FaultMatrix:
     Raises:
         BadFileError: the file is missing, is no TOML, or names a fault that there is not.
     """
-    return read_toml(path, _MatrixFile, _to_matrix)
-
-
-def _to_matrix(content: _MatrixFile) -> FaultMatrix:
-    return FaultMatrix(
-        name=content.name,
-        envelope=SafeEnvelope(**content.envelope.model_dump()),
-        cases=tuple(FaultCase(parse_fault(row.words), row.contract, row.expected) for row in content.fault),
-    )
+    content = read_toml(path, _MatrixFile)
+    with refusing(path):
+        cases = tuple(FaultCase(parse_fault(row.words), row.contract, row.expected) for row in content.fault)
+        return FaultMatrix(content.name, content.envelope, cases)
 
 
 def find_fault_matrix(name: str) -> FaultMatrix:

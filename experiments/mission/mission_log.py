@@ -1,12 +1,15 @@
 """What the log of a closed-loop flight carries beside the motion: what was asked, and what was planned."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 
-from flight.plan.plan import plan_content
+from flight.file_value import FileValue
+from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.identity import flight_identity
+from flightlog.mission_attachments import LoggedPlan, plannings_text
 from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.settings import Settings
 from planner.kernel.build import search_backend
 from sim.flight_header import flight_attachments, flight_header
 from sim.loop.backend import Backend
@@ -14,6 +17,7 @@ from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, specif
 from sim.vehicle.parameters import read_parameters
 
 from .mission_task import MissionTask
+from .policies import FlownPolicy
 
 
 def mission_specification(task: MissionTask) -> FlightSpecification:
@@ -40,20 +44,29 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
     )
 
 
-def mission_json(task: MissionTask) -> bytes:
-    """Returns what a mission is flown from: mission, planner, and how the loop is closed.
+@dataclass(frozen=True, slots=True)
+class Asked(FileValue):
+    """What the log of a mission says of its flight beside the mission, in the same object.
 
-    Latencies of a flight that is repeated are left out: those charged stand with the plans, so that a flight
-    and its repetition have the same log.
+    Attributes:
+        policy: which planner.
+        gamma: uncertainty level of the worst-case planner.
+        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
+        settings: how the loop was closed. Latencies of a flight that is repeated are left out: those charged
+            stand with the plans, so that a flight and its repetition have the same log.
     """
-    latency = replace(task.settings.latency, recorded=None)
-    content = {
-        **asdict(task.mission),
-        "policy": task.policy,
-        "gamma": task.gamma,
-        "max_nodes": task.max_nodes,
-        "settings": asdict(replace(task.settings, latency=latency)),
-    }
+
+    policy: FlownPolicy
+    gamma: float
+    max_nodes: int | None
+    settings: Settings
+
+
+def mission_json(task: MissionTask) -> bytes:
+    """Returns what a mission is flown from: mission, planner, and how the loop is closed."""
+    settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
+    asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
+    content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)
     return json.dumps(content, indent=1).encode()
 
 
@@ -62,8 +75,5 @@ def plans_json(flown: FlightRecord) -> bytes:
 
     The time each took by the clock would not repeat; it is there only where it was measured, and charged.
     """
-    plans = [
-        {"time": time, "latency": latency, **plan_content(replace(plan, solve_time=0.0))}
-        for time, latency, plan in zip(flown.times, flown.latencies, flown.plans, strict=True)
-    ]
-    return json.dumps(plans, indent=1).encode()
+    plans = [replace(plan, solve_time=0.0) for plan in flown.plans]
+    return plannings_text(list(map(LoggedPlan, flown.times, flown.latencies, plans)))

@@ -1,17 +1,12 @@
 """A flight flown again from what its log carries: specification, library, vehicle, mission, latencies."""
 
-import json
 from dataclasses import replace
-from typing import Any
-
-from pydantic import TypeAdapter, ValidationError
 
 from flight.errors import BadFileError, FlightError
 from flight.mission.mission import Mission
-from flight.schema import first_problem
+from flight.schema import parse_json
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
 from flightlog.log import FlightLog
-from planner.closed_loop.settings import Settings
 from planner.kernel.build import search_backend
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
@@ -20,12 +15,9 @@ from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matche
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import mission_specification
+from .mission_log import Asked, mission_specification
 from .mission_task import MissionTask
-from .policies import FLOWN_POLICIES
 from .recorded_latency import recorded_latency
-
-_MISSION, _SETTINGS = TypeAdapter(Mission), TypeAdapter(Settings)
 
 
 def repeat_flight(log: FlightLog) -> FlightLog:
@@ -71,29 +63,20 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
     Raises:
         BadFileError: what the log says of it is broken.
     """
-    try:
-        asked: dict[str, Any] = json.loads(log.attachments[MISSION_ATTACHMENT])
-        policy, gamma, max_nodes = (asked.pop(name) for name in ("policy", "gamma", "max_nodes"))
-        if policy not in FLOWN_POLICIES:
-            raise BadFileError(
-                MISSION_ATTACHMENT, f"policy: expected one of {FLOWN_POLICIES}, got {policy!r}"
-            )
-        settings = _SETTINGS.validate_python(asked.pop("settings"))
-        mission = _MISSION.validate_python(asked)
-    except ValidationError as error:
-        raise BadFileError(MISSION_ATTACHMENT, first_problem(error)) from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise BadFileError(MISSION_ATTACHMENT, f"is no mission that was flown: {error}") from None
+    text = log.attachments[MISSION_ATTACHMENT]
+    mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")
+    asked = parse_json(text, MISSION_ATTACHMENT, Asked, extra="ignore")
+    settings = asked.settings
     if settings.latency.measured:
         settings = replace(settings, latency=recorded_latency(log, source=MISSION_ATTACHMENT))
     return MissionTask(
         mission=mission,
         library=log.library(),
-        policy=policy,
-        gamma=gamma,
+        policy=asked.policy,
+        gamma=asked.gamma,
         wind=specification.wind,
         seed=specification.seed,
         settings=settings,
-        max_nodes=max_nodes,
+        max_nodes=asked.max_nodes,
         flight_options=specification.flight_options,
     )

@@ -112,13 +112,13 @@ def code_identity() -> str:
     return f"{code_version()}, plans {search_backend()}"
 
 
-def stored_task(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> StoredTask:
+def stored_task(task: MissionTask, folder: Path) -> StoredTask:
     """Returns the flight with the file that keeps it: another flight has another file."""
     code = code_identity()
     content = {
         "code": code,
-        "model": model_sha256,
-        "library": library_sha256,
+        "model": model_hash(),
+        "library": library_hash(task.library),
         "mission": asdict(task.mission),
         "policy": task.policy,
         "gamma": task.gamma,
@@ -138,12 +138,7 @@ def stored_task(task: MissionTask, folder: Path, *, library_sha256: str, model_s
 
 def stored_tasks(tasks: list[MissionTask], folder: Path) -> list[StoredTask]:
     """Returns the flights with the files that keep them."""
-    hashes = {id(task.library): library_hash(task.library) for task in tasks}
-    model = model_hash()
-    return [
-        stored_task(task, folder, library_sha256=hashes[id(task.library)], model_sha256=model)
-        for task in tasks
-    ]
+    return [stored_task(task, folder) for task in tasks]
 
 
 def fly_tasks(

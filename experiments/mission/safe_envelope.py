@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from jaxtyping import Float
+from pydantic import PositiveFloat
 
+from flight.file_value import FileValue
 from flightlog.channels import COMMAND, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
 
 
 @dataclass(frozen=True, slots=True)
-class SafeEnvelope:
+class SafeEnvelope(FileValue):
     """How far a flight may go; twice what sound flights in moderate wind come to, or more.
 
     Attributes:
@@ -20,10 +22,10 @@ class SafeEnvelope:
         heading: likewise, rad.
     """
 
-    tilt: float = 0.7
-    height: float = 5.0
-    position: float = 1.0
-    heading: float = 0.35
+    tilt: PositiveFloat = 0.7
+    height: PositiveFloat = 5.0
+    position: PositiveFloat = 1.0
+    heading: PositiveFloat = 0.35
 
     def __post_init__(self) -> None:
         """Refuses an envelope that nothing is inside of."""

@@ -1,17 +1,27 @@
 """A motion-primitive library: the maneuver automaton with the numbers of its vertices and edges."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from hashlib import sha256
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, GetPydanticSchema, JsonValue, WithJsonSchema
 
 from flight.errors import FlightError, NoManeuverError, UnknownTrimError
+from flight.file_value import FileValue, InForm
+from flight.schema import json_content, schema_named
 
 from .conditions import Conditions
-from .maneuver import Maneuver
+from .maneuver import Maneuver, ManeuverRow
 from .statistics import InterpolationClaim
 from .trim import Trim
+
+SCHEMA = "maneuver-library/1"
+
+_Json = Annotated[Any, GetPydanticSchema(lambda _, handler: handler(JsonValue))]
 
 
 class InconsistentLibraryError(FlightError):
@@ -19,30 +29,34 @@ class InconsistentLibraryError(FlightError):
 
 
 @dataclass(frozen=True)
-class Library:
+class Library(FileValue):
     """Trims joined by maneuvers (thesis, 2.4), immutable and consistent by construction.
 
     Attributes:
+        schema: of its file.
         name: short name, also the file's.
         description: one sentence for people.
         vehicle: what was flown.
-        trims: vertices, unique ids.
-        maneuvers: edges, unique ids, at most one for each ordered pair of trims.
         conditions: where the numbers hold.
         provenance: where they come from, as plain JSON values.
+        trims: vertices, unique ids.
+        maneuvers: edges, unique ids, at most one for each ordered pair of trims.
 
     Raises:
         InconsistentLibraryError: two primitives share an id, a maneuver joins an unknown trim, two
             maneuvers join the same trims, or there is no trim.
     """
 
+    schema: Annotated[str, schema_named(SCHEMA), WithJsonSchema({"const": SCHEMA})] = field(
+        init=False, default=SCHEMA, repr=False
+    )
     name: str
     description: str
     vehicle: str
-    trims: tuple[Trim, ...]
-    maneuvers: tuple[Maneuver, ...]
-    conditions: Conditions = field(default_factory=Conditions)
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    conditions: Conditions = field(default_factory=Conditions, kw_only=True)
+    provenance: Mapping[str, _Json] = field(default_factory=dict, kw_only=True)
+    trims: Annotated[tuple[Trim, ...], Field(min_length=1)]
+    maneuvers: tuple[Annotated[Maneuver, InForm(ManeuverRow, ManeuverRow.maneuver, ManeuverRow.of)], ...]
 
     def __post_init__(self) -> None:
         """Refuses a library that contradicts itself."""
@@ -73,6 +87,16 @@ class Library:
                 f"conditions.maneuver_end.band: one band for each of the trims {sorted(self._trims)}, "
                 f"got {sorted(rule.bands)}"
             )
+
+    @property
+    def text(self) -> str:
+        """Text of its file: numbers round-trip exactly, equal libraries give equal bytes."""
+        return json.dumps(json_content(self), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of its text, as hexadecimal digits; worked out once."""
+        return sha256(self.text.encode()).hexdigest()
 
     @cached_property
     def _trims(self) -> dict[int, Trim]:

@@ -1,15 +1,19 @@
 """A maneuver: a transition between two trims with a fixed duration, displacement and heading change."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import isfinite
+from typing import Annotated, Self
 
+from pydantic import Field, NonNegativeFloat
+
+from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
 from .statistics import InterpolationClaim, Statistics
 
 
 @dataclass(frozen=True, slots=True)
-class ManeuverError:
+class ManeuverError(FileValue):
     """Signed errors of a maneuver: seconds, metres forward and to the right at entry, radians."""
 
     duration: float
@@ -75,3 +79,42 @@ class Maneuver:
                 self.displacement.heading + gamma * self.error.heading_change,
             ),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class DisplacementRow(FileValue):
+    """Where a maneuver ends, in the body frame at entry."""
+
+    forward: Annotated[float, Field(description="metres, along the heading at entry")]
+    side: Annotated[float, Field(description="metres, to the right of the heading at entry")]
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverRow(FileValue):
+    """A maneuver as it stands in files, where the heading change is beside the displacement."""
+
+    id: int
+    from_trim: Annotated[int, Field(alias="from")]
+    to_trim: Annotated[int, Field(alias="to")]
+    duration: Annotated[NonNegativeFloat, Field(description="seconds")]
+    displacement: DisplacementRow
+    heading_change: Annotated[float, Field(description="radians, clockwise positive")]
+    error: Annotated[ManeuverError, Field(description="signed; gamma scales it")]
+    statistics: Statistics | None = None
+    notes: Omittable[str] = ""
+    interpolated: InterpolationClaim | None = None
+
+    @classmethod
+    def of(cls, maneuver: Maneuver) -> Self:
+        """Returns the row of a maneuver."""
+        moved = maneuver.displacement
+        shared = {name: getattr(maneuver, name) for name in _SHARED}
+        return cls(displacement=DisplacementRow(moved.x, moved.y), heading_change=moved.heading, **shared)
+
+    def maneuver(self) -> Maneuver:
+        """Returns the maneuver."""
+        moved = SE2(self.displacement.forward, self.displacement.side, self.heading_change)
+        return Maneuver(displacement=moved, **{name: getattr(self, name) for name in _SHARED})
+
+
+_SHARED = tuple(field.name for field in fields(Maneuver) if field.name != "displacement")

@@ -4,11 +4,15 @@ The body velocity and yaw rate are inside the next trim's band, without leaving 
 is the end of the dwell. A maneuver that does not end before the time-out is counted as timed out.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import isfinite
+from typing import Annotated
 
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from flight.file_value import FileValue, InForm
 from flight.se2 import Twist
 
 
@@ -34,13 +38,40 @@ class Band:
         )
 
 
+@dataclass(frozen=True, slots=True)
+class BandRow(FileValue):
+    """Half widths around one trim's velocity."""
+
+    trim: int
+    forward: Annotated[PositiveFloat, Field(description="metres per second")]
+    side: Annotated[PositiveFloat, Field(description="metres per second")]
+    yaw_rate: Annotated[PositiveFloat, Field(description="radians per second")]
+
+
+def _by_trim(rows: Sequence[BandRow]) -> dict[int, Band]:
+    bands = {row.trim: Band(row.forward, row.side, row.yaw_rate) for row in rows}
+    if len(bands) != len(rows):
+        raise ValueError(f"one for each trim, got {sorted(row.trim for row in rows)}")
+    return bands
+
+
+def _rows(bands: Mapping[int, Band]) -> tuple[BandRow, ...]:
+    return tuple(
+        BandRow(trim, band.forward, band.side, band.yaw_rate) for trim, band in sorted(bands.items())
+    )
+
+
 @dataclass(frozen=True)
-class ManeuverEnd:
+class ManeuverEnd(FileValue):
     """The rule's numbers, fixed before a campaign: a band for each trim, dwell and time-out in seconds."""
 
-    bands: Mapping[int, Band]
-    dwell: float
-    timeout: float
+    bands: Annotated[
+        Mapping[int, Band],
+        InForm(Annotated[tuple[BandRow, ...], Field(min_length=1)], _by_trim, _rows),
+        Field(alias="band"),
+    ]
+    dwell: NonNegativeFloat
+    timeout: PositiveFloat
 
     def __post_init__(self) -> None:
         """Refuses times that order wrongly."""

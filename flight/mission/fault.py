@@ -192,7 +192,7 @@ def parse_fault(words: str) -> Fault:
             size=tuple(size),
         )
     except ValidationError as error:
-        raise BadFaultError(words, first_problem(error).removeprefix("document: ")) from None
+        raise BadFaultError(words, first_problem(error)) from None
 
 
 def _unknown_kind_message(where: str, what: str) -> str:

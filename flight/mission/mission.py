@@ -8,7 +8,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field, FiniteFloat, PositiveInt, model_validator
 
-from flight.schema import FileModel, read_toml, schema_named
+from flight.file_value import FileValue
+from flight.schema import FileModel, read_toml, refusing, schema_named
 from flight.se2 import SE2
 
 from .destination import Destination
@@ -29,7 +30,7 @@ MAX_TRIMS = 8
 
 
 @dataclass(frozen=True, slots=True)
-class Mission:
+class Mission(FileValue):
     """A motion-planning task in the plane.
 
     Attributes:
@@ -122,9 +123,9 @@ def read_mission(path: Path) -> Mission:
     Raises:
         BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
     """
-
-    def build(content: _MissionFile) -> Mission:
-        tolerance = content.goal.heading_tolerance
+    content = read_toml(path, _MissionFile)
+    tolerance = content.goal.heading_tolerance
+    with refusing(path):
         return Mission(
             name=content.name,
             start=SE2(*content.start.position, content.start.heading),
@@ -136,5 +137,3 @@ def read_mission(path: Path) -> Mission:
             goal_trim=content.goal.trim,
             max_trims=content.planner.max_trims,
         )
-
-    return read_toml(path, _MissionFile, build)

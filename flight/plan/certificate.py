@@ -11,6 +11,10 @@ the earlier part first:
 
 from dataclasses import dataclass
 
+from pydantic import PositiveInt
+
+from flight.file_value import FileValue
+
 LARGEST_NUMBER = 1e60
 """Of a multiplier: its square is still a number."""
 
@@ -47,7 +51,7 @@ class BoxLeaf:
 
 
 @dataclass(frozen=True, slots=True)
-class InfeasibilityCertificate:
+class InfeasibilityCertificate(FileValue):
     """Why one walk is not faster.
 
     Attributes:
@@ -62,7 +66,7 @@ class InfeasibilityCertificate:
 
 
 @dataclass(frozen=True, slots=True)
-class Certificate:
+class Certificate(FileValue):
     """The proof of a plan's lower bound; without a lower bound, the proof that there is no plan.
 
     Attributes:
@@ -70,7 +74,7 @@ class Certificate:
         refutations: one for each walk.
     """
 
-    max_trims: int
+    max_trims: PositiveInt
     refutations: tuple[InfeasibilityCertificate, ...]
 
 

@@ -7,17 +7,18 @@ It is no part of a library, whose numbers are of primitives, but stands beside i
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, FiniteFloat, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
 
+from flight.file_value import FileValue
 from flight.schema import FileModel, read_toml
 
 SUFFIX = ".times.toml"
 
 
 @dataclass(frozen=True, slots=True)
-class TimeBound:
+class TimeBound(FileValue):
     """What share of flights is at the goal within what multiple of the time that the loop foretells.
 
     Attributes:
@@ -35,12 +36,12 @@ class TimeBound:
     policy: str
     gamma: float
     wind: str
-    share: float
-    factor: float
-    missions: int
-    flights: int
-    seed: int
-    time: float | None = None
+    share: Annotated[float, Field(gt=0, lt=1)]
+    factor: PositiveFloat
+    missions: PositiveInt
+    flights: PositiveInt
+    seed: NonNegativeInt
+    time: PositiveFloat | None = None
 
     @property
     def source(self) -> str:
@@ -55,28 +56,10 @@ class TimeBound:
         return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
 
 
-class TimeBoundPart(FileModel):
-    """A promise as it stands in files."""
-
-    policy: str
-    gamma: FiniteFloat
-    wind: str
-    share: FiniteFloat = Field(gt=0, lt=1)
-    factor: FiniteFloat = Field(gt=0)
-    missions: PositiveInt
-    flights: PositiveInt
-    seed: int = Field(ge=0)
-    time: FiniteFloat | None = Field(default=None, gt=0)
-
-    def promise(self) -> TimeBound:
-        """Returns it as a value."""
-        return TimeBound(**self.model_dump())
-
-
 class _TimeBoundsFile(FileModel):
     schema_name: Literal["maneuver-times/1"] = Field(alias="schema")
     library_hash: str
-    promise: tuple[TimeBoundPart, ...]
+    promise: tuple[TimeBound, ...]
 
 
 def time_bounds_path(library: Path) -> Path:
@@ -125,9 +108,5 @@ def read_time_bounds(library: Path, *, library_hash: str) -> tuple[TimeBound, ..
     path = time_bounds_path(library)
     if not path.exists():
         return ()
-
-    def build(content: _TimeBoundsFile) -> tuple[TimeBound, ...] | None:
-        same = content.library_hash == library_hash
-        return tuple(part.promise() for part in content.promise) if same else None
-
-    return read_toml(path, _TimeBoundsFile, build)
+    content = read_toml(path, _TimeBoundsFile)
+    return content.promise if content.library_hash == library_hash else None

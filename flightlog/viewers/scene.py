@@ -16,6 +16,7 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from jaxtyping import Float
 
 from flight.automaton.library import Library
+from flight.plan.plan import Plan
 from flight.plan.planned_track import POINTS, planned_track, planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
@@ -52,8 +53,8 @@ def scene_entities(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
         yield 0.0, _goal_disc(goal.position, goal.tolerance, height)
     if LIBRARY_ATTACHMENT in log.attachments and ESTIMATE.name in log.series:
         library = log.library()
-        for plan in logged_plans(log):
-            yield plan.time, _planned_track(log, library, plan)
+        for planning in logged_plans(log):
+            yield planning.time, _planned_track(log, library, planning)
 
 
 def estimated_pose(log: FlightLog, time: float) -> SE2:
@@ -69,9 +70,9 @@ def estimated_pose(log: FlightLog, time: float) -> SE2:
     return SE2(x, y, heading)
 
 
-def tube_gamma(plan: LoggedPlan) -> float:
+def tube_gamma(plan: Plan) -> float:
     """Returns the uncertainty level up to which a plan's tube is drawn: its own, or 1 for a nominal plan."""
-    return plan.level or _TUBE_OF_NOMINAL
+    return plan.gamma or _TUBE_OF_NOMINAL
 
 
 def color(hexadecimal: str, opacity: float = 1.0) -> Color:
@@ -120,13 +121,13 @@ def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -
     return entity
 
 
-def _planned_track(log: FlightLog, library: Library, plan: LoggedPlan) -> SceneEntity:
+def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> SceneEntity:
     """Draws a plan from where the vehicle believed to be when it was made, over its tube."""
     entity = SceneEntity(frame_id=WORLD, id="plan")
-    start = estimated_pose(log, plan.time)
-    height = float(-np.interp(plan.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))
+    plan, start = planning.plan, estimated_pose(log, planning.time)
+    height = float(-np.interp(planning.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))
     walk = (library, plan.sequence, plan.coasting_times)
-    coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+    coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.deciding.gamma)
     for line in (*coasts, *maneuvers):
         entity.lines.append(_line(_points_at_height(line, height), color(_GREY), 0.06))
     tube = planned_tube(*walk, start=start, level=tube_gamma(plan))[:, :: POINTS // 10]

@@ -15,7 +15,7 @@ from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
-from flight.schema import FileModel, read_toml
+from flight.schema import FileModel, read_toml, refusing
 from flight.se2 import SE2, Twist
 
 
@@ -89,7 +89,9 @@ def read_kinematic_library(path: Path) -> Library:
     Raises:
         BadFileError: the file is missing, is no TOML, or contradicts itself; names the place.
     """
-    return read_toml(path, _File, _build)
+    content = read_toml(path, _File)
+    with refusing(path):
+        return _build(content)
 
 
 def _build(content: _File) -> Library:

@@ -30,23 +30,18 @@ PROVED_OPTIMALITY = 1e-3
 """Seconds likewise, where a certificate proves the bound, or branch and bound gave it."""
 
 
-def plan_problems(
-    plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
-) -> tuple[str, ...]:
+def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
     """Returns what is wrong with a plan; nothing for one that keeps its word.
 
     Args:
         plan: the plan.
         library: the one it says it was planned with.
         mission: the one it says it answers.
-        known_hash: of the library, where it is at hand.
     """
-    found = identity_problems(plan, known_hash or library_hash(library), library.name, mission)
+    found = identity_problems(plan, library_hash(library), library.name, mission)
     found += _gamma_problems(plan)
     if plan.at_smallest_tolerance is not None:
-        found += _problems_at_wider_tolerance(
-            plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash
-        )
+        found += _problems_at_wider_tolerance(plan.at_smallest_tolerance, library, mission)
     if not plan.found:
         return (*found, *_certificate_problems(plan, library, mission))
     try:
@@ -90,17 +85,12 @@ def _levels(plan: Plan) -> set[float]:
     return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
 
 
-def _problems_at_wider_tolerance(
-    plan: Plan, library: Library, mission: Mission, *, known_hash: str
-) -> list[str]:
+def _problems_at_wider_tolerance(plan: Plan, library: Library, mission: Mission) -> list[str]:
     """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
     if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
         return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
     wider = replace(mission, tolerance=plan.tolerance)
-    return [
-        f"at_smallest_tolerance: {problem}"
-        for problem in plan_problems(plan, library, wider, known_hash=known_hash)
-    ]
+    return [f"at_smallest_tolerance: {problem}" for problem in plan_problems(plan, library, wider)]
 
 
 def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:

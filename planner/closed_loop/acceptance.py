@@ -17,21 +17,20 @@ class Acceptance:
     reason: str = ""
 
 
-def judge_plan(plan: Plan, library: Library, asked: Mission, *, known_hash: str, late: bool) -> Acceptance:
+def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> Acceptance:
     """Returns whether a plan may be flown; it is checked again, whatever it says of itself.
 
     Args:
         plan: the answer.
         library: flown with.
         asked: the question.
-        known_hash: of the library.
         late: whether it came when the vehicle was no longer where it begins.
     """
     if not plan.found:
         return Acceptance(DecisionKind.FAILED, plan.reason)
     if late:
         return Acceptance(DecisionKind.LATE, f"it took {plan.solve_time:.3f} s")
-    wrong = plan_problems(plan, library, asked, known_hash=known_hash)
+    wrong = plan_problems(plan, library, asked)
     if wrong:
         return Acceptance(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")
     return Acceptance(DecisionKind.ADOPTED)

@@ -5,7 +5,6 @@ from dataclasses import replace
 from math import inf
 
 from flight.automaton.library import Library
-from flight.automaton.library_file import library_hash
 from flight.automaton.vehicle import Leg, Vehicle
 from flight.errors import FlightError, FlightLostError
 from flight.mission.mission import Mission
@@ -78,7 +77,6 @@ class _Loop:
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
         self._library, self._settings, self._on_leg = library, settings, on_leg
-        self._hash = library_hash(library)
         self._record = FlightRecorder(goal, settings.certainty)
         self._left = RemainingPlan(vehicle.trim, tail=safe_stop_path(library, vehicle.trim))
         self._levels = GammaEstimator(library, goal.goal)
@@ -161,7 +159,7 @@ class _Loop:
         return asked, replace(plan, solve_time=took)
 
     def _judge(self, plan: Plan, asked: Mission, *, late: bool = False) -> Acceptance:
-        return judge_plan(plan, self._library, asked, known_hash=self._hash, late=late)
+        return judge_plan(plan, self._library, asked, late=late)
 
     def _choose(self, verdict: Acceptance, asked: Mission, plan: Plan, rest: RemainingPlan) -> None:
         """Takes the new plan, keeps the one under way, or falls back."""

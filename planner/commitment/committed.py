@@ -268,7 +268,7 @@ class CommittedPlanner:
         )
 
     def _verify(self, plan: Plan, mission: Mission) -> Plan:
-        wrong = plan_problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = plan_problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(

@@ -162,7 +162,7 @@ class LibraryPlanner:
     def _verify(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = plan_problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = plan_problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(

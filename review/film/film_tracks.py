@@ -43,10 +43,11 @@ def planned_tracks(log: FlightLog) -> tuple[PlannedTrack, ...]:
         return ()
     library, found = log.library(), []
     plans = logged_plans(log)
-    for plan in plans:
-        start, height = _estimated_pose(log, plan.time)
-        walk = planned_track(library, plan.sequence, plan.coasting_times, start=start, gamma=plan.gamma)
-        found.append(PlannedTrack(plan.time, _lines_at_height(walk, height)))
+    for planning in plans:
+        plan, (start, height) = planning.plan, _estimated_pose(log, planning.time)
+        gamma = plan.deciding.gamma
+        walk = planned_track(library, plan.sequence, plan.coasting_times, start=start, gamma=gamma)
+        found.append(PlannedTrack(planning.time, _lines_at_height(walk, height)))
     flown = None if plans else logged_sequence(log)
     if flown is not None:
         walk = planned_track(library, flown.trims, flown.coasting_times, start=flown.start)

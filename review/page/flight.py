@@ -144,13 +144,13 @@ def _plans(log: FlightLog) -> list[Content]:
     library = log.library()
     chosen = plans[:: -(-len(plans) // MOST_PLANS)]
 
-    def content(plan: LoggedPlan) -> Content:
-        start = estimated_pose(log, plan.time)
+    def content(planning: LoggedPlan) -> Content:
+        plan, start = planning.plan, estimated_pose(log, planning.time)
         walk = (library, plan.sequence, plan.coasting_times)
-        coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+        coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.deciding.gamma)
         line = np.concatenate([piece for pair in _pair_with_maneuvers(coasts, maneuvers) for piece in pair])
         return {
-            "time": plan.time,
+            "time": planning.time,
             "cost": plan.cost,
             "policy": plan.policy,
             "sequence": list(plan.sequence),

@@ -122,13 +122,14 @@ def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
     if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
         return []
     library, estimate = log.library(), log[ESTIMATE]
-    for place, plan in enumerate(plans):
+    for place, planning in enumerate(plans):
         x, y, heading = (
-            float(np.interp(plan.time, estimate.time, estimate[name]))
+            float(np.interp(planning.time, estimate.time, estimate[name]))
             for name in ("north", "east", "heading")
         )
+        plan, start = planning.plan, SE2(x, y, heading)
         lines = planned_track(
-            library, plan.sequence, plan.coasting_times, start=SE2(x, y, heading), gamma=plan.gamma
+            library, plan.sequence, plan.coasting_times, start=start, gamma=plan.deciding.gamma
         )
         for line in (*lines[0], *lines[1]):
             style = stroke.FIRST_PLAN if place == 0 else stroke.LATER_PLAN

@@ -11,7 +11,7 @@ from flightlog.attachment_names import PLANS_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
-from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plannings
+from flightlog.mission_attachments import logged_goal, logged_plannings
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_names
@@ -131,7 +131,7 @@ def summarise(log: FlightLog) -> Summary:
     names = trim_names(log)
     goal = logged_goal(log)
     plannings = logged_plannings(log)
-    plans = [planning for planning in plannings if isinstance(planning, LoggedPlan)]
+    plans = [planning.plan for planning in plannings if planning.plan.found]
     motion, true = log.motion, TRUTH.name in log.series
     return Summary(
         kind=header.kind,

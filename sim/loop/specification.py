@@ -191,4 +191,4 @@ def parse_specification(text: bytes, source: str) -> FlightSpecification:
     Raises:
         BadFileError: names the source and the first place in it that is wrong.
     """
-    return parse_json(text, source, FlightSpecification, lambda specification: specification)
+    return parse_json(text, source, FlightSpecification)

@@ -1,7 +1,6 @@
 """What viewers draw is what was flown, in their own frames."""
 
 import io
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -20,7 +19,7 @@ from mcap.reader import make_reader
 import models
 from flight.plan.planned_track import planned_tube
 from flight.se2 import SE2
-from flightlog.attachment_names import MISSION_ATTACHMENT, MODEL_ATTACHMENT, PLANS_ATTACHMENT
+from flightlog.attachment_names import MODEL_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.events import Level, flight_events
 from flightlog.file.writer import log_bytes
@@ -29,6 +28,7 @@ from flightlog.topic import Series
 from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill_template
 from flightlog.viewers.viewer_channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
 from flightlog.viewers.z_up_frames import ESTIMATED_VEHICLE, VEHICLE, WORLD, attitudes, positions
+from tests.support.altered_logs import bound_for, planned, planning
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -36,24 +36,22 @@ WALK = (1, 2, 3, 7)
 COASTS = (2.0,) * 4
 
 
-def planned(log: FlightLog) -> FlightLog:
+def of_a_mission(log: FlightLog) -> FlightLog:
     """Returns the log as one of a mission with a plan, a planning that failed, and the vehicle's model."""
-    scenarios = [{"gamma": gamma, "cost": 20.0 - gamma, "coasting_times": COASTS} for gamma in (0.0, -1.0)]
     plans = [
-        {"time": 0.0, "sequence": WALK, "gamma": 1.0, "policy": "worst-case", "scenarios": scenarios},
-        {"time": 3.0, "sequence": [], "scenarios": [], "reason": "nothing reaches the goal"},
+        planning(0.0, WALK, COASTS, gammas=(0.0, -1.0)),
+        planning(3.0, reason="nothing reaches the goal"),
     ]
-    files = {
-        MISSION_ATTACHMENT: json.dumps({"goal": [20.0, 10.0], "tolerance": 2.0}).encode(),
-        PLANS_ATTACHMENT: json.dumps(plans).encode(),
-        MODEL_ATTACHMENT: (models.FOLDER / "gtmax.xml").read_bytes(),
-    }
-    return replace(log, attachments={**log.attachments, **files})
+    log = bound_for(planned(log, plans), (20.0, 10.0), 2.0)
+    model = (models.FOLDER / "gtmax.xml").read_bytes()
+    return replace(log, attachments={**log.attachments, MODEL_ATTACHMENT: model})
 
 
 @pytest.fixture(scope="module")
 def flight() -> FlightLog:
-    return planned(synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission"))
+    return of_a_mission(
+        synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission")
+    )
 
 
 def messages(log: FlightLog, topic: ViewerTopic) -> Iterator[tuple[float, Message]]:
@@ -148,7 +146,7 @@ def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None
     lost = replace(flight, header=replace(flight.header, outcome="flight lost at 9.00 s: met the ground"))
     told = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
     assert told[0] == (0.0, "primitive", "hold 1 hover")
-    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case)" in [text for _, _, text in told]
+    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case, feasible)" in [text for _, _, text in told]
     assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in told
     assert told[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
     levels = [message.level for _, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]

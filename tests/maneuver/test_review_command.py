@@ -10,14 +10,14 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.errors import FlightError
 from flight.se2 import Twist
-from flightlog.attachment_names import LIBRARY_ATTACHMENT, MISSION_ATTACHMENT
+from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import ESTIMATE, TRUTH, WIND
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
 from review.summary.bound_check import check_bounds, with_bounds_of
 from review.summary.summary import summarise
-from tests.support.altered_logs import with_added_offset, with_attachment, without_topics
+from tests.support.altered_logs import bound_for, with_added_offset, without_topics
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -58,14 +58,7 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
 
 def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "flight.mcap"
-    flight = with_attachment(
-        synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1),
-        MISSION_ATTACHMENT,
-        {
-            "goal": [90, 0],
-            "tolerance": 1,
-        },
-    )
+    flight = bound_for(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), (90.0, 0.0), 1.0)
     write_log(with_added_offset(flight, TRUTH, "forward", 1.0), log)
     assert run(["review", str(log), "--png", "--out", str(tmp_path / "pictures")]) == 0
     said = capsys.readouterr().out

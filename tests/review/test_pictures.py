@@ -1,6 +1,5 @@
 """What pictures show, held against what they show it of."""
 
-import json
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -17,10 +16,9 @@ from matplotlib.patches import FancyArrowPatch, Rectangle
 from flight.errors import AlreadyExistsError
 from flight.mission.destination import Destination
 from flight.mission.mission import Mission
-from flight.plan.plan import Plan, Scenario
+from flight.plan.plan import Plan, Policy, Scenario, Status
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.channels import CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import merged_primitives
@@ -36,6 +34,7 @@ from review.pictures.primitive_lane import draw_primitive_lane
 from review.pictures.time_histories import draw_control, draw_velocity, draw_wind
 from review.pictures.track_picture import draw_track
 from review.summary.summary import arrival
+from tests.support.altered_logs import bound_for, planned, planning
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -48,14 +47,9 @@ def flight() -> FlightLog:
     """A mission's log with every topic and attachment."""
     log = synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission")
     controls = Series(CONTROLS, log[TRUTH].time, 0.1 * log[TRUTH].values[:, :8])
-    scenario = {"gamma": 0.0, "cost": 20.0, "coasting_times": COASTS}
-    plans = [{"time": time, "sequence": WALK, "scenarios": [scenario]} for time in (0.0, 3.0)]
-    attachments = {
-        **log.attachments,
-        MISSION_ATTACHMENT: json.dumps({"goal": [20.0, 10.0], "tolerance": 2.0}).encode(),
-        PLANS_ATTACHMENT: json.dumps(plans).encode(),
-    }
-    return replace(log, series={**log.series, CONTROLS.name: controls}, attachments=attachments)
+    log = replace(log, series={**log.series, CONTROLS.name: controls})
+    plans = [planning(time, WALK, COASTS, gammas=(0.0,)) for time in (0.0, 3.0)]
+    return bound_for(planned(log, plans), (20.0, 10.0), 2.0)
 
 
 def poor(log: FlightLog) -> FlightLog:
@@ -67,8 +61,32 @@ def poor(log: FlightLog) -> FlightLog:
 def outcome_of(log: FlightLog, *, gammas: tuple[float, ...] = (0.0,)) -> FlownPlan:
     scenarios = tuple(Scenario(gamma, 20.0 - gamma, COASTS, SE2.identity()) for gamma in gammas)
     ids = tuple(maneuver.id for maneuver in LIBRARY.maneuvers_along(WALK))
-    plan = Plan("feasible", "", "", "there", "worst-case", 1.0, 2.0, WALK, ids, scenarios)
+    plan = plan_of(WALK, ids, scenarios, status="feasible")
     return FlownPlan(plan, (log,))
+
+
+def plan_of(
+    walk: tuple[int, ...],
+    maneuvers: tuple[int, ...],
+    scenarios: tuple[Scenario, ...],
+    *,
+    status: Status = "optimal",
+    policy: Policy = "worst-case",
+    reason: str = "",
+) -> Plan:
+    return Plan(
+        status=status,
+        reason=reason,
+        library="l",
+        library_hash="",
+        mission="out",
+        policy=policy,
+        gamma=0.0 if policy == "nominal" else 1.0,
+        tolerance=2.0,
+        sequence=walk,
+        maneuvers=maneuvers,
+        scenarios=scenarios,
+    )
 
 
 def test_every_picture_is_drawn_that_the_log_has_topics_for(flight: FlightLog, tmp_path: Path) -> None:
@@ -212,9 +230,8 @@ def test_a_library_of_one_trim_is_drawn(tmp_path: Path) -> None:
 def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_path: Path) -> None:
     mission = Mission("there", SE2(5.0, -3.0, 0.7), 1, (20.0, 10.0), 2.0)
     found = outcome_of(flight, gammas=(0.0, -1.0, 1.0))
-    none = FlownPlan(
-        Plan("infeasible", "", "", "there", "nominal", 0.0, 2.0, reason="every walk ends elsewhere"), ()
-    )
+    nowhere = plan_of((), (), (), status="infeasible", policy="nominal", reason="every walk ends elsewhere")
+    none = FlownPlan(nowhere, ())
     demo_picture(LIBRARY, mission, [none, found]).savefig(tmp_path / "demo.png")
 
 
@@ -253,7 +270,7 @@ def legend(plan: Plan) -> dict[str, Line2D]:
 def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
     walk, times = (1, 2, 1, 3), (1.25, 0.0, 2.5, 0.004)
     scenarios = [Scenario(gamma, 10 - gamma, times, SE2.identity()) for gamma in (0.0, -1.0, 1.0)]
-    plan = Plan("optimal", "l", "", "out", "worst-case", 1.0, 2.0, walk, (4, 5, 6), tuple(scenarios))
+    plan = plan_of(walk, (4, 5, 6), tuple(scenarios))
     entries = legend(plan)
     name = LIBRARY.trim(1).name
     assert list(entries) == [
@@ -271,5 +288,5 @@ def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
 
 def test_the_legend_of_a_nominal_plan_has_no_level() -> None:
     only = Scenario(0.0, 3.0, (3.0,), SE2.identity())
-    plan = Plan("optimal", "l", "", "out", "nominal", 0.0, 2.0, (1,), (), (only,))
+    plan = plan_of((1,), (), (only,), policy="nominal")
     assert list(legend(plan)) == [f"trim 1, {LIBRARY.trim(1).name}: 3.00 s", "goal, within 2 m"]

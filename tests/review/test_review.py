@@ -12,15 +12,23 @@ from numpy.typing import NDArray
 from flight.automaton.library import Library
 from flight.errors import BadFileError, FlightError
 from flight.mission.destination import Destination
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
+from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.log import FlightLog
-from flightlog.mission_attachments import logged_goal, logged_plans
+from flightlog.mission_attachments import logged_goal, logged_plannings, logged_plans
 from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from review.summary.bound_check import check_bounds
 from review.summary.summary import arrival, summarise
-from tests.support.altered_logs import with_added_offset, with_attachment, with_changed_topic, without_topics
+from tests.support.altered_logs import (
+    bound_for,
+    planned,
+    planning,
+    with_added_offset,
+    with_attachment,
+    with_changed_topic,
+    without_topics,
+)
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -173,23 +181,15 @@ def test_a_goal_passed_between_two_samples_is_reached() -> None:
 
 
 def test_mission_and_plans_are_read_as_they_are_attached() -> None:
-    plan = {
-        "time": 1.5,
-        "schema": "maneuver-plan/1",
-        "sequence": [1, 2],
-        "scenarios": [
-            {"gamma": 0.0, "cost": 8.0, "coasting_times": [1.0, 2.0], "end": {}},
-            {"gamma": -1.0, "cost": 9.0, "coasting_times": [1.0, 3.0], "end": {}},
-        ],
-    }
-    failed = {"time": 2.5, "sequence": [], "scenarios": []}
-    log = with_attachment(still_flight(), PLANS_ATTACHMENT, [plan, failed])
-    log = with_attachment(log, MISSION_ATTACHMENT, {"goal": [9, 0], "tolerance": 1, "name": "there"})
-    (found,) = logged_plans(log)
-    assert (found.gamma, found.cost, found.coasting_times) == (-1.0, 9.0, (1.0, 3.0))
-    assert logged_goal(log) == Destination((9.0, 0.0), 1.0)
-    closer = {"goal": [9, 0], "tolerance": 1, "settings": {"final_tolerance": 0.5}}
-    assert logged_goal(with_attachment(log, MISSION_ATTACHMENT, closer)) == Destination((9.0, 0.0), 0.5)
+    plan = planning(1.5, (1, 2), (1.0, 3.0), gammas=(0.0, -1.0), cost=8.0)
+    failed = planning(2.5, reason="nothing reaches the goal")
+    log = planned(still_flight(), [plan, failed])
+    assert logged_plannings(log) == (plan, failed)
+    assert logged_plans(log) == (plan,)
+    assert (plan.plan.deciding.gamma, plan.plan.cost) == (-1.0, 9.0)
+    assert logged_goal(bound_for(log, (9.0, 0.0), 1.0)) == Destination((9.0, 0.0), 1.0)
+    closer = bound_for(log, (9.0, 0.0), 1.0, final_tolerance=0.5)
+    assert logged_goal(closer) == Destination((9.0, 0.0), 0.5)
 
 
 @pytest.mark.parametrize("content", [{"goal": [9]}, {"goal": [9, 0], "tolerance": -1}, [], None])

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import TRUTH
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
@@ -18,6 +17,7 @@ from review.page.campaign_rows import FlightRow, flight_row, sort_outliers_first
 from review.page.comparison import comparison_rows
 from review.summary.bound_check import with_bounds_of
 from review.summary.summary import summarise
+from tests.support.altered_logs import bound_for
 from tests.support.browser import CHROMIUM, browser
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
@@ -117,13 +117,8 @@ def test_two_flights_of_one_mission_stand_side_by_side(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     paths = []
-    for name, goal in (("nominal", [90.0, 0.0]), ("worst-case", [4.0, 0.0])):
-        log = flight(1, name="gtmax-1")
-        mission = json.dumps({"goal": goal, "tolerance": 1.0}).encode()
-        write_log(
-            replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: mission}),
-            tmp_path / f"{name}.mcap",
-        )
+    for name, goal in (("nominal", (90.0, 0.0)), ("worst-case", (4.0, 0.0))):
+        write_log(bound_for(flight(1, name="gtmax-1"), goal, 1.0), tmp_path / f"{name}.mcap")
         paths.append(str(tmp_path / f"{name}.mcap"))
     assert run(["review", *paths, "--html", "--out", str(tmp_path / "review")]) == 0
     said = capsys.readouterr().out

@@ -15,7 +15,11 @@ SOURCES = (
     "bounds.c",
     "duality.c",
     "sets.c",
+    "automaton.c",
+    "remaining.c",
+    "frontier.c",
     "search.c",
+    "each.c",
 )
 """Each includes the one before it."""
 

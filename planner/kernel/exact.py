@@ -1,9 +1,7 @@
 """The exact search: all candidates of every walk that no bound excludes, in compiled code."""
 
 import ctypes
-from functools import cache
 from math import inf
-from time import perf_counter
 
 import numpy as np
 from jaxtyping import Float
@@ -14,8 +12,9 @@ from flight.mission.mission import Mission
 from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.search_result import SearchResult
 
+from .automaton import Automaton
 from .build import load_kernel
-from .tables import CTable, KernelTable, tables
+from .tables import CTable, KernelTable
 
 MOST_TRIMS = 12
 """Trims in a walk, and uncertainty levels, that the kernel has room for."""
@@ -49,7 +48,10 @@ _NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "secon
 class _Task(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double) for name in _NUMBERS),
-        *((name, ctypes.c_long) for name in ("wants_heading", "levels", "tables", "most_nodes")),
+        *(
+            (name, ctypes.c_long)
+            for name in ("wants_heading", "start_trim", "goal_trim", "max_trims", "most_nodes")
+        ),
     )
 
 
@@ -60,7 +62,10 @@ class _Answer(ctypes.Structure):
         ("least", ctypes.c_double),
         ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
         ("costs", ctypes.c_double * MOST_TRIMS),
-        *((name, ctypes.c_long) for name in ("table", "walk", "nodes", "complete")),
+        ("trims", ctypes.c_long),
+        ("walk", ctypes.c_long * MOST_TRIMS),
+        ("nodes", ctypes.c_long),
+        ("complete", ctypes.c_long),
     )
 
 
@@ -75,7 +80,8 @@ class ExactSearch:
     def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
         self._library = library
         self._gammas = gammas
-        self._prepared = cache(self._prepare)
+        self._automaton = Automaton.of(library, gammas)
+        self._structure, self._arrays = self._automaton.structure()
 
     def supports(self, mission: Mission) -> bool:
         """Whether there is a kernel, and it has room for the mission."""
@@ -91,42 +97,29 @@ class ExactSearch:
         Args:
             mission: from where to where.
             max_nodes: walks at one level that may be solved; then the best so far is returned, with a bound.
-            deadline: seconds after which it is returned likewise, as soon as the walk at hand is solved; the
-                time to list the walks of a start trim, once, counts.
+            deadline: seconds after which it is returned likewise.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
-        began = perf_counter()
         compiled = load_kernel()
         assert compiled is not None
-        every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
+        self._library.trim(mission.start_trim)
+        if mission.goal_trim is not None:
+            self._library.trim(mission.goal_trim)
         found = _Answer()
-        most_nodes = NO_LIMIT if max_nodes is None else max_nodes
-        seconds = max(deadline - (perf_counter() - began), 0.0)
-        task = _task(
-            mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes, seconds=seconds
-        )
-        if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
-            raise MemoryError("the list of walks")
-        return self._read(found, every, mission)
+        task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
+        if compiled.search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
+            raise MemoryError("the search for walks")
+        return self._read(found, mission)
 
-    def _prepare(
-        self, start_trim: int, max_trims: int, goal_trim: int | None
-    ) -> tuple[tuple[KernelTable, ...], "ctypes.Array[CTable]"]:
-        every = tables(self._library, self._gammas, start_trim, max_trims, goal_trim)
-        structures = (CTable * len(every))()
-        for table, structure in zip(every, structures, strict=True):
-            table.fill(structure)
-        return every, structures
-
-    def _read(self, found: _Answer, every: tuple[KernelTable, ...], mission: Mission) -> SearchResult:
-        hidden = wants_heading(mission) and any(table.equal_turns > EQUAL_TURNS for table in every)
+    def _read(self, found: _Answer, mission: Mission) -> SearchResult:
+        hidden = wants_heading(mission) and most_equal_turns(self._automaton, mission) > EQUAL_TURNS
         exhausted = bool(found.complete) and not hidden
         bound = found.least if hidden else found.bound
-        if found.walk < 0:
+        if not found.trims:
             return SearchResult((), (), (), inf if exhausted else bound, exhausted)
-        walk = tuple(every[found.table].walks[found.walk].tolist())
+        walk = tuple(self._automaton.ids[found.walk[: found.trims]].tolist())
         levels = range(len(self._gammas))
         times = tuple(
             tuple(found.times[MOST_TRIMS * level : MOST_TRIMS * level + len(walk)]) for level in levels
@@ -167,7 +160,7 @@ def best_times(
     structure = CTable()
     table.fill(structure)
     costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
-    task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT, seconds=inf)
+    task = _task(mission)
     compiled.each(
         ctypes.byref(task),
         ctypes.byref(structure),
@@ -177,7 +170,13 @@ def best_times(
     return costs, times
 
 
-def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:
+def _task(
+    mission: Mission,
+    *,
+    max_nodes: int | None = None,
+    seconds: float = inf,
+    automaton: Automaton | None = None,
+) -> _Task:
     start = mission.start
     goal = goal_from_start(mission)
     return _Task(
@@ -188,12 +187,33 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
         max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
         seconds,
         int(wants_heading(mission)),
-        levels,
-        tables,
-        most_nodes,
+        automaton.place(mission.start_trim) if automaton else 0,
+        automaton.place(mission.goal_trim) if automaton and mission.goal_trim is not None else -1,
+        mission.max_trims,
+        NO_LIMIT if max_nodes is None else max_nodes,
     )
 
 
 def _inner_tolerance(tolerance: float) -> float:
     """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
     return tolerance - INSIDE if tolerance > EQUALITY else 0.0
+
+
+def most_equal_turns(automaton: Automaton, mission: Mission) -> int:
+    """Placeholder"""
+    n, best = len(automaton.ids), 0
+    start = automaton.place(mission.start_trim)
+    ends = np.arange(n) if mission.goal_trim is None else np.array([automaton.place(mission.goal_trim)])
+    leaves = np.repeat(np.arange(n), np.diff(automaton.first))
+    for rates in automaton.rate:
+        for rate in set(rates.tolist()) - {0.0}:
+            counts = (rates == rate).astype(float)
+            now = np.full(n, -np.inf)
+            now[start] = counts[start]
+            best = max(best, now[ends].max())
+            for _ in range(mission.max_trims - 1):
+                after = np.full(n, -np.inf)
+                np.maximum.at(after, automaton.to, now[leaves])
+                now = after + counts
+                best = max(best, now[ends].max())
+    return int(best)

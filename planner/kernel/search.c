@@ -1,94 +1,55 @@
-/* The best walk over all rows. */
-#include "sets.c"
-#include <stdlib.h>
+/* The best walk: walks come one by one, the one with the least bound first. */
+#include "frontier.c"
 #include <time.h>
 
 typedef struct {
-    const double *rate;
-    const cplx *W, *C, *D;
-    const double *bearing_D, *bearing_W, *size_D, *speed, *fixed, *turned;
-    int trims, walks;
-} Table;
-
-typedef struct {
-    double goal_north, goal_east, tolerance, heading, heading_tolerance, seconds;
-    long wants_heading, levels, tables, most_nodes;
-} Task;
-
-typedef struct {
     double cost, bound, least, times[MOST * MOST], costs[MOST];
-    long table, walk, nodes, complete;
+    long trims, walk[MOST], nodes, complete;
 } Answer;
 
 #define SHORT 4           /* trims */
 #define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
-
-typedef struct { double bound; int table, walk, open; } Entry;
+#define MOST_WAITING 2000000 /* entries of a frontier; beyond, walks come depth first */
 
 typedef struct {
     const Task *task;
-    const Table *tables;
+    const Automaton *automaton;
     Answer *answer;
-    double began;             /* s */
+    double until;             /* s */
     cplx worth[MOST];         /* s/m; at each level, a multiplier that was good for the walk before */
+    Remaining remaining;
+    Walk best;
+    Frontier frontier;
+    Frontier left;            /* walks that were looked at and not excluded */
+    Frontier ways, stack;     /* ways on from one walk; what waits to be followed depth first */
 } Search;
 
-static int by_bound(const void *one, const void *other)
-{
-    const Entry *a = one, *b = other;
-    if (a->bound != b->bound) return a->bound < b->bound ? -1 : 1;
-    if (a->table != b->table) return a->table - b->table;
-    return a->walk - b->walk;
-}
-
-/* Against the goal, at 5 m/s. */
-static cplx first_worth(cplx goal) { return cabs(goal) > 0 ? -0.2 * goal / cabs(goal) : -0.2; }
-
-static void load(Row *row, const Task *task, const Table *table, long index)
-{
-    long at = index * table->trims;
-    row->trims = table->trims;
-    row->rate = table->rate + at;
-    row->W = table->W + at;
-    row->C = table->C + at;
-    row->D = table->D + at;
-    row->bearing_D = table->bearing_D + at;
-    row->bearing_W = table->bearing_W + at;
-    row->size_D = table->size_D + at;
-    row->speed = table->speed + at;
-    row->fixed = table->fixed[index];
-    row->goal = task->goal_north + I * task->goal_east;
-    row->tolerance = task->tolerance;
-    row->wants_heading = (int)task->wants_heading;
-    row->heading = task->heading - table->turned[index];
-    row->heading_tolerance = task->heading_tolerance;
-    row->worth = first_worth(row->goal);
-    row->straight = row->hardly_bent = 0;
-}
-
-static double bound_of(const Row *row)
-{
-    Active on;
-    choose(row, &on, (1u << row->trims) - 1);
-    if (row->wants_heading && fabs(off_turns(row->heading)) > MAX(row->heading_tolerance, 1e-6)) {
-        int turns = 0;
-        for (int k = 0; k < row->trims; k++) turns |= row->rate[k] != 0;
-        if (!turns) return INFINITY;
-    }
-    return row->fixed + least_time(row, &on, to_cover(row));
-}
-
 /* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */
-typedef struct { Row row[MOST]; int order[MOST]; } Levels;
+typedef struct { Walk walk; WalkRow level[MOST]; int order[MOST]; } Levels;
+
+static double clock_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+/* Whether the nodes or the seconds allowed are used up. */
+static int over(const Search *s)
+{
+    return s->answer->nodes >= s->task->most_nodes || (s->until < INFINITY && clock_now() >= s->until);
+}
 
 /* Whether some level cannot beat the best so far. */
 static int excluded(Search *s, const Entry *entry, Levels *every)
 {
-    int levels = (int)s->task->levels;
+    int levels = s->automaton->levels;
     double bounds[MOST], best = s->answer->cost;
+    read_walk(s->automaton, s->task, entry, &every->walk);
     for (int level = 0; level < levels; level++) {
-        Row *row = &every->row[level];
-        load(row, s->task, &s->tables[entry->table], (long)entry->walk * levels + level);
+        Row *row = &every->level[level].row;
+        set_sizes(&every->level[level], s->automaton, s->task, &every->walk, level);
+        set_vectors(&every->level[level], s->automaton, &every->walk, level);
         bounds[level] = bound_of(row);
         row->best = best;
         row->worth = s->worth[level];
@@ -99,7 +60,7 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
         if (bounds[level] >= best) return 1;
         bounds[level] = -1;
         every->order[done] = level;
-        Row *row = &every->row[level];
+        Row *row = &every->level[level].row;
         s->answer->nodes++;
         if (best == INFINITY) continue;
         Active all;
@@ -115,13 +76,13 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
 
 /* Solves a walk at every level; keeps it if its worst level is best. With a limit, no more times are not 0, and the
  * goal is the point where the tolerance is used up best. Returns whether it was kept. */
-static int solved(Search *s, const Entry *entry, const Levels *every, int most)
+static int solved(Search *s, const Levels *every, int most)
 {
-    int levels = (int)s->task->levels;
+    int levels = s->automaton->levels;
     double costs[MOST], times[MOST * MOST], worst = 0;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
-        Row row = every->row[level];
+        Row row = every->level[level].row;
         row.best = s->answer->cost;
         if (most < MOST) {
             double aside = MAX(0, NEAR_THE_EDGE * row.tolerance - 4e-7);
@@ -135,122 +96,205 @@ static int solved(Search *s, const Entry *entry, const Levels *every, int most)
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     s->answer->cost = worst;
-    s->answer->table = entry->table;
-    s->answer->walk = entry->walk;
+    s->best = every->walk;
+    s->answer->trims = every->walk.length;
+    for (int k = 0; k < every->walk.length; k++) s->answer->walk[k] = every->walk.trim[k];
     memcpy(s->answer->costs, costs, sizeof(costs));
     memcpy(s->answer->times, times, sizeof(times));
     return 1;
 }
 
-static double clock_now(void)
+/* Stops the search: nothing undercuts the bound given, nor those of the walks that are left. */
+static void stop(Search *s, double bound)
 {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+    s->answer->complete = 0;
+    for (long i = 0; i < s->left.count; i++) bound = MIN(bound, s->left.entries[i].bound);
+    s->answer->bound = bound;
 }
 
-/* Whether the nodes or the seconds allowed are used up. */
-static int over(const Search *s)
-{
-    const Task *task = s->task;
-    return s->answer->nodes >= task->most_nodes
-        || (task->seconds < INFINITY && clock_now() - s->began >= task->seconds);
-}
-
-/* All walks that some bound does not exclude, by bound. */
-static long list(const Task *task, const Table *tables, Entry *entries)
-{
-    long used = 0;
-    for (int t = 0; t < task->tables; t++)
-        for (int w = 0; w < tables[t].walks; w++) {
-            double bound = 0;
-            Row row;
-            for (int level = 0; level < task->levels; level++) {
-                load(&row, task, &tables[t], (long)w * task->levels + level);
-                bound = MAX(bound, bound_of(&row));
-            }
-            if (bound < INFINITY) entries[used++] = (Entry){bound, t, w, 1};
-        }
-    qsort(entries, (size_t)used, sizeof(Entry), by_bound);
-    return used;
-}
-
-/* Looks for a good plan soon: with as many times as equations only, short walks first, which soon give a plan that
- * excludes most of the long ones. A walk that has become the best is solved to the end at once. */
-static void dive(Search *s, Entry *entries, long used)
+/* Looks at a walk: with as many times as equations only, which soon gives a plan that excludes most of the others.
+ * One that has become the best is solved to the end at once. */
+static void look_at(Search *s, const Entry *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
-    for (int longer = 0; longer < 2; longer++)
-        for (long i = 0; i < used; i++) {
-            Entry *one = &entries[i];
-            if (one->bound >= s->answer->cost) break;
-            if (!one->open || (s->tables[one->table].trims > SHORT) != longer) continue;
-            if (over(s)) { s->answer->complete = 0; s->answer->bound = s->answer->least; return; }
-            if (excluded(s, one, &every)) one->open = 0;
-            else if (solved(s, one, &every, equations)) { solved(s, one, &every, MOST); one->open = 0; }
+    s->answer->least = MIN(s->answer->least, walk->bound);
+    if (excluded(s, walk, &every)) return;
+    if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
+    else append(&s->left, walk);
+}
+
+/* The bound of a walk at its worst level. */
+static double bound_of_walk(const Search *s, const Walk *walk)
+{
+    double bound = 0;
+    WalkRow one;
+    for (int level = 0; level < s->automaton->levels; level++) {
+        set_sizes(&one, s->automaton, s->task, walk, level);
+        bound = MAX(bound, bound_of(&one.row));
+    }
+    return bound;
+}
+
+/* What all walks have in common that begin alike, at every level. */
+static void begin(const Search *s, const Walk *walk, Begun *begun)
+{
+    const Automaton *a = s->automaton;
+    int maneuvers = a->first[a->trims];
+    double distance = cabs(s->task->goal_north + I * s->task->goal_east) - MAX(s->task->tolerance, 2e-7);
+    for (int level = 0; level < a->levels; level++) {
+        Begun *one = &begun[level];
+        *one = (Begun){.distance = distance};
+        for (int k = 0; k < walk->length; k++) {
+            one->group = MAX(one->group, s->remaining.group[level * a->trims + walk->trim[k]]);
+            if (!k) continue;
+            one->fixed += a->duration[level * maneuvers + walk->maneuver[k]];
+            one->distance -= a->size[level * maneuvers + walk->maneuver[k]];
         }
+    }
+}
+
+/* The bound of all walks that go on with one more trim. */
+static double bound_beyond(const Search *s, const Begun *begun, int maneuver, int left)
+{
+    const Automaton *a = s->automaton;
+    double bound = 0;
+    for (int level = 0; level < a->levels; level++) {
+        int at = level * a->first[a->trims] + maneuver, group = s->remaining.group[level * a->trims + a->to[maneuver]];
+        Begun one = {begun[level].fixed + a->duration[at], begun[level].distance - a->size[at],
+                     MAX(begun[level].group, group)};
+        bound = MAX(bound, least_seconds(&s->remaining, level, &one, a->to[maneuver], left));
+    }
+    return bound;
+}
+
+/* The walk itself, and the ways on from it, unless some bound excludes them. */
+static void find_ways(Search *s, const Entry *entry, int fewest, int most)
+{
+    Walk walk;
+    Begun begun[MOST];
+    const Automaton *a = s->automaton;
+    Entry next = *entry;
+    read_walk(a, s->task, entry, &walk);
+    int trim = walk.trim[walk.length - 1];
+    s->ways.count = 0;
+    if (walk.length >= fewest && (s->task->goal_trim < 0 || trim == s->task->goal_trim)) {
+        next.closed = 1;
+        next.bound = bound_of_walk(s, &walk);
+        if (next.bound < s->answer->cost) append(&s->ways, &next);
+    }
+    if (walk.length == most) return;
+    begin(s, &walk, begun);
+    next.closed = 0;
+    next.trims++;
+    for (int m = a->first[trim]; m < a->first[trim + 1]; m++) {
+        next.bound = MAX(entry->bound, bound_beyond(s, begun, m, most - next.trims));
+        next.step[walk.length - 1] = (unsigned short)(m - a->first[trim]);
+        if (next.bound < s->answer->cost) append(&s->ways, &next);
+    }
+}
+
+/* Looks at all walks that begin alike, depth first. */
+static void descend(Search *s, const Entry *first, int fewest, int most)
+{
+    Frontier *stack = &s->stack, *ways = &s->ways;
+    stack->count = 0;
+    append(stack, first);
+    while (stack->count) {
+        Entry one = stack->entries[--stack->count];
+        if (one.bound >= s->answer->cost) continue;
+        if (over(s)) { stop(s, first->bound); return; }
+        if (one.closed) { look_at(s, &one); continue; }
+        find_ways(s, &one, fewest, most);
+        qsort(ways->entries, (size_t)ways->count, sizeof(Entry), in_order);
+        while (ways->count) append(stack, &ways->entries[--ways->count]);
+    }
+}
+
+/* Looks at all walks of so many trims, by bound. */
+static void dive(Search *s, int fewest, int most)
+{
+    Frontier *f = &s->frontier;
+    Entry first = {.trims = 1};
+    f->count = 0;
+    push(f, &first);
+    while (f->count && s->answer->complete) {
+        Entry one = pop(f);
+        if (one.bound >= s->answer->cost) break;
+        if (over(s)) { stop(s, one.bound); return; }
+        if (one.closed) look_at(s, &one);
+        else if (!has_room(f, s->ways.room)) descend(s, &one, fewest, most);
+        else {
+            find_ways(s, &one, fewest, most);
+            for (long i = 0; i < s->ways.count; i++) push(f, &s->ways.entries[i]);
+        }
+    }
 }
 
 /* Solves what is left, with every set of times. */
-static void finish(Search *s, Entry *entries, long used)
+static void finish(Search *s)
 {
     Levels every;
-    for (long i = 0; i < used; i++) {
-        Entry *one = &entries[i];
+    qsort(s->left.entries, (size_t)s->left.count, sizeof(Entry), in_order);
+    for (long i = 0; i < s->left.count; i++) {
+        Entry *one = &s->left.entries[i];
         if (one->bound >= s->answer->cost) break;
-        if (!one->open) continue;
         if (over(s)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
-        if (!excluded(s, one, &every)) solved(s, one, &every, MOST);
+        if (!excluded(s, one, &every)) solved(s, &every, MOST);
     }
 }
 
 /* The winner once more at the levels that do not decide. */
-static void polish(const Task *task, const Table *tables, Answer *answer)
+static void polish(Search *s)
 {
-    for (int level = 0; answer->walk >= 0 && level < task->levels; level++) {
-        Row row;
-        load(&row, task, &tables[answer->table], answer->walk * task->levels + level);
-        row.best = answer->costs[level];
-        memcpy(row.times, answer->times + level * MOST, sizeof(row.times));
-        solve(&row, MOST);
-        answer->costs[level] = row.best;
-        memcpy(answer->times + level * MOST, row.times, sizeof(row.times));
+    Answer *answer = s->answer;
+    WalkRow one;
+    for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
+        set_sizes(&one, s->automaton, s->task, &s->best, level);
+        set_vectors(&one, s->automaton, &s->best, level);
+        one.row.worth = first_worth(one.row.goal);
+        one.row.best = answer->costs[level];
+        memcpy(one.row.times, answer->times + level * MOST, sizeof(one.row.times));
+        solve(&one.row, MOST);
+        answer->costs[level] = one.row.best;
+        memcpy(answer->times + level * MOST, one.row.times, sizeof(one.row.times));
     }
 }
 
-/* The walk whose worst level is best. */
-int search(const Task *task, const Table *tables, Answer *answer)
+static int make_room(Search *s)
 {
-    Search s = {.task = task, .tables = tables, .answer = answer, .began = clock_now()};
-    long total = 0;
-    for (int t = 0; t < task->tables; t++) total += tables[t].walks;
-    Entry *entries = malloc(sizeof(Entry) * (size_t)(total ? total : 1));
-    if (!entries) return 1;
-    long used = list(task, tables, entries);
-    answer->cost = answer->bound = INFINITY;
-    answer->least = used ? entries[0].bound : INFINITY;
-    answer->table = answer->walk = -1;
-    answer->nodes = 0;
+    const Automaton *a = s->automaton;
+    int widest = 1;
+    for (int trim = 0; trim < a->trims; trim++) widest = MAX(widest, a->first[trim + 1] - a->first[trim] + 1);
+    s->frontier.most = s->left.most = MOST_WAITING;
+    s->ways.most = widest;
+    s->stack.most = (long)widest * s->task->max_trims;
+    return make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
+        && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest);
+}
+
+/* The walk whose worst level is best; 1 where there is no memory. */
+int search(const Task *task, const Automaton *automaton, Answer *answer)
+{
+    Search s = {.task = task, .automaton = automaton, .answer = answer, .until = INFINITY};
+    if (task->seconds < INFINITY) s.until = clock_now() + task->seconds;
+    answer->cost = answer->least = INFINITY;
+    answer->trims = answer->nodes = 0;
     answer->complete = 1;
-    for (int level = 0; level < task->levels; level++) s.worth[level] = first_worth(task->goal_north + I * task->goal_east);
-    dive(&s, entries, used);
-    if (answer->complete) finish(&s, entries, used);
-    polish(task, tables, answer);
-    if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
-    free(entries);
-    return 0;
-}
-
-/* The least cost of every row on its own, infinite where it does not reach the goal, and its times. */
-void each(const Task *task, const Table *table, double *costs, double *times)
-{
-    for (long index = 0; index < table->walks; index++) {
-        Row row;
-        load(&row, task, table, index);
-        row.best = INFINITY;
-        solve(&row, MOST);
-        costs[index] = row.best;
-        if (row.best < INFINITY) memcpy(times + index * row.trims, row.times, sizeof(double) * (size_t)row.trims);
+    int made = make_room(&s), most = (int)task->max_trims;
+    if (made) {
+        for (int level = 0; level < automaton->levels; level++)
+            s.worth[level] = first_worth(task->goal_north + I * task->goal_east);
+        dive(&s, 1, MIN(SHORT, most));
+        if (answer->complete && most > SHORT) dive(&s, SHORT + 1, most);
+        if (answer->complete) finish(&s);
+        polish(&s);
+        if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
     }
+    free_remaining(&s.remaining);
+    free(s.frontier.entries);
+    free(s.left.entries);
+    free(s.ways.entries);
+    free(s.stack.entries);
+    return !made;
 }

@@ -5,7 +5,7 @@
 static void given_u(Problem *p, int doubled)
 {
     cplx one, two, multiplier;
-    if (doubled >= 0) { one = conj(p->stretch[doubled].w); two = conj(p->stretch[doubled].w_other); }
+    if (doubled >= 0) { one = p->stretch[doubled].w; two = p->stretch[doubled].w_other; }
     else { one = p->fixed_velocity[0]; two = p->fixed_velocity[1]; }
     double area = cross(one, two);
     if (!(fabs(area) > 1e-9 * cabs(one) * cabs(two))) return;

@@ -1,0 +1,1 @@
+"""Tests of planner.kernel: every branch of the C, in at most 20 s."""

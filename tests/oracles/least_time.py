@@ -11,32 +11,16 @@ from flight.mission.mission import Mission
 
 from .coasting_flow import fly
 from .coasting_problem import CoastingProblem, all_walks, coasting_problems
-from .goal_region import ROUNDING, GoalRegion
-from .one_coast import earliest_time
+from .goal_region import GoalRegion, wrapped
+from .one_coast import telling_times
 from .sampled_times import seeds
 from .stationary_times import polished
 
+ON_THE_SPOT = 1e-2
+"""Speed of a last coast, and of the end that it turns about, that counts as none; scaled."""
+
 ROWS_AT_ONCE = 64
 """Walks with a choice of free coasts that are solved together: more do not fit a cache."""
-
-
-@dataclass(frozen=True, slots=True)
-class ReferencePlan:
-    """A plan that ends inside the goal.
-
-    Attributes:
-        cost: seconds in all; infinite where none was found.
-        walk: trim ids.
-        times: seconds in each trim.
-        beyond: metres by which the end is outside the disc: rounding, or negative.
-        heading_beyond: radians by which the heading is outside its interval.
-    """
-
-    cost: float
-    walk: tuple[int, ...] = ()
-    times: tuple[float, ...] = ()
-    beyond: float = 0.0
-    heading_beyond: float = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,7 +61,7 @@ def least_times(
     if not walks:
         return LeastTimes(cost, times)
     every = coasting_problems(library, walks, gamma)
-    metres, seconds = _units(mission, every)
+    metres, seconds = natural_units(library, mission)
     start = complex(mission.start.x, mission.start.y), mission.start.heading
     goal = GoalRegion.of(mission)
     small = replace(goal, centre=(goal.centre - start[0]) / metres, radius=goal.radius / metres)
@@ -106,21 +90,70 @@ def _solved(
     rows = np.arange(len(problem.walk))
     if problem.free == 0:
         return [(rows, np.zeros((len(rows), 0)))]
+    if problem.free > 1 and goal.heading is not None:
+        # A rotation (almost) on the spot at the end leads nowhere: it takes what the heading needs.
+        aside = np.abs(problem.velocity[:, -1]) + np.abs(problem.gap[:, -1] * problem.rate[:, -1])
+        spot = np.flatnonzero((aside < ON_THE_SPOT) & (problem.rate[:, -1] != 0))
+        if len(spot):
+            found = _rotated(problem.take(spot), start, goal, ceiling, rng)
+            return [(spot[some], times) for some, times in found] + _moved(problem, start, goal, ceiling, rng)
+    return _moved(problem, start, goal, ceiling, rng)
+
+
+def _moved(
+    problem: CoastingProblem,
+    start: tuple[complex, float],
+    goal: GoalRegion,
+    ceiling: float,
+    rng: np.random.Generator,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Returns rows with times in which the last coasts lead to the goal."""
+    rows = np.arange(len(problem.walk))
     if problem.free == 1:
-        times = earliest_time(problem, start, goal)
-        possible = np.isfinite(times[:, 0])
-        return [(rows[possible], times[possible])]
-    seed = seeds(problem, start, goal, ceiling, rng)
-    if not len(seed.row):
-        return []
-    chosen = problem.take(seed.row)
-    found = [(seed.row, seed.times)]
-    limits = [None] if goal.heading is None or goal.width > 0 else []
-    if goal.heading is not None:
-        sides = (-1.0, 1.0) if goal.width > 0 else (0.0,)
-        limits += [np.full(len(seed.row), goal.heading + side * goal.width) for side in sides]
-    for limit in limits:
-        found.append((seed.row, polished(chosen, seed.times, seed.bearing, start, goal, limit)))
+        times = telling_times(problem, start, goal)
+        return [(np.repeat(rows, times.shape[1]), times.reshape(-1, 1))]
+    anywhere, limits = seeds(problem, start, goal, ceiling, rng)
+    found = [(anywhere.row, anywhere.times)]
+    if goal.heading is None or goal.width > 0:
+        limits = {**limits, None: anywhere}
+    for limit, seed in limits.items():
+        if len(seed.row):
+            chosen = problem.take(seed.row)
+            found.append((seed.row, polished(chosen, seed.times, seed.bearing, start, goal, limit)))
+    return found
+
+
+def _rotated(
+    problem: CoastingProblem,
+    start: tuple[complex, float],
+    goal: GoalRegion,
+    ceiling: float,
+    rng: np.random.Generator,
+) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Returns times of walks whose last coast is a rotation on the spot."""
+    assert goal.heading is not None
+    before = replace(
+        problem,
+        place=problem.place[:, :-1],
+        velocity=problem.velocity[:, :-1],
+        rate=problem.rate[:, :-1],
+        gap=problem.gap[:, :-1],
+        gap_turn=np.column_stack([problem.gap_turn[:, :-2], problem.gap_turn[:, -2:].sum(axis=1)]),
+    )
+    found = []
+    for rows, times in _solved(before, start, replace(goal, heading=None), ceiling, rng):
+        chosen = problem.take(rows)
+        ends = fly(before.take(rows), times, start)
+        rate = chosen.rate[:, -1]
+        off = wrapped(goal.heading - ends.heading)
+        first = np.mod(np.sign(rate) * off - goal.width, 2 * np.pi) / np.abs(rate)
+        turn = np.where(np.abs(off) <= goal.width, 0.0, first)
+        whole = np.column_stack([times, turn])
+        found.append((rows, whole))
+        bearing = np.angle(ends.position - goal.centre)
+        for side in (-1.0, 1.0) if goal.width > 0 else (0.0,):
+            limit = goal.heading + side * goal.width
+            found.append((rows, polished(chosen, whole, bearing, start, goal, limit)))
     return found
 
 
@@ -140,16 +173,15 @@ def _keep(
             best[walk, problem.place[row]] = times[row]
 
 
-def _units(mission: Mission, every: dict[int, CoastingProblem]) -> tuple[float, float]:
+def natural_units(library: Library, mission: Mission) -> tuple[float, float]:
     """Returns a power of 2 in metres and in seconds, by which to measure: scaling by these is exact."""
     away = abs(complex(*mission.goal) - complex(mission.start.x, mission.start.y))
-    metres = max(
-        away, mission.tolerance, *(float(np.abs(one.gap).max(initial=0.0)) for one in every.values())
-    )
-    fastest = max(float(np.abs(one.velocity).max(initial=0.0)) for one in every.values())
-    turning = max(float(np.abs(one.rate).max(initial=0.0)) for one in every.values())
+    moved = [abs(complex(one.displacement.x, one.displacement.y)) for one in library.maneuvers]
+    metres = max(away, mission.tolerance, *moved, 0.0)
+    speed = max(abs(complex(one.velocity.forward, one.velocity.side)) for one in library.trims)
+    turning = max(abs(one.velocity.yaw_rate) for one in library.trims)
     metres = 2.0 ** round(log2(metres)) if metres > 0 else 1.0
-    rate = max(fastest / metres, turning)
+    rate = max(speed / metres, turning)
     return metres, 2.0 ** round(-log2(rate)) if rate > 0 else 1.0
 
 

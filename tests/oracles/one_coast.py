@@ -1,4 +1,4 @@
-"""The earliest end inside the goal with one free coast: crossings of a line or a circle with the disc."""
+"""Times of one free coast at which an earliest end can be: a line or a circle meets the disc."""
 
 from math import inf, pi
 
@@ -13,10 +13,12 @@ STEPS = 4
 """Of Newton's method, by which what cancels in turns of huge radius is made good."""
 
 
-def earliest_time(
+def telling_times(
     problem: CoastingProblem, start: tuple[complex, float], goal: GoalRegion
-) -> Float[np.ndarray, "rows 1"]:
-    """Returns the least coasting time that ends inside the goal; infinite where there is none.
+) -> Float[np.ndarray, "rows candidates"]:
+    """Returns coasting times of which one is the least that ends inside the goal, if any does.
+
+    At the least time the goal's edge is entered or touched, or a heading limit is met.
 
     Args:
         problem: rows with one free coast.
@@ -28,9 +30,8 @@ def earliest_time(
         nearest = nearest - _toward_nearest(problem, nearest, start, goal)
         crossing = crossing - _toward_edge(problem, crossing, start, goal)
     every = np.concatenate([np.zeros((len(nearest), 1)), nearest, crossing, limits], axis=1)
-    every = np.where(np.isfinite(every), np.where(np.abs(every) < 1e-300, 0.0, every), -1.0)
-    inside = goal.holds(fly(problem, np.maximum(every, 0.0)[..., None], start)) & (every >= 0)
-    return np.where(inside, every, inf).min(axis=1, keepdims=True)
+    every = np.where(np.isfinite(every), every, -1.0)
+    return every
 
 
 def _candidates(

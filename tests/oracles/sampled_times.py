@@ -1,21 +1,30 @@
 """Coasting times on dense grids: the last two coasts solved exactly for each point of the others."""
 
 from dataclasses import dataclass
-from math import pi
+from math import inf, pi
 
 import numpy as np
-from jaxtyping import Complex, Float, Int
+from jaxtyping import Float, Int
 
 from .coasting_flow import fly
 from .coasting_problem import CoastingProblem
-from .goal_region import GoalRegion
+from .goal_region import GoalRegion, wrapped
 from .two_coasts import last_two_times
 
-POINTS = (1, 64, 256, 512, 768)
-"""Points of a grid of so many dimensions."""
+LINES = (0, 1, 12, 24, 32)
+"""Lines in a grid of so many dimensions."""
+
+POINTS = (1, 80, 40, 40, 40)
+"""Points along a line, likewise."""
 
 BINS = 4
 """Parts of a grid of which each gives its best point, for each of the two solutions."""
+
+CROSSINGS = 5
+"""Points of each solution near which a heading limit is met."""
+
+NEAR = 0.5
+"""Radians from a heading limit at which a point is tried that has a neighbour without a solution."""
 
 STEEPEST = 0.25
 """Share by which a point may cost more than what is sought, to be worth a closer look."""
@@ -42,8 +51,10 @@ def seeds(
     goal: GoalRegion,
     ceiling: float,
     rng: np.random.Generator,
-) -> Seeds:
+) -> tuple[Seeds, dict[float, Seeds]]:
     """Returns the best points of a grid over all coasts but two, and over the edge of the disc.
+
+    Those with any heading, or one inside the limits; and those at which a limit is met, for each limit.
 
     Args:
         problem: rows with two free coasts or more.
@@ -52,19 +63,51 @@ def seeds(
         ceiling: seconds; slower plans are of no interest.
         rng: shifts the grid.
     """
+    points, bearing, times = _grid(problem, start, goal, ceiling, rng)
+    total = problem.fixed[:, None] + times.sum(axis=-1)
+    total = np.where((times >= 0).all(axis=-1) & (total <= (1 + STEEPEST) * ceiling), total, inf)
+    free = _cheapest(times, total, bearing)
+    if goal.heading is None:
+        return free, {}
+    clean = np.where(np.isfinite(total)[..., None], times, 0.0)
+    heading = np.stack([fly(problem, one, start).heading for one in clean])
+    outside = np.abs(wrapped(heading - goal.heading)) > goal.width
+    inside = _cheapest(times, np.where(outside, inf, total), bearing)
+    limits = {}
+    for side in (-1.0, 1.0) if goal.width > 0 else (0.0,):
+        limit = goal.heading + side * goal.width
+        off = np.where(np.isfinite(total), wrapped(heading - limit), np.nan)
+        limits[limit] = _crossing(times, total, off, bearing, points)
+    return _both(free, inside), limits
+
+
+def _grid(
+    problem: CoastingProblem,
+    start: tuple[complex, float],
+    goal: GoalRegion,
+    ceiling: float,
+    rng: np.random.Generator,
+) -> tuple[int, Float[np.ndarray, "samples"], Float[np.ndarray, "2 rows samples free"]]:
+    """Returns the points along a line, bearings on the edge, and times that end there, line after line."""
     others, edge = problem.free - 2, int(goal.radius > 0)
-    points = kronecker(POINTS[min(others + edge, len(POINTS) - 1)], others + edge, rng)
+    dimensions = others + edge
+    along = POINTS[min(dimensions, len(POINTS) - 1)]
+    lines = kronecker(max(LINES[min(dimensions, len(LINES) - 1)], 1), max(dimensions - 1, 0), rng)
+    line = (np.arange(along) + rng.random()) / along
+    across = np.repeat(lines, along, axis=0)
+    inner = np.tile(line, len(lines))[:, None]
+    # The last of the other coasts runs along the lines; without one, the bearing.
+    cube = np.column_stack([across[:, edge:], inner]) if others else np.zeros((len(inner), 0))
+    turn = across[:, 0] if others and edge else inner[:, 0]
+    bearing = 2 * pi * turn if edge else np.zeros(len(inner))
     horizons = horizon(problem, start, goal, ceiling)
-    before = _spread(problem, points[:, :others], horizons)
-    bearing = 2 * pi * points[:, others] if edge else np.zeros(len(points))
+    before = _spread(problem, cube, horizons)
     target = np.broadcast_to(
-        goal.centre + goal.radius * np.exp(1j * bearing), (len(problem.walk), len(points))
+        goal.centre + goal.radius * np.exp(1j * bearing), (len(problem.walk), len(bearing))
     )
-    longest = float(horizons.max(initial=1e-300))
-    pairs = last_two_times(problem, before, target, start, longest)
+    pairs = last_two_times(problem, before, target, start, float(horizons.max(initial=1e-300)))
     times = np.concatenate([np.broadcast_to(before, (2, *before.shape)), pairs], axis=-1)
-    merit = np.stack([_merit(problem, one, start, goal) for one in times])
-    return _best(problem, times, merit, bearing, ceiling)
+    return along, bearing, times
 
 
 def kronecker(count: int, dimensions: int, rng: np.random.Generator) -> Float[np.ndarray, "count dims"]:
@@ -88,9 +131,9 @@ def horizon(
         reach = base + np.minimum(across, 4 * base).sum(axis=1, keepdims=True)
         seconds = np.where(speed > 0, reach / np.where(speed > 0, speed, 1.0), 0.0)
         full = np.where(rate > 0, 2 * pi / np.where(rate > 0, rate, 1.0), np.inf)
-    seconds = np.where(speed > 0, np.minimum(seconds, full), full)
-    # A turn that hardly bends is as long as a straight line may be; any other may be a full one.
-    seconds = np.where(rate * seconds > 1.0, full, seconds)
+    # With a ceiling every turn may be a full one; without, one that hardly bends is no longer than a line.
+    bends = rate * np.minimum(seconds, 1e300) > (0.0 if ceiling < inf else 1e-2)
+    seconds = np.where((speed > 0) & ~bends, np.minimum(seconds, full), np.where(rate > 0, full, seconds))
     return np.minimum(seconds, np.maximum(ceiling - problem.fixed, 0.0)[:, None])
 
 
@@ -104,48 +147,76 @@ def _spread(
     return most * np.where(straight, points**1.5, points)
 
 
-def _merit(
-    problem: CoastingProblem,
-    times: Float[np.ndarray, "rows samples free"],
-    start: tuple[complex, float],
-    goal: GoalRegion,
-) -> Float[np.ndarray, "rows samples"]:
-    """Returns seconds, and those that a heading outside its limits would need; infinite without times."""
-    total = problem.fixed[:, None] + times.sum(axis=-1)
-    possible = np.isfinite(total) & (times >= 0).all(axis=-1)
-    if goal.heading is not None:
-        clean = np.where(possible[..., None], times, 0.0)
-        excess = np.maximum(goal.heading_beyond(fly(problem, clean, start)), 0.0)
-        fastest = np.abs(problem.rate).max(axis=1, initial=0.0)[:, None]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            total = total + np.where(excess > 1e-12, excess / fastest, 0.0)
-    return np.where(possible & np.isfinite(total), total, np.inf)
-
-
-def _best(
-    problem: CoastingProblem,
+def _cheapest(
     times: Float[np.ndarray, "2 rows samples free"],
-    merit: Float[np.ndarray, "2 rows samples"],
+    total: Float[np.ndarray, "2 rows samples"],
     bearing: Float[np.ndarray, "samples"],
-    ceiling: float,
 ) -> Seeds:
-    """Returns the best point of each part of the grid and each solution, where it is good enough."""
-    samples = merit.shape[2]
+    """Returns the cheapest point of each part of the grid and each solution."""
+    samples = total.shape[2]
     chosen = []
     for part in np.array_split(np.arange(samples), min(BINS, samples)):
         for branch in range(2):
-            place = part[np.argmin(merit[branch][:, part], axis=1)]
-            rows = np.arange(len(place))
-            good = merit[branch, rows, place] <= (1 + STEEPEST) * ceiling
-            good &= np.isfinite(merit[branch, rows, place])
-            chosen.append((rows[good], times[branch, rows[good], place[good]], bearing[place[good]]))
+            place = part[np.argmin(total[branch][:, part], axis=1)]
+            rows = np.flatnonzero(np.isfinite(total[branch, np.arange(len(place)), place]))
+            chosen.append(Seeds(rows, times[branch, rows, place[rows]], bearing[place[rows]]))
+    return _both(*chosen)
+
+
+def _crossing(
+    times: Float[np.ndarray, "2 rows samples free"],
+    total: Float[np.ndarray, "2 rows samples"],
+    off: Float[np.ndarray, "2 rows samples"],
+    bearing: Float[np.ndarray, "samples"],
+    along: int,
+) -> Seeds:
+    """Returns the cheapest points between which a heading passes its limit; of one point, that itself."""
+    if along == 1:
+        return _cheapest(times, total, bearing)
+    shape = (*off.shape[:2], -1, along)
+    grid = off.reshape(shape)
+    one, two = grid[..., :-1], grid[..., 1:]
+    passes = (one * two <= 0) & (np.abs(one - two) < pi)
+    share = np.where(passes, one / np.where(passes & (one != two), one - two, 1.0), 0.0)
+    # Where no solution is beyond, the limit may be met between.
+    ends, begins = np.isnan(two) & (np.abs(one) < NEAR), np.isnan(one) & (np.abs(two) < NEAR)
+    # Where it is touched, neighbours are further away on the same side.
+    dip = np.abs(grid) < NEAR
+    dip[..., 1:] &= ~(np.abs(grid[..., :-1]) < np.abs(grid[..., 1:]))
+    dip[..., :-1] &= ~(np.abs(grid[..., 1:]) < np.abs(grid[..., :-1]))
+    ends |= dip[..., :-1] & ~passes & ~begins
+    share = np.where(begins, 1.0, share)
+    price = total.reshape(shape)
+    price = np.where(begins, price[..., 1:], np.where(passes | ends, price[..., :-1], inf))
+    cost = price.reshape(*off.shape[:2], -1)
+    count = min(CROSSINGS, cost.shape[2])
+    place = np.argpartition(cost, count - 1, axis=2)[..., :count]
+    branch, row, chosen = (one.ravel() for one in _indices(place))
+    good = np.isfinite(cost[branch, row, chosen])
+    branch, row, chosen = branch[good], row[good], chosen[good]
+    line, step = np.divmod(chosen, along - 1)
+    first = line * along + step
+    weight = share.reshape(cost.shape)[branch, row, chosen][:, None]
+    before, after = times[branch, row, first], times[branch, row, first + 1]
+    after = np.where(np.isfinite(after), after, before)
+    before = np.where(np.isfinite(before), before, after)
+    mixed = before + weight * (after - before)
+    # A time that starts anew after a full turn is not between the two.
+    most = 0.5 * (np.abs(after) + np.abs(before)) + 0.05 * cost[branch, row, chosen][:, None]
+    jumps = np.abs(after - before) > most
+    held = np.where(jumps, np.where(weight < 0.5, before, after), mixed)
+    turn = bearing[first] + weight[:, 0] * wrapped(bearing[first + 1] - bearing[first])
+    return Seeds(row, held, turn)
+
+
+def _indices(place: Int[np.ndarray, "2 rows n"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    branch, row, _ = np.indices(place.shape)
+    return branch, row, place
+
+
+def _both(*parts: Seeds) -> Seeds:
     return Seeds(
-        np.concatenate([one[0] for one in chosen]),
-        np.concatenate([one[1] for one in chosen]).reshape(-1, problem.free),
-        np.concatenate([one[2] for one in chosen]),
+        np.concatenate([one.row for one in parts]),
+        np.concatenate([one.times for one in parts]),
+        np.concatenate([one.bearing for one in parts]),
     )
-
-
-def on_edge(seed: Seeds, goal: GoalRegion) -> Complex[np.ndarray, "seeds"]:
-    """Returns the points of the disc's edge at which seeds aim."""
-    return goal.centre + goal.radius * np.exp(1j * seed.bearing)

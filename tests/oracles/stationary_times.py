@@ -32,7 +32,7 @@ def polished(
     bearing: Rows,
     start: tuple[complex, float],
     goal: GoalRegion,
-    limit: Rows | None,
+    limit: float | None,
 ) -> Times:
     """Returns times nearby at which no small change on the edge of the disc saves time.
 
@@ -122,7 +122,7 @@ def _shortened(step: Float[np.ndarray, "r n"], problem: CoastingProblem, times: 
 
 
 def _restored(
-    problem: CoastingProblem, times: Times, start: tuple[complex, float], goal: GoalRegion, limit: Rows | None
+    problem: CoastingProblem, times: Times, start: tuple[complex, float], goal: GoalRegion, limit: float | None
 ) -> Times:
     """Moves times as little as need be to end on the edge, at the heading to be kept."""
     for _ in range(RESTORING_STEPS):

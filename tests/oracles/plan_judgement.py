@@ -98,8 +98,9 @@ def judge(
             heading_tolerance=mission.heading_tolerance * (1 - INSIDE),
         )
         inner = reference(plan, library, narrow, rng=rng)
-        clear = inner.cost * (1 + SLOWER) + BLURRED * seconds < plan.cost and mission.tolerance > 0
-        return Judgement(kind if clear else f"{kind}, at an edge", True, best, plan)
+        clear = inner.cost * (1 + SLOWER) + BLURRED * seconds < plan.cost
+        where = "" if clear and mission.tolerance > 0 else ", goal met exactly" if clear else ", at an edge"
+        return Judgement(kind + where, True, best, plan)
     if isfinite(best.cost) and bound > least:
         return Judgement("lower bound above a plan", True, best, plan)
     if plan.status in ("feasible", "unknown"):
@@ -134,7 +135,9 @@ def reference(
         ):
             found = Reference(float(costs[place]), walk, every)
             break
-    if known is not None and gammas == (0.0,) and ends_inside(library, mission, *known, 0.0):
+    if known is None or gammas != (0.0,) or known[0] not in walks:
+        return found
+    if ends_inside(library, mission, *known, 0.0):
         cost = fsum((*known[1], *(one.duration for one in library.maneuvers_along(known[0]))))
         found = min(found, Reference(cost, known[0], (known[1],)), key=lambda one: one.cost)
     return found

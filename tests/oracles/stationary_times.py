@@ -107,8 +107,12 @@ def _solved(
     matrix = np.where(usable[:, None, None], matrix, np.eye(size))
     error = np.where(usable[:, None], error, 0.0)
     # Of unequal size, so that no sum of two columns becomes 0.
-    matrix = matrix + SINGULAR * np.diag(1 + 0.3 * np.arange(size))
-    return -np.linalg.solve(matrix, error[..., None])[..., 0]
+    ridge = SINGULAR * np.diag(1 + 0.3 * np.arange(size))
+    while True:
+        try:
+            return -np.linalg.solve(matrix + ridge, error[..., None])[..., 0]
+        except np.linalg.LinAlgError:
+            ridge = 7 * ridge
 
 
 def _shortened(step: Float[np.ndarray, "r n"], problem: CoastingProblem, times: Times, edge: int) -> Rows:

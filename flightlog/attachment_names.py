@@ -19,6 +19,9 @@ PLANS_ATTACHMENT = "plans.json"
 MISSION_ATTACHMENT = "mission.json"
 """The mission of a flight in receding horizon."""
 
+ARRIVAL_ATTACHMENT = "arrival.json"
+"""Whether a mission reached its goal: a `flight.mission.arrival.ArrivalVerdict`."""
+
 VEHICLE_ATTACHMENT = "vehicle.json"
 """Every number of the vehicle that flew, with the changes that were made to it."""
 

@@ -3,14 +3,12 @@
 from dataclasses import dataclass
 from enum import IntEnum
 
-import numpy as np
-
 from flight.errors import FlightError
-from flight.mission.destination import first_arrival
 
 from .alarm import ADVICE, ALARM, alarms_from_series
+from .arrival import logged_arrival
 from .autopilot_messages import autopilot_messages
-from .channels import PRIMITIVE, TRUTH
+from .channels import PRIMITIVE
 from .fault_record import fault_occurrences
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_plannings
@@ -121,13 +119,9 @@ def _alarms(log: FlightLog) -> list[Event]:
 
 
 def _arrival(log: FlightLog) -> list[Event]:
-    goal = logged_goal(log)
-    if goal is None or TRUTH.name not in log.series:
+    goal, met = logged_goal(log), logged_arrival(log)
+    if goal is None or met is None:
         return []
-    truth = log[TRUTH]
-    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
-    met = first_arrival([track], goal)
     if met.time is None:
-        text = f"goal not reached; {met.closest:.2f} m from it at the closest"
-        return [Event(log.duration, Level.WARNING, "goal", text)]
+        return [Event(log.duration, Level.WARNING, "goal", f"goal not reached: {met.reason}")]
     return [Event(met.time, Level.INFO, "goal", f"goal reached, within {goal.tolerance:.3g} m")]

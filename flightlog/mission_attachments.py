@@ -97,6 +97,16 @@ def logged_goal(log: FlightLog) -> Destination | None:
     return replace(mission.destination, tolerance=closed.settings.final_tolerance or mission.tolerance)
 
 
+def logged_goal_trim(log: FlightLog) -> int | None:
+    """Returns the id of the trim wanted at the goal, or None where any will do.
+
+    Raises:
+        BadFileError: the attachment is there, but broken.
+    """
+    mission = _attached(log, MISSION_ATTACHMENT, Mission)
+    return None if mission is None else mission.goal_trim
+
+
 def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
     """Returns the plans that had something to fly, in order; empty where the log has none.
 

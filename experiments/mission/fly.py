@@ -11,7 +11,8 @@ from experiments.campaign.fly_campaign import derived_seed
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Vehicle
 from flightlog.alarm import ALARM, Alarm, alarms_from_series
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
+from flightlog.arrival import arrival_text
+from flightlog.attachment_names import ARRIVAL_ATTACHMENT, MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.decision import DECISION, decision_series
 from flightlog.fault_record import fault_effects
 from flightlog.file.writer import write_log
@@ -148,7 +149,13 @@ def fly_helicopter(
     specification = mission_specification(task)
     helicopter = SimulatedHelicopter(specification, task.library, parameters=parameters, backend=backend)
     flown = _close_loop(helicopter, task, planner)
-    log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
+    log = helicopter.log(
+        {
+            MISSION_ATTACHMENT: mission_json(task),
+            PLANS_ATTACHMENT: plans_json(flown),
+            ARRIVAL_ATTACHMENT: arrival_text(flown.arrival),
+        }
+    )
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
     return flown, replace(log, header=log.header.with_search_backend(search_backend()), series=series)
 

@@ -10,7 +10,7 @@ from rich.padding import Padding
 from rich.table import Table
 from rich.text import Text
 
-from flight.mission.destination import Arrival
+from flight.mission.arrival import ArrivalVerdict
 from flight.plural import plural
 from flightlog.primitives import PrimitiveKind
 from review.page.campaign_rows import FlightRow
@@ -111,9 +111,9 @@ def _facts(summary: Summary) -> Table:
     return table
 
 
-def _arrival(arrival: Arrival) -> str:
+def _arrival(arrival: ArrivalVerdict) -> str:
     if arrival.time is None:
-        return f"not reached; {arrival.closest:.2f} m at the closest"
+        return f"not reached: {arrival.reason}"
     return f"reached after {arrival.time:.2f} s"
 
 

@@ -5,7 +5,8 @@ from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.destination import Arrival, first_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
+from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
@@ -21,13 +22,10 @@ class FlightRecord:
     """What a closed-loop flight came to.
 
     Attributes:
-        reached: whether the true track entered the final tolerance, in the trim wanted there, on a plan, and
-            the vehicle ended its flight for that.
-        claimed: whether the vehicle ended its flight because it took itself to be at the goal.
+        arrival: judgement of the true track.
         flown_time: seconds to there; the whole flight's where it was not reached.
         predicted_time: seconds that the policy promises from the start to the part of the tolerance that
             plans aim at, thinking included; infinite without a plan.
-        closest: metres between the goal and the nearest point of the true track.
         activations: how often it was planned.
         failures: how often that gave no plan that could be flown: none, too late, or failing its check.
         fallbacks: how often the way to rest was begun.
@@ -41,11 +39,9 @@ class FlightRecord:
         reason: how it ended, one sentence.
     """
 
-    reached: bool
-    claimed: bool
+    arrival: ArrivalVerdict
     flown_time: float
     predicted_time: float
-    closest: float
     activations: int
     failures: int
     fallbacks: int
@@ -57,6 +53,21 @@ class FlightRecord:
     legs: tuple[Leg, ...]
     steps: tuple[PlanStep, ...]
     reason: str
+
+    @property
+    def reached(self) -> bool:
+        """True where the goal was reached."""
+        return self.arrival.reached
+
+    @property
+    def claimed(self) -> bool:
+        """True where the vehicle declared its arrival."""
+        return self.arrival.declared
+
+    @property
+    def closest(self) -> float:
+        """Least true distance to the goal in metres; infinite where nothing was flown."""
+        return inf if self.arrival.closest is None else self.arrival.closest
 
 
 @dataclass(slots=True)
@@ -80,7 +91,7 @@ class FlightRecorder:
     decisions: list[Decision] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
     steps: list[PlanStep] = field(default_factory=list)
-    counted: list[bool] = field(default_factory=list)
+    on_plan: list[bool] = field(default_factory=list)
     claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
@@ -95,8 +106,8 @@ class FlightRecorder:
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
+        self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        self.counted.append(counts)
         if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
@@ -129,15 +140,16 @@ class FlightRecorder:
             duration = float(error.track[-1, 0] - error.track[0, 0])
             self.steps.append(step)
             self.legs.append(Leg(duration, settled=False, track=error.track))
-            self.counted.append(False)
+            self.on_plan.append(False)
 
-    def _arrival(self) -> Arrival:
-        """Returns when the goal was truly reached, on a plan and in the trim wanted there."""
-        tracks = [leg.track for leg, counts in zip(self.legs, self.counted, strict=True) if counts]
-        return first_arrival(tracks, self.goal.destination)
-
-    def _closest(self) -> float:
-        return first_arrival([leg.track for leg in self.legs], self.goal.destination).closest
+    def _arrival(self) -> ArrivalVerdict:
+        """Judges the true track."""
+        segments = [
+            TrackSegment(leg.track, step.trim if step.to_trim is None else None, on_plan)
+            for leg, step, on_plan in zip(self.legs, self.steps, self.on_plan, strict=True)
+        ]
+        goal = self.goal
+        return judge_arrival(segments, goal.destination, trim=goal.goal_trim, declared=self.claimed)
 
     def close(self, time: float, reason: str) -> FlightRecord:
         """Returns what the flight came to.
@@ -147,16 +159,13 @@ class FlightRecorder:
             reason: how, one sentence.
         """
         arrival = self._arrival()
-        reached = self.claimed and arrival.time is not None
-        if self.claimed and not reached:
-            reason = f"took itself to be at the goal, which it came no nearer to than {arrival.closest:.2f} m"
+        if arrival.declared and not arrival.reached:
+            reason = arrival.reason
         kinds = [one.kind for one in self.decisions]
         return FlightRecord(
-            reached=reached,
-            claimed=self.claimed,
-            flown_time=arrival.time if reached and arrival.time is not None else time,
+            arrival=arrival,
+            flown_time=time if arrival.time is None else arrival.time,
             predicted_time=self.predicted_time,
-            closest=arrival.closest if reached else self._closest(),
             activations=len(self.plans),
             failures=sum(kind in REFUSALS for kind in kinds),
             fallbacks=kinds.count(DecisionKind.FALLBACK),

@@ -41,7 +41,7 @@ def _goal(one: Summary) -> str:
     if one.arrival is None:
         return NOT_KNOWN
     if one.arrival.time is None:
-        return f"missed by {one.arrival.closest:.2f} m"
+        return f"not reached: {one.arrival.reason}"
     return f"reached after {one.arrival.time:.2f} s"
 
 

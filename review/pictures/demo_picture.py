@@ -10,14 +10,13 @@ from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from flight.automaton.library import Library
-from flight.mission.destination import Arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
+from flightlog.arrival import logged_arrival
 from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
-from review.summary.summary import arrival
 
 from . import palette
 from .automaton_picture import draw_automaton
@@ -85,14 +84,15 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
     palette.format_axes(axes)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
-    plan, goal = outcome.plan, mission.destination
+    plan = outcome.plan
     for scenario in plan.scenarios:
         _draw_scenario(axes, library, mission, plan, scenario)
-    arrivals = [arrival(log, goal) for log in outcome.flights]
-    for log, met in zip(outcome.flights, arrivals, strict=True):
-        style = MISSED if met.time is None else FLOWN
+    verdicts = [logged_arrival(log) for log in outcome.flights]
+    arrivals = [None if verdict is None else verdict.time for verdict in verdicts]
+    for log, arrival in zip(outcome.flights, arrivals, strict=True):
+        style = MISSED if arrival is None else FLOWN
         truth = log[TRUTH]
-        way = truth.time <= (log.duration if met.time is None else met.time)
+        way = truth.time <= (log.duration if arrival is None else arrival)
         style.draw(axes, truth["east"][way], truth["north"][way])
         FLOWN_AFTER_GOAL.draw(axes, truth["east"][~way], truth["north"][~way])
     _draw_start_and_goal(axes, mission)
@@ -112,7 +112,7 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
     )
 
 
-def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival]) -> str:
+def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[float | None]) -> str:
     """Returns what the plan predicted and what the flights did, in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
@@ -121,7 +121,7 @@ def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence
         predicted += f", the slowest of gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
         return f"{predicted}\nnot flown"
-    times = sorted(met.time for met in arrivals if met.time is not None)
+    times = sorted(time for time in arrivals if time is not None)
     reached = f"goal reached in {len(times)} of {_plural(len(flights), 'flight')}"
     span = dict.fromkeys(f"{time:.1f} s" for time in (*times[:1], *times[-1:]))
     return f"{predicted}\n{reached}{', in ' if span else ''}{' to '.join(span)}"
@@ -145,16 +145,16 @@ def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
     annotate_pose(axes, SE2(north, east, 0.0), "goal", along=True)
 
 
-def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:
+def _entries(plan: Plan, arrivals: Sequence[float | None]) -> list[Line2D]:
     entries = []
     if plan.found:
         entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest case"))
     if len(plan.scenarios) > 1:
         entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
-    if any(met.time is not None for met in arrivals):
+    if any(time is not None for time in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
         entries.append(FLOWN_AFTER_GOAL.entry("after the goal, a maneuver begun is finished"))
-    if any(met.time is None for met in arrivals):
+    if None in arrivals:
         entries.append(MISSED.entry("flown, goal missed"))
     return entries
 

@@ -6,12 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.mission.destination import Arrival, Destination, first_arrival
+from flight.mission.arrival import ArrivalVerdict
+from flightlog.arrival import logged_arrival
 from flightlog.attachment_names import PLANS_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
-from flightlog.mission_attachments import logged_goal, logged_plannings
+from flightlog.mission_attachments import logged_plannings
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_names
@@ -117,7 +118,7 @@ class Summary:
     plans: int | None
     failures: int
     promise: float | None
-    arrival: Arrival | None
+    arrival: ArrivalVerdict | None
 
 
 def summarise(log: FlightLog) -> Summary:
@@ -129,7 +130,6 @@ def summarise(log: FlightLog) -> Summary:
     header = log.header
     flown = merged_primitives(log) if PRIMITIVE.name in log.series else ()
     names = trim_names(log)
-    goal = logged_goal(log)
     plannings = logged_plannings(log)
     plans = [planning.plan for planning in plannings if planning.plan.found]
     motion, true = log.motion, TRUTH.name in log.series
@@ -156,7 +156,7 @@ def summarise(log: FlightLog) -> Summary:
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
         promise=plans[0].cost if plans else None,
-        arrival=arrival(log, goal) if true and goal is not None else None,
+        arrival=logged_arrival(log),
     )
 
 
@@ -213,17 +213,6 @@ def _navigation(log: FlightLog) -> NavigationError:
         velocity_rms=_rms(velocity),
         heading_rms=_rms(navigation_error(log, "heading")),
     )
-
-
-def arrival(log: FlightLog, destination: Destination) -> Arrival:
-    """Returns how the true track, as a line between its samples, met where it was to go.
-
-    Raises:
-        MissingTopicError: the log has no truth.
-    """
-    truth = log[TRUTH]
-    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
-    return first_arrival([track], destination)
 
 
 def _rms(values: Column) -> float:

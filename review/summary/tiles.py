@@ -125,7 +125,7 @@ def _outcome(summary: Summary) -> Content:
     if summary.arrival is None:
         return _tile("outcome", "completed", f"{summary.duration:.1f} s", "good")
     if summary.arrival.time is None:
-        return _tile("goal", "not reached", f"{summary.arrival.closest:.2f} m at the closest", "bad")
+        return _tile("goal", "not reached", summary.arrival.reason, "bad")
     tile = _tile("goal", "reached", f"after {summary.arrival.time:.2f} s", "good")
     return {**tile, "time": summary.arrival.time}
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flight.automaton.library import Library
 from flight.errors import BadFileError, FlightError
-from flight.mission.destination import Destination
+from flight.mission.destination import Destination, Track, first_arrival
 from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.log import FlightLog
@@ -19,7 +19,7 @@ from flightlog.mission_attachments import logged_goal, logged_plannings, logged_
 from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from review.summary.bound_check import check_bounds
-from review.summary.summary import arrival, summarise
+from review.summary.summary import summarise
 from tests.support.altered_logs import (
     bound_for,
     planned,
@@ -168,15 +168,22 @@ def test_a_whole_turn_of_heading_is_no_navigation_error() -> None:
     assert other.heading_rms == pytest.approx(0.1)
 
 
+def track_of(log: FlightLog) -> Track:
+    truth = log[TRUTH]
+    return np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
+
+
 def test_a_goal_passed_between_two_samples_is_reached() -> None:
     log = still_flight()
     start, end = (np.array([log[TRUTH][name][row] for name in ("north", "east")]) for row in (0, -1))
     truth = Series(TRUTH, np.array([0.0, 10.0]), log[TRUTH].values[[0, -1]])
     log = replace(log, series={**log.series, TRUTH.name: truth})
-    met = arrival(log, Destination((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0))
+    met = first_arrival(
+        [track_of(log)], Destination((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0)
+    )
     assert met.closest == pytest.approx(0.0, abs=1e-9)
     assert met.time == pytest.approx(5.0)
-    aside = arrival(log, Destination((float(end[0]) + 30.0, float(end[1])), 29.0))
+    aside = first_arrival([track_of(log)], Destination((float(end[0]) + 30.0, float(end[1])), 29.0))
     assert aside.time is None
 
 

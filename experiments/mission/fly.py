@@ -21,7 +21,7 @@ from planner.closed_loop.flight_record import Flown
 from planner.closed_loop.receding_horizon import fly
 from planner.closed_loop.tube import leaves_tube
 from planner.commitment.committed import Committed
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from planner.policies.adaptive_gamma import CalibratedGamma
 from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
@@ -150,7 +150,7 @@ def fly_helicopter(
     flown = _close_loop(helicopter, task, planner)
     log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
-    return flown, replace(log, header=log.header.planned_by(search_backend()), series=series)
+    return flown, replace(log, header=log.header.planned_by(SEARCH_BACKEND), series=series)
 
 
 def planner_of(

@@ -7,7 +7,7 @@ from flight.plan.plan import plan_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.identity import identity
 from planner.closed_loop.flight_record import Flown
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.flight_header import flight_header, flight_inputs
 from sim.loop.backend import Backend
 from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
@@ -35,7 +35,7 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
     specification, parameters = mission_specification(task), read_parameters()
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
     inputs = flight_inputs(specification, task.library, parameters)
-    return identity(header.planned_by(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
+    return identity(header.planned_by(SEARCH_BACKEND), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
 
 
 def mission_json(task: MissionTask) -> bytes:

@@ -12,7 +12,7 @@ from flight.errors import BadFileError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
 from flightlog.identity import difference, identity
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import refuse_folder, remove_partials
 from runtime.code_version import code_version
 from runtime.executor import Means
@@ -105,7 +105,7 @@ def _digest(result: MissionResult) -> str:
 
 def code_here() -> str:
     """Returns the version of the code that flies missions here, and how it searches for plans."""
-    return f"{code_version()}, plans {search_backend()}"
+    return f"{code_version()}, plans {SEARCH_BACKEND}"
 
 
 def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:

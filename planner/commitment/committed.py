@@ -17,7 +17,6 @@ from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from planner.check.plan_check import problems
-from planner.kernel.build import kernel
 from planner.kernel.exact import least_costs_of_each
 from planner.kernel.tables import tables
 from planner.policies.nominal import Nominal
@@ -152,8 +151,6 @@ class Committed:
     ) -> Float[np.ndarray, "walks"]:
         """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
         least = np.zeros(len(every))
-        if kernel() is None:
-            return least
         row_of = {walk: row for row, walk in enumerate(every)}
         for gamma in np.linspace(-self._gamma, self._gamma, LEVELS).tolist():
             for table in tables(

@@ -11,10 +11,9 @@ from jaxtyping import Float
 from scipy.optimize import nnls
 
 from flight.automaton.library import Library
-from planner.fallback.coasting import HEADING_MARGIN
 from planner.walks.walk import Walk
 
-from .exchange import Finite
+from .exchange import HEADING_MARGIN, Finite
 from .fan import fan
 from .task import Task
 from .whole_interval import Lines, WorstMiss, worst_miss

@@ -9,7 +9,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
 from flight.mission.mission import Mission
 from planner.walks.answer import Answer
 from planner.walks.goal import goal_seen, wants_heading
@@ -34,13 +33,6 @@ millionth of a radian is worth milliseconds."""
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
-
-
-class NoKernelError(FlightError):
-    """What only compiled code can do in reasonable time was asked for on a machine without a C compiler."""
-
-    def __init__(self) -> None:
-        super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
 _NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
@@ -73,13 +65,11 @@ class ExactSearch:
     """
 
     def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
+        if len(gammas) > MOST:
+            raise ValueError(f"expected at most {MOST} levels, got {len(gammas)}")
         self._library = library
         self._gammas = gammas
         self._prepared = cache(self._prepare)
-
-    def can(self, mission: Mission) -> bool:
-        """Whether there is a kernel, and it has room for the mission."""
-        return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
 
     def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
         """Returns the walk whose worst level is best.
@@ -91,11 +81,12 @@ class ExactSearch:
                 time to list the walks of a start trim, once, counts.
 
         Raises:
+            NoMachineCodeError: there is no C compiler that works.
             UnknownTrimError: the library lacks the start or goal trim.
         """
+        if mission.max_trims > MOST:
+            raise ValueError(f"max_trims must be <= {MOST}, got {mission.max_trims}")
         began = perf_counter()
-        compiled = kernel()
-        assert compiled is not None
         every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
         found = _Answer()
         most_nodes = NO_LIMIT if max_nodes is None else max_nodes
@@ -103,7 +94,7 @@ class ExactSearch:
         task = _task(
             mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes, seconds=seconds
         )
-        if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
+        if kernel().search(ctypes.byref(task), structures, ctypes.byref(found)):
             raise MemoryError("the list of walks")
         return self._read(found, every, mission)
 
@@ -136,7 +127,7 @@ def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "wa
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     return best_of_each(table, mission)[0]
 
@@ -153,16 +144,13 @@ def best_of_each(
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    compiled = kernel()
-    if compiled is None:
-        raise NoKernelError
     structure = CTable()
     table.fill(structure)
     costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
     task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT, seconds=inf)
-    compiled.each(
+    kernel().each(
         ctypes.byref(task),
         ctypes.byref(structure),
         ctypes.c_void_p(costs.ctypes.data),

@@ -13,7 +13,6 @@ from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from planner.independent_errors.enclosed_answers import Answers, Boxes
 from planner.independent_errors.error_path import error_path
-from planner.kernel.build import kernel
 from planner.walks.kinematics import NegativeDurationError
 from planner.walks.walk import Walk
 
@@ -27,7 +26,7 @@ NARROWEST = 1e-5
 
 
 def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
-    """Returns a level up to which every level is proved to be bearable; 0 without a C compiler.
+    """Returns a level up to which every level is proved to be bearable.
 
     Args:
         library: the primitives.
@@ -35,8 +34,6 @@ def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: floa
         limit: seconds that the worst case may take.
         gamma: the level to prove it for; the level returned is at most that.
     """
-    if kernel() is None:
-        return 0.0
     answers_of = cache(lambda walk: Answers(error_path(library, walk, 1.0, "primitive").together(), mission))
     proved, width = 0.0, FIRST_WIDTH
     while proved < gamma:

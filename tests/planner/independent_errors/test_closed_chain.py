@@ -11,7 +11,6 @@ from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
 from planner.independent_errors.closing import Closed, Way, close, ways
 from planner.independent_errors.error_path import ErrorPath, error_path
-from planner.kernel.build import kernel
 from planner.kernel.exact import best_of_each
 
 DRAWS = 40
@@ -175,7 +174,6 @@ def entered(
     return times[:, place]
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 @pytest.mark.parametrize("walk", [(2, 5, 7, 3), (2, 5), (3, 6, 3)])
 def test_trims_are_held_at_least_as_long_as_asked(walk: tuple[int, ...]) -> None:
     rng = np.random.default_rng(8)

@@ -19,15 +19,12 @@ from planner.independent_errors.error_path import Each, ErrorPath, error_path
 from planner.independent_errors.independent_errors import trust
 from planner.independent_errors.worst_miss import worst_miss_bound
 from planner.independent_errors.worst_time import worst_time_bound
-from planner.kernel.build import kernel
 from planner.kernel.exact import least_costs_of_each
 from planner.policies.worst_case import WorstCase
 from planner.walks.goal import goal_seen
 from scenarios.find import MISSIONS
 
 from .test_closed_chain import wandering
-
-needs_kernel = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 
 WALKS = {"gtmax": (2, 5, 7, 3), "kinematic": (1, 2, 5, 2)}
 
@@ -105,7 +102,6 @@ def test_no_draw_misses_by_more_than_the_bound(each: Each) -> None:
     assert bound.bound <= 1.011 * bound.found
 
 
-@needs_kernel
 @pytest.mark.parametrize(
     ("name", "gamma", "each", "most", "tight"),
     [
@@ -130,7 +126,6 @@ def test_no_draw_takes_longer_than_the_bound(
     assert again == pytest.approx(bound.found, abs=1e-9)
 
 
-@needs_kernel
 @pytest.mark.parametrize(
     "change", [{"tolerance": 0.0}, {"tolerance": 0.05}, {"goal_heading": 1.2, "heading_tolerance": 0.3}]
 )
@@ -151,7 +146,6 @@ def slowest_of(path: ErrorPath, mission: Mission, rng: np.random.Generator) -> f
     return float(least_costs_of_each(path.table(drawn), mission).max())
 
 
-@needs_kernel
 def test_single_gamma_corners_and_bound_are_in_order() -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
     plan = WorstCase(library, 0.1).plan(mission)
@@ -166,7 +160,6 @@ def test_single_gamma_corners_and_bound_are_in_order() -> None:
         assert found.all_tried == (each == "primitive")
 
 
-@needs_kernel
 @pytest.mark.parametrize(("name", "gamma"), [("gtmax-1", 0.5), ("gtmax-2", 1.0)])
 def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamma: float) -> None:
     rng = np.random.default_rng(12)
@@ -185,7 +178,6 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
             assert costs.max() <= look.bound[box] + 1e-6
 
 
-@needs_kernel
 def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
     """With a wide gap nothing is halved: the bound is that of the first box, not what was found in it."""
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
@@ -196,7 +188,6 @@ def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
     assert bound.bound > 1.001 * bound.found
 
 
-@needs_kernel
 def test_times_that_errors_make_negative_prove_nothing() -> None:
     """Short coasts that answer errors would soon have to be undone; then the walk has to go another way."""
     rng, never = np.random.default_rng(3), 0

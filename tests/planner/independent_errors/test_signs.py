@@ -17,13 +17,9 @@ from flight.se2 import SE2, Twist
 from maneuver.app import run
 from planner.independent_errors.error_path import Each
 from planner.independent_errors.independent_errors import TooManyScenariosError, all_signs, trust
-from planner.kernel.build import kernel
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from scenarios.find import MISSIONS
-
-pytestmark = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
-
 
 AHEAD = """
 name = "ahead"
@@ -88,7 +84,6 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
     assert "no bound" not in shown
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 def test_errors_that_no_coasting_time_answers_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -20,7 +20,6 @@ from flight.se2 import SE2, Twist
 from maneuver.app import run
 from planner.check.plan_check import problems
 from planner.commitment.committed import Committed
-from planner.kernel.build import kernel
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
 from planner.walks.kinematics import motion
@@ -30,8 +29,6 @@ from tests.oracles.statements import Question
 
 AGREEMENT = 1e-3
 """Seconds or metres by which no other solver may be better."""
-
-needs_kernel = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 
 
 @cache
@@ -121,7 +118,6 @@ def test_a_committed_plan_is_never_faster_than_one_that_learns_gamma_first() -> 
     assert plan.cost >= WorstCase(library, plan.gamma).plan(mission).cost - 1e-6
 
 
-@needs_kernel
 def test_a_goal_out_of_reach_at_one_level_is_proved_so() -> None:
     mission = Mission("behind", SE2.identity(), 1, (-20.0, 0.0), tolerance=0.5, max_trims=1)
     plan = Committed(straight(0.1), 1.0).plan(mission)
@@ -194,7 +190,6 @@ def test_ipopt_finds_nothing_better(seed: int) -> None:
                 assert fixed + sum(times) >= plan.cost - AGREEMENT
 
 
-@needs_kernel
 def test_a_deadline_is_kept_however_many_walks_there_are() -> None:
     mission = replace(read_mission(MISSIONS / "gtmax-2.toml"), max_trims=7)
     planner = Committed(thesis_gtmax(), 0.5, deadline=0.5)

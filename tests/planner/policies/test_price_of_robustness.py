@@ -11,7 +11,6 @@ from flight.mission.mission import read_mission
 from flight.plan.plan import plan_text, read_plan
 from maneuver.app import run
 from planner.check.plan_check import problems
-from planner.kernel.build import kernel
 from planner.policies.certified_gamma import bearable_to
 from planner.policies.nominal import Nominal
 from planner.policies.price_of_robustness import AlphaError, PriceOfRobustness, prices
@@ -78,7 +77,6 @@ def test_the_verb_prints_the_curve_and_draws_it(tmp_path: Path, capsys: pytest.C
     assert picture.read_bytes().startswith(b"\x89PNG")
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 @pytest.mark.parametrize("name", ["gtmax-1", "gtmax-2", "kinematic-1", "kinematic-2"])
 def test_every_level_below_the_one_bought_is_proved_to_keep_to_the_price(name: str) -> None:
     library = thesis_gtmax() if name.startswith("gtmax") else LIBRARY
@@ -92,7 +90,6 @@ def test_every_level_below_the_one_bought_is_proved_to_keep_to_the_price(name: s
     assert max(WorstCase(library, level).plan(mission).cost for level in levels) <= limit + 1e-6
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.9])
 def test_no_level_is_proved_beyond_the_first_that_is_too_slow(share: float) -> None:
     mission = read_mission(MISSIONS / "gtmax-1.toml")

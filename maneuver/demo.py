@@ -13,8 +13,8 @@ from rich.console import Console
 
 from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
 from experiments.campaign.evidence import gather_evidence
-from experiments.mission.fly import fly_mission, mission_seed, planner_of
-from experiments.mission.policies import COMPARED
+from experiments.mission.fly import fly_mission, mission_seed
+from experiments.mission.policies import COMPARED, planner_of
 from experiments.mission.result import MissionResult
 from experiments.mission.task import MissionTask
 from flight.automaton.library import Library

@@ -20,20 +20,16 @@ from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_
 from planner.closed_loop.flight_record import Flown
 from planner.closed_loop.receding_horizon import fly
 from planner.closed_loop.tube import leaves_tube
-from planner.commitment.committed import Committed
 from planner.kernel.build import SEARCH_BACKEND
 from planner.policies.adaptive_gamma import CalibratedGamma
-from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from sim.loop.backend import Backend
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
-from sim.wind.wind import wind_class
 
 from .blame import Performance, performances
 from .mission_log import mission_json, mission_specification, plans_json
-from .policies import FlownPolicy
+from .policies import planner_of
 from .result import MissionResult, leg_flown
 from .safe_envelope import Exit, first_exit
 from .task import MissionTask, Plant
@@ -151,20 +147,6 @@ def fly_helicopter(
     log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
     return flown, replace(log, header=log.header.planned_by(SEARCH_BACKEND), series=series)
-
-
-def planner_of(
-    policy: FlownPolicy, library: Library, *, gamma: float, max_nodes: int | None = None
-) -> Planner:
-    """Returns the planner of a policy for a library."""
-    if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes)
-    if policy == "calibrated":
-        wind = wind_class(library.conditions.wind).wind_at_20_ft
-        return CalibratedGamma(library, wind, max_nodes=max_nodes)
-    if policy == "committed":
-        return Committed(library, gamma, max_nodes=max_nodes)
-    return WorstCase(library, gamma, max_nodes=max_nodes)
 
 
 def _planner(task: MissionTask) -> Planner:

@@ -11,12 +11,10 @@ from flight.plan.time_bound import TimePromise, read_times, times_path
 from planner.check.plan_check import PROVED_OPTIMALITY
 from planner.closed_loop.remaining_plan import Step
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from scenarios.find import library_path
 
-from .policies import CERTIFIABLE
+from .policies import CERTIFIABLE, planner_of
 from .random_missions import FARTHEST, NEAREST, TOLERANCE
 
 PATIENCE = 10.0
@@ -86,10 +84,7 @@ def broken_promise(
     wrong = _misfit(plan, said, mission, library, promises)
     if wrong or not promises or said.time is None or plan.policy not in CERTIFIABLE:
         return wrong
-    level = plan.gamma if plan.policy == "worst-case" else None
-    planner = (
-        Nominal(library, deadline=PATIENCE) if level is None else WorstCase(library, level, deadline=PATIENCE)
-    )
+    planner = planner_of(plan.policy, library, gamma=plan.gamma, deadline=PATIENCE)
     thinking, aimed_at = _aimed(replace(mission, max_trims=MOST_TRIMS), library)
     least = said.factor * (thinking + (planner.plan(aimed_at).lower_bound or 0.0))
     if said.time >= least - said.factor * PROVED_OPTIMALITY:

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, fields, replace
 
-from experiments.mission.fly import fly_mission, planner_of
-from experiments.mission.policies import FlownPolicy
+from experiments.mission.fly import fly_mission
+from experiments.mission.policies import FlownPolicy, planner_of
 from experiments.mission.result import MissionResult
 from experiments.mission.task import MissionTask
 from experiments.validation.scorecard_files import number

@@ -19,8 +19,8 @@ from flight.plan.plan import Plan, Scenario
 from planner.check.plan_check import problems
 from planner.kernel.exact import least_costs_of_each
 from planner.kernel.tables import tables
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal import EQUALITY_TOLERANCE
 from planner.walks.kinematics import motion, refuse_gamma, refuse_negative_durations
 from planner.walks.walk import Walk, walks
@@ -93,8 +93,8 @@ class Committed:
         self._hash = library_hash(library)
         self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal = Nominal(library, deadline=deadline)
-        self._worst_case = WorstCase(library, gamma, deadline=deadline)
+        self._nominal = nominal_planner(library, deadline=deadline)
+        self._worst_case = worst_case_planner(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.

@@ -16,7 +16,7 @@ from planner.independent_errors.error_path import error_path
 from planner.walks.kinematics import NegativeDurationError
 from planner.walks.walk import Walk
 
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 FIRST_WIDTH = 1 / 40
 """Of the intervals of levels that are tried first."""
@@ -59,6 +59,6 @@ def _is_bearable(answers: Answers, low: float, high: float, limit: float) -> boo
 def _best(library: Library, mission: Mission, gamma: float) -> Walk:
     """Returns the walk that is best for a level; none where there is none."""
     try:
-        return WorstCase(library, gamma).plan(mission).sequence
+        return worst_case_planner(library, gamma).plan(mission).sequence
     except NegativeDurationError:
         return ()

@@ -20,7 +20,7 @@ from planner.independent_errors.independent_errors import trust
 from planner.independent_errors.worst_miss import worst_miss_bound
 from planner.independent_errors.worst_time import worst_time_bound
 from planner.kernel.exact import least_costs_of_each
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal import goal_seen
 from scenarios.find import MISSIONS
 
@@ -93,7 +93,7 @@ def test_between_corners_it_can_be_worse_than_at_every_corner() -> None:
 @pytest.mark.parametrize("each", ["primitive", "scalar"])
 def test_no_draw_misses_by_more_than_the_bound(each: Each) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-2.toml")
-    plan = WorstCase(library, 0.5).plan(mission)
+    plan = worst_case_planner(library, 0.5).plan(mission)
     path = error_path(library, plan.sequence, 0.5, each)
     bound = worst_miss_bound(path, mission, plan.coasting_times)
     drawn = np.random.default_rng(3).uniform(-1, 1, (10_000, len(path.names)))
@@ -116,7 +116,7 @@ def test_no_draw_takes_longer_than_the_bound(
     name: str, gamma: float, each: Each, most: int, tight: float
 ) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
-    plan = WorstCase(library, gamma).plan(mission)
+    plan = worst_case_planner(library, gamma).plan(mission)
     path = error_path(library, plan.sequence, gamma, each)
     bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), most=most)
     slowest = slowest_of(path, mission, np.random.default_rng(4))
@@ -132,7 +132,7 @@ def test_no_draw_takes_longer_than_the_bound(
 def test_exact_goals_and_wanted_headings_have_a_bound_of_their_time(change: dict[str, float]) -> None:
     library = thesis_gtmax()
     mission = replace(read_mission(MISSIONS / "gtmax-1.toml"), **change)  # type: ignore[arg-type]
-    plan = WorstCase(library, 0.2).plan(mission)
+    plan = worst_case_planner(library, 0.2).plan(mission)
     path = error_path(library, plan.sequence, 0.2, "primitive")
     bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), most=1000)
     slowest = slowest_of(path, mission, np.random.default_rng(6))
@@ -148,7 +148,7 @@ def slowest_of(path: ErrorPath, mission: Mission, rng: np.random.Generator) -> f
 
 def test_single_gamma_corners_and_bound_are_in_order() -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    plan = WorstCase(library, 0.1).plan(mission)
+    plan = worst_case_planner(library, 0.1).plan(mission)
     for each in ("primitive", "scalar"):
         found = trust(library, mission, plan.sequence, plan.coasting_times, gamma=0.1, each=each)
         assert found.slowest_single.value == pytest.approx(plan.cost, abs=1e-6)
@@ -164,7 +164,7 @@ def test_single_gamma_corners_and_bound_are_in_order() -> None:
 def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamma: float) -> None:
     rng = np.random.default_rng(12)
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
-    path = error_path(library, WorstCase(library, gamma).plan(mission).sequence, gamma, "scalar")
+    path = error_path(library, worst_case_planner(library, gamma).plan(mission).sequence, gamma, "scalar")
     answers, count = Answers(path, mission), len(path.names)
     width = rng.uniform(0.05, 0.6, (60, 1)) * rng.uniform(0, 1, (60, count))
     middle = (1 - width) * rng.choice([-1.0, 1.0], (60, count))
@@ -181,7 +181,7 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
 def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
     """With a wide gap nothing is halved: the bound is that of the first box, not what was found in it."""
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    plan = WorstCase(library, 0.3).plan(mission)
+    plan = worst_case_planner(library, 0.3).plan(mission)
     path = error_path(library, plan.sequence, 0.3, "primitive")
     bound = worst_time_bound(path, mission, Bounded(plan.cost, (), inf, 0), gap=0.5)
     assert bound.boxes == 1

@@ -20,8 +20,8 @@ from flight.se2 import SE2, Twist
 from maneuver.app import run
 from planner.check.plan_check import problems
 from planner.commitment.committed import Committed
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.kinematics import motion
 from planner.walks.walk import walks
 from scenarios.find import MISSIONS
@@ -93,7 +93,7 @@ def test_a_plan_that_holds_at_the_three_levels_of_the_worst_case_alone_is_refute
 def test_broken_committed_plans_are_rejected() -> None:
     plan, library, mission = case()
     assert plan.miss is not None
-    learning = WorstCase(library, plan.gamma).plan(mission)
+    learning = worst_case_planner(library, plan.gamma).plan(mission)
     lies = {
         "miss": replace(plan, miss=None),
         "near gamma": replace(plan, miss=plan.miss - 1e-3),
@@ -109,13 +109,13 @@ def test_without_uncertainty_commitment_costs_nothing() -> None:
     mission = read_mission(MISSIONS / "gtmax-1.toml")
     committed = Committed(thesis_gtmax(), 0.0).plan(mission)
     assert committed.policy == "committed"
-    assert committed.cost == Nominal(thesis_gtmax()).plan(mission).cost
+    assert committed.cost == nominal_planner(thesis_gtmax()).plan(mission).cost
     assert problems(committed, thesis_gtmax(), mission) == ()
 
 
 def test_a_committed_plan_is_never_faster_than_one_that_learns_gamma_first() -> None:
     plan, library, mission = case()
-    assert plan.cost >= WorstCase(library, plan.gamma).plan(mission).cost - 1e-6
+    assert plan.cost >= worst_case_planner(library, plan.gamma).plan(mission).cost - 1e-6
 
 
 def test_a_goal_out_of_reach_at_one_level_is_proved_so() -> None:

@@ -20,8 +20,8 @@ from flight.se2 import SE2, Twist
 from planner.kernel import build
 from planner.kernel.exact import ExactSearch, least_costs_of_each
 from planner.kernel.tables import tables
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal import reaches
 from planner.walks.kinematics import motion
 from tests.oracles.statements import worst_case
@@ -76,16 +76,18 @@ def test_a_search_that_is_stopped_gives_a_bound_that_holds_and_a_plan_no_better(
     rng = np.random.default_rng(seed)
     library = thesis_gtmax()
     mission = random_mission(rng, library, max_trims=4)
-    best = WorstCase(library, 0.7).plan(mission)
-    stopped = WorstCase(library, 0.7, max_nodes=40).plan(mission)
+    best = worst_case_planner(library, 0.7).plan(mission)
+    stopped = worst_case_planner(library, 0.7, max_nodes=40).plan(mission)
     assert stopped.cost >= best.cost - 1e-9
     assert stopped.lower_bound is None or stopped.lower_bound <= best.cost + 1e-9
-    assert WorstCase(library, 0.7, max_nodes=40).plan(mission).scenarios == stopped.scenarios
+    assert worst_case_planner(library, 0.7, max_nodes=40).plan(mission).scenarios == stopped.scenarios
 
 
 def test_a_longer_walk_is_never_slower() -> None:
     mission = Mission("deep", SE2.identity(), 2, (20.0, -14.0), 0.0)
-    costs = [WorstCase(thesis_gtmax(), 0.5).plan(replace(mission, max_trims=n)).cost for n in range(2, 7)]
+    costs = [
+        worst_case_planner(thesis_gtmax(), 0.5).plan(replace(mission, max_trims=n)).cost for n in range(2, 7)
+    ]
     assert costs == sorted(costs, reverse=True)
 
 
@@ -94,12 +96,12 @@ def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
     rng = np.random.default_rng(5)
     for _ in range(20):
         mission = random_mission(rng, library, max_trims=4)
-        plan = Nominal(library).plan(mission)
+        plan = nominal_planner(library).plan(mission)
         if not plan.found or mission.goal_heading is not None:
             continue
         # The goal moved to where this walk ends without any coasting at all.
         end = motion(library, plan.sequence, 0.0).end(mission.start, (0.0,) * len(plan.sequence))
-        there = Nominal(library).plan(replace(mission, goal=end.position, tolerance=0.5))
+        there = nominal_planner(library).plan(replace(mission, goal=end.position, tolerance=0.5))
         assert there.cost <= motion(library, plan.sequence, 0.0).fixed_time + 1e-9
 
 
@@ -118,7 +120,7 @@ def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> Non
 def test_a_deadline_gives_the_best_so_far_with_a_bound() -> None:
     library = shipped()[0]
     mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8)
-    planner = WorstCase(library, 0.5, deadline=0.002)
+    planner = worst_case_planner(library, 0.5, deadline=0.002)
     planner.plan(mission)
     stopped = planner.plan(mission)
     assert stopped.status in {"feasible", "unknown"}
@@ -144,7 +146,7 @@ def test_machine_code_is_made_where_the_cache_is_and_only_once(
 @pytest.mark.parametrize("seed", range(6))
 def test_a_wider_tolerance_never_costs_time_however_small_both_are(seed: int) -> None:
     rng, library = np.random.default_rng([77, seed]), shipped()[seed % 3]
-    planner = Nominal(library)
+    planner = nominal_planner(library)
     for _ in range(15):
         mission = random_mission(rng, library, 4)
         costs = [
@@ -164,6 +166,6 @@ def test_a_turn_that_ends_along_the_straight_before_it_is_found(aside: float) ->
     library = Library("along", "", "", trims, (step,))
     end = motion(library, (1, 2), 0.0).end(SE2.identity(), (5.0, 4.0))
     mission = Mission("along", SE2.identity(), 1, (end.x, end.y + aside), tolerance=0.01, max_trims=2)
-    plan = Nominal(library).plan(mission)
+    plan = nominal_planner(library).plan(mission)
     assert plan.status == "optimal"
     assert plan.cost <= 11.0

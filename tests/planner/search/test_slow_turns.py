@@ -15,8 +15,8 @@ from flight.plan.certificate import Certificate
 from flight.se2 import SE2, Twist
 from planner.check.certificate_check import certificate_problems
 from planner.kernel.exact import ExactSearch
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify import certify
 from planner.proof.certify_plan import certified
 from planner.walks.goal import reaches
@@ -88,7 +88,7 @@ def random_rate(rng: np.random.Generator) -> float:
 def test_a_plan_of_hours_is_no_slower_than_a_way_that_is_known(
     mission: Mission, gamma: float, walk: tuple[int, ...], seconds: float
 ) -> None:
-    plan = WorstCase(thesis_gtmax(), gamma).plan(mission)
+    plan = worst_case_planner(thesis_gtmax(), gamma).plan(mission)
     assert plan.status == "optimal"
     assert plan.cost <= seconds, walk
 
@@ -163,7 +163,7 @@ def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status:
         ),
     )
     aside = Mission("aside", SE2.identity(), 1, (0.0, 20.0), 0.5, max_trims=1)
-    plan = Nominal(library).plan(aside)
+    plan = nominal_planner(library).plan(aside)
     assert plan.status == status
     assert ("trim 1 turns so slowly" in plan.reason) == (status == "unknown")
 
@@ -173,14 +173,14 @@ def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status:
 def test_a_turn_too_slow_to_show_is_certified_as_a_straight_line(rate: float, tolerance: float) -> None:
     library = library_of(0.1, 0.0, rate, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), tolerance, max_trims=2)
-    plan = certified(Nominal(library).plan(mission), library, mission)
+    plan = certified(nominal_planner(library).plan(mission), library, mission)
     assert plan.status == "optimal", plan.reason
 
 
 def test_no_certificate_says_more_than_is_so_where_turns_are_taken_as_straight_lines() -> None:
     library = library_of(0.1, 0.0, 1e-9, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), 0.5, max_trims=2)
-    plan = Nominal(library).plan(mission)
+    plan = nominal_planner(library).plan(mission)
     proof = certify(library, mission, (0.0,), plan.cost - 1e-3)
     assert isinstance(proof, Certificate)
     assert not certificate_problems(proof, library, mission, gammas=(0.0,), lower_bound=plan.cost - 1e-3)

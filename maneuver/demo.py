@@ -13,9 +13,9 @@ from rich.console import Console
 
 from experiments.campaign.evidence import gather_evidence
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
-from experiments.mission.fly import fly_mission, mission_seed, planner_of
+from experiments.mission.fly import fly_mission, mission_seed
 from experiments.mission.mission_task import MissionTask
-from experiments.mission.policies import COMPARED_POLICIES
+from experiments.mission.policies import COMPARED_POLICIES, planner_of
 from experiments.mission.result import MissionResult
 from flight.automaton.library import Library
 from flight.mission.mission import Mission

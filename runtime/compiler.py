@@ -1,17 +1,24 @@
-"""C sources made into machine code: by the machine's own compiler, when first needed, then kept."""
+"""C sources made into machine code when first needed, then kept: by the machine's compiler, or a wheel's."""
 
 import os
 import platform
 import shutil
 import subprocess
+import sys
 import tempfile
 from collections.abc import Sequence
 from hashlib import sha256
+from importlib.util import find_spec
 from pathlib import Path
 
 from flight.errors import FlightError
 
 COMPILERS = ("cc", "gcc", "clang")
+WHEEL = "ziglang"
+"""What the extra `compiler` installs; it is asked where the machine has no compiler of its own."""
+
+# Zig would use all that this very processor can do; the cache may be shared with others of its kind.
+WHEEL_COMMAND = ("-m", WHEEL, "cc", "-mcpu=baseline")
 # Numbers as written: no reordering, and no fused multiply-adds, so that every machine gives the same bits.
 IEEE_FLAGS = ("-ffp-contract=off", "-fPIC", "-shared")
 # A compiler that needs longer than this has failed, s.
@@ -22,7 +29,10 @@ class NoMachineCodeError(FlightError):
     """A C source cannot be made into machine code here."""
 
     def __init__(self, why: str) -> None:
-        super().__init__(f"expected a C compiler that works, one of {', '.join(COMPILERS)}: {why}")
+        super().__init__(
+            f"expected a C compiler that works, {', '.join(COMPILERS)} or that of the extra `compiler` "
+            f"(pip install '.[compiler]'): {why}"
+        )
 
 
 def cache_folder() -> Path:
@@ -50,19 +60,31 @@ def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *I
     return path
 
 
+def compiler_command() -> tuple[str, ...]:
+    """Returns the command that compiles C here.
+
+    Raises:
+        NoMachineCodeError: there is none.
+    """
+    found = next(filter(None, map(shutil.which, COMPILERS)), None)
+    if found is not None:
+        return (found,)
+    if find_spec(WHEEL) is not None:
+        return (sys.executable, *WHEEL_COMMAND)
+    raise NoMachineCodeError("there is none")
+
+
 def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
     """Compiles a source into a file, whole or not at all."""
-    compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
-    if compiler is None:
-        raise NoMachineCodeError("there is none")
+    compiler = compiler_command()
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         made = Path(folder) / path.name
-        command = [compiler, *flags, str(source), "-o", str(made), "-lm"]
+        command = [*compiler, *flags, str(source), "-o", str(made), "-lm"]
         done = subprocess.run(command, check=False, capture_output=True, timeout=_COMPILER_TIMEOUT)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
-            raise NoMachineCodeError(said[-1] if said else f"{compiler} failed")
+            raise NoMachineCodeError(said[-1] if said else f"{' '.join(compiler)} failed")
         made.replace(path)
 
 

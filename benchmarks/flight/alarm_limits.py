@@ -16,7 +16,7 @@ from experiments.mission.random_missions import random_missions
 from flight.mission.mission import Mission
 from flightlog.alarm import AlarmKind
 from planner.closed_loop.receding_horizon import fly_closed_loop
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
 from sim.loop.specification import FlightSpecification, specified_pose
 from sim.simulated_helicopter import SimulatedHelicopter
@@ -28,7 +28,7 @@ WINDS = ("gtmax", "moderate")
 
 def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[Mapping[AlarmKind, float]]:
     """Flies missions without a fault, and yields the largest of everything watched in each."""
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in missions:
         helicopter = SimulatedHelicopter(
             FlightSpecification(

@@ -17,7 +17,7 @@ from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
 from flightlog.channels import COMMAND, ESTIMATE
 from planner.closed_loop.receding_horizon import fly_closed_loop
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
 from sim.loop.specification import FlightSpecification, specified_pose
 from sim.navigation.navigation import Navigation
@@ -58,7 +58,7 @@ def innovations(wind: str, seed: int) -> tuple[float, float]:
 
 def reported_turbulence(wind: str, count: int, seed: int) -> Iterator[float]:
     """Yields what the vehicle says at the end of each mission, m/s."""
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in random_missions(LIBRARY, count=count, seed=seed, gamma=1.0):
         number = mission_seed(seed, mission.name, 0)
         specification = FlightSpecification(

@@ -22,7 +22,7 @@ from flight.plan.plan import Plan
 from planner.independent_errors.error_path import ErrorGranularity, error_path
 from planner.independent_errors.independent_errors import IndependentErrorBounds, bound_independent_errors
 from planner.kernel.exact import least_costs
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal_condition import goal_from_start
 
 from .planning_missions import random_mission, shipped_libraries
@@ -57,7 +57,7 @@ def main(missions: int, seed: int) -> int:
         library, gamma = every[int(rng.integers(3))], float(rng.choice(LEVELS))
         mission = random_mission(rng, library, int(rng.integers(2, LONGEST + 1)))
         mission = replace(mission, heading_tolerance=max(mission.heading_tolerance, 0.1))
-        plan = WorstCase(library, gamma).plan(mission)
+        plan = worst_case_planner(library, gamma).plan(mission)
         if not plan.found or plan.cost == 0:
             continue
         done += 1

@@ -18,7 +18,7 @@ from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from planner.check.plan_check import plan_problems
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify_plan import certify_plan
 
 from .brute_force import brute_force
@@ -36,7 +36,9 @@ def main(missions: int, brute: int, proofs: int, seed: int) -> int:
     """Prints the counts; returns how much is wrong."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
-    planners = {(place, gamma): WorstCase(one, gamma) for place, one in enumerate(every) for gamma in LEVELS}
+    planners = {
+        (place, gamma): worst_case_planner(one, gamma) for place, one in enumerate(every) for gamma in LEVELS
+    }
     statuses: Counter[str] = Counter()
     wrong: Counter[str] = Counter()
     tried: Counter[str] = Counter()

@@ -17,13 +17,13 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.fallback.coasting import solve
 from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.kinematics import walk_motion
 from planner.walks.search_result import SearchResult
 
+from .ipopt import solve
 from .planning_missions import random_mission, shipped_libraries, synthetic_library
 
 GAMMA = 0.5
@@ -48,11 +48,11 @@ FIRST_CALL = """
 import os
 from time import perf_counter
 began = perf_counter()
-from benchmarks.planning_missions import shipped_libraries
-from benchmarks.planning_speed import GAMMA, sample
-from planner.worst_case import WorstCase
+from benchmarks.planning.planning_missions import shipped_libraries
+from benchmarks.planning.planning_speed import GAMMA, sample
+from planner.policies.worst_case import worst_case_planner
 library = shipped_libraries()[1]
-WorstCase(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
+worst_case_planner(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
 print(perf_counter() - began, sum(os.times()[:4]))
 """
 
@@ -104,7 +104,7 @@ def sample(library: Library, depth: int, count: int, *, seed: int) -> list[Missi
 
 def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float], float]:
     """Returns seconds of each worst-case plan with its tables warm, and of the slowest first one."""
-    planner = WorstCase(library, GAMMA)
+    planner = worst_case_planner(library, GAMMA)
     warm: list[float] = []
     cold: list[float] = []
     for mission in sample(library, depth, missions, seed=4):

@@ -21,21 +21,17 @@ from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_
 from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.tube import tube_exit_time
-from planner.commitment.committed import CommittedPlanner
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
-from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from sim.loop.backend import Backend
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
-from sim.wind.wind import wind_class
 
 from .error_attribution import Performance, performances
 from .mission_log import mission_json, mission_specification, plans_json
 from .mission_task import MissionTask, Plant
-from .policies import FlownPolicy
+from .policies import planner_of
 from .result import MissionResult, downsample_leg
 from .safe_envelope import EnvelopeExit, first_exit
 from .timed_planner import TimedPlanner
@@ -157,21 +153,7 @@ def fly_helicopter(
         }
     )
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
-    return flown, replace(log, header=log.header.with_search_backend(search_backend()), series=series)
-
-
-def planner_of(
-    policy: FlownPolicy, library: Library, *, gamma: float, max_nodes: int | None = None
-) -> Planner:
-    """Returns the planner of a policy for a library."""
-    if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes)
-    if policy == "adaptive-gamma":
-        wind = wind_class(library.conditions.wind).wind_at_20_ft
-        return AdaptiveGammaPlanner(library, wind, max_nodes=max_nodes)
-    if policy == "committed":
-        return CommittedPlanner(library, gamma, max_nodes=max_nodes)
-    return WorstCase(library, gamma, max_nodes=max_nodes)
+    return flown, replace(log, header=log.header.with_search_backend(SEARCH_BACKEND), series=series)
 
 
 def _planner(task: MissionTask) -> Planner:

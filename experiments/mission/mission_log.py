@@ -10,7 +10,7 @@ from flightlog.identity import flight_identity
 from flightlog.mission_attachments import LoggedPlan, plannings_text
 from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.settings import Settings
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.flight_header import flight_attachments, flight_header
 from sim.loop.backend import Backend
 from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, specified_pose
@@ -40,7 +40,7 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
     inputs = flight_attachments(specification, task.library, parameters)
     return flight_identity(
-        header.with_search_backend(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)}
+        header.with_search_backend(SEARCH_BACKEND), {**inputs, MISSION_ATTACHMENT: mission_json(task)}
     )
 
 

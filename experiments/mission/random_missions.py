@@ -8,7 +8,8 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.policies.worst_case import WorstCase
+from planner.policies.policy import Planner
+from planner.policies.worst_case import worst_case_planner
 
 # Beside those of `campaign_flights` and `mission_flights`.
 _DRAW_STREAM = 104
@@ -47,11 +48,11 @@ def random_missions(library: Library, *, count: int, seed: int, gamma: float) ->
     Raises:
         NoMissionError: the level leaves nothing to be reached.
     """
-    planner = WorstCase(library, gamma)
+    planner = worst_case_planner(library, gamma)
     return tuple(_draw(library, planner, number, seed, gamma) for number in range(1, count + 1))
 
 
-def _draw(library: Library, planner: WorstCase, number: int, seed: int, gamma: float) -> Mission:
+def _draw(library: Library, planner: Planner, number: int, seed: int, gamma: float) -> Mission:
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_DRAW_STREAM, number)))
     trims = [trim.id for trim in library.trims]
     for _ in range(DRAWS):

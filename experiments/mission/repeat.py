@@ -7,7 +7,7 @@ from flight.mission.mission import Mission
 from flight.schema import parse_json
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
 from flightlog.log import FlightLog
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
@@ -48,10 +48,8 @@ def _fly_mission(
     log: FlightLog, specification: FlightSpecification, parameters: Parameters, backend: Backend
 ) -> FlightLog:
     task = mission_task(log, specification)
-    if log.header.search_backend != search_backend():
-        raise VehicleMismatchError(
-            "search for plans", log.header.search_backend or "unnamed", search_backend()
-        )
+    if log.header.search_backend != SEARCH_BACKEND:
+        raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
         raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]

@@ -12,7 +12,7 @@ from flight.errors import BadFileError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
 from flightlog.identity import flight_identity, identity_difference
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import check_output_folder, remove_partial_files
 from runtime.code_version import code_version
 from runtime.executor import JobExecutor
@@ -109,7 +109,7 @@ def _digest(result: MissionResult) -> str:
 
 def code_identity() -> str:
     """Returns the version of the code that flies missions here, and how it searches for plans."""
-    return f"{code_version()}, plans {search_backend()}"
+    return f"{code_version()}, plans {SEARCH_BACKEND}"
 
 
 def stored_task(task: MissionTask, folder: Path) -> StoredTask:

@@ -11,12 +11,10 @@ from flight.plan.time_bound import TimeBound, read_time_bounds, time_bounds_path
 from planner.check.plan_check import PROVED_OPTIMALITY
 from planner.closed_loop.remaining_plan import PlanStep
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from scenarios.find import library_path
 
-from .policies import CERTIFIABLE
+from .policies import CERTIFIABLE, planner_of
 from .random_missions import FARTHEST, NEAREST, TOLERANCE
 
 PATIENCE = 10.0
@@ -89,10 +87,7 @@ def time_bound_problems(
     wrong = _mismatches(plan, said, mission, library, time_bounds)
     if wrong or not time_bounds or said.time is None or plan.policy not in CERTIFIABLE:
         return wrong
-    level = plan.gamma if plan.policy == "worst-case" else None
-    planner = (
-        Nominal(library, deadline=PATIENCE) if level is None else WorstCase(library, level, deadline=PATIENCE)
-    )
+    planner = planner_of(plan.policy, library, gamma=plan.gamma, deadline=PATIENCE)
     thinking, aimed_at = _planned_mission(replace(mission, max_trims=MAX_TRIMS), library)
     least = said.factor * (thinking + (planner.plan(aimed_at).lower_bound or 0.0))
     if said.time >= least - said.factor * PROVED_OPTIMALITY:

@@ -3,13 +3,12 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
+from experiments.mission.policies import FlownPolicy, planner_of
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from scenarios.find import find_library, find_mission
 
 TOLERANCE = {"kinematic": 3.0, "gtmax": 0.9144}
@@ -96,11 +95,12 @@ def compare_closed_loops(printed: tuple[PrintedFlights, ...] = PRINTED) -> Itera
     """Flies every table with both policies, the errors with either sign."""
     for row in printed:
         library = find_library("thesis-kinematic" if row.mission.startswith("kin") else "thesis-gtmax")
-        policies: tuple[tuple[str, Planner, float, bool], ...] = (
-            ("nominal", Nominal(library), row.nominal, row.nominal_gave_up),
-            ("worst-case", WorstCase(library, row.gamma), row.worst_case, row.worst_case_gave_up),
+        policies: tuple[tuple[FlownPolicy, float, bool], ...] = (
+            ("nominal", row.nominal, row.nominal_gave_up),
+            ("worst-case", row.worst_case, row.worst_case_gave_up),
         )
-        for policy, planner, seconds, gave_up in policies:
+        for policy, seconds, gave_up in policies:
+            planner = planner_of(policy, library, gamma=row.gamma)
             minus, plus = (_flight_time(row, planner, sign * row.gamma) for sign in (-1, 1))
             yield ClosedLoopComparison(
                 row.table, row.mission, row.gamma, policy, seconds, not gave_up, minus, plus

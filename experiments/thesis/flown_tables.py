@@ -6,9 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, fields, replace
 
-from experiments.mission.fly import fly_mission, planner_of
+from experiments.mission.fly import fly_mission
 from experiments.mission.mission_task import MissionTask
-from experiments.mission.policies import FlownPolicy
+from experiments.mission.policies import FlownPolicy, planner_of
 from experiments.mission.result import MissionResult
 from experiments.validation.scorecard_files import format_number
 from planner.closed_loop.latency import Latency

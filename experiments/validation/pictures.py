@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.mission.fly import planner_of
+from experiments.mission.policies import FlownPolicy, planner_of
 from experiments.mission.result import FlownLeg, MissionResult
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
@@ -119,11 +119,10 @@ def _draw_map(
     write_picture(figure, path, force=True)
 
 
-def _plans(mission: Mission, library: Library, policies: Sequence[str], gamma: float) -> dict[str, Plan]:
-    return {
-        policy: planner_of(policy, library, gamma=gamma).plan(mission)  # type: ignore[arg-type]
-        for policy in policies
-    }
+def _plans(
+    mission: Mission, library: Library, policies: Sequence[FlownPolicy], gamma: float
+) -> dict[str, Plan]:
+    return {policy: planner_of(policy, library, gamma=gamma).plan(mission) for policy in policies}
 
 
 def _worlds(library: Library) -> list[Library]:

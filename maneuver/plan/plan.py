@@ -8,19 +8,15 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from experiments.mission.policies import DEFAULT_POLICY, PlannedPolicy, check_policy_options
+from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, check_policy_options, planner_of
 from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import MAX_TRIMS, Mission
-from flight.plan.plan import plan_text
+from flight.plan.plan import Policy, plan_text
 from flight.plan.time_bound import time_bounds_path
 from maneuver.options.domain_warnings import warn_of_walk
 from maneuver.options.numbers import Count, Seconds
-from planner.policies.nominal import Nominal
-from planner.policies.policy import Planner
-from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
 from runtime.atomic_write import check_output_files, write_atomically
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
@@ -30,9 +26,6 @@ from .show import print_plan
 from .signs import signs
 
 NO_PLAN = 1
-
-GAMMA, ALPHA = 1.0, 1.2
-"""What is planned for where nothing is asked."""
 
 app = App(name="plan")
 app.command(signs)
@@ -45,7 +38,7 @@ def plan(
     /,
     *,
     library: str = "gtmax-sim",
-    policy: PlannedPolicy | None = None,
+    policy: Policy | None = None,
     gamma: float | None = None,
     alpha: float | None = None,
     pareto: Annotated[bool, Parameter(negative="")] = False,
@@ -119,11 +112,11 @@ def plan(
     task = _find_mission(mission, primitives, max_trims)
     if pareto:
         return print_prices(primitives, task, out=out, picture=picture, force=force, json=json)
-    planner = _planner(
-        primitives,
+    planner = planner_of(
         policy or DEFAULT_POLICY,
-        GAMMA if gamma is None else gamma,
-        ALPHA if alpha is None else alpha,
+        primitives,
+        gamma=GAMMA if gamma is None else gamma,
+        alpha=ALPHA if alpha is None else alpha,
         max_nodes=max_nodes,
         deadline=inf if deadline is None else deadline,
         horizon=horizon,
@@ -147,27 +140,6 @@ def plan(
     else:
         print_plan(answer, primitives)
     return 0 if answer.found else NO_PLAN
-
-
-def _planner(
-    library: Library,
-    policy: PlannedPolicy,
-    gamma: float,
-    alpha: float,
-    *,
-    max_nodes: int | None,
-    deadline: float,
-    horizon: float | None,
-) -> Planner:
-    if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes, deadline=deadline)
-    if policy == "price-of-robustness":
-        return PriceOfRobustness(library, alpha)
-    if policy == "committed":
-        from planner.commitment.committed import CommittedPlanner
-
-        return CommittedPlanner(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
-    return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
 
 
 def _find_mission(name: str, library: Library, max_trims: int | None) -> Mission:

@@ -17,11 +17,10 @@ from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from planner.check.plan_check import plan_problems
-from planner.kernel.build import load_kernel
 from planner.kernel.exact import least_costs
 from planner.kernel.tables import tables
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal_condition import EQUALITY_TOLERANCE
 from planner.walks.kinematics import check_durations, check_gamma, walk_motion
 from planner.walks.walk import Walk, walks
@@ -94,8 +93,8 @@ class CommittedPlanner:
         self._hash = library_hash(library)
         self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal = Nominal(library, deadline=deadline)
-        self._worst_case = WorstCase(library, gamma, deadline=deadline)
+        self._nominal = nominal_planner(library, deadline=deadline)
+        self._worst_case = worst_case_planner(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.
@@ -154,8 +153,6 @@ class CommittedPlanner:
     ) -> Float[np.ndarray, "walks"]:
         """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
         least = np.zeros(len(every))
-        if load_kernel() is None:
-            return least
         row_of = {walk: row for row, walk in enumerate(every)}
         for gamma in np.linspace(-self._gamma, self._gamma, LEVELS).tolist():
             for table in tables(

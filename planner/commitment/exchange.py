@@ -7,13 +7,14 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from planner.fallback.coasting import HEADING_MARGIN
-
 from .committed_task import CommittedTask
 from .walk_batch import WalkBatch
 
 OUTSIDE = 2.5e-7
 """Metres, and seconds or radians, by which an answer may break what it was asked to keep."""
+
+HEADING_MARGIN = 3e-8
+"""Radians by which a heading is asked for inside its limits: solvers relax what they keep by some 1e-8."""
 
 COINCIDENT = 1e-12
 """Metres within which the goal is met exactly; a miss has no direction there."""

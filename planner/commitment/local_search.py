@@ -11,11 +11,10 @@ from jaxtyping import Float
 from scipy.optimize import nnls
 
 from flight.automaton.library import Library
-from planner.fallback.coasting import HEADING_MARGIN
 from planner.walks.walk import Walk
 
 from .committed_task import CommittedTask
-from .exchange import FiniteProblem
+from .exchange import HEADING_MARGIN, FiniteProblem
 from .walk_batch import walk_batch
 from .whole_interval import LinearWalk, WorstMiss, worst_miss
 

@@ -95,7 +95,7 @@ def enumerate_signs(
 
     Raises:
         TooManyScenariosError: the walk is too long.
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, "primitive")
     if len(path.names) > MOST_PRIMITIVES:
@@ -174,7 +174,7 @@ def bound_independent_errors(
         most_boxes: of errors, that the bound of the time may look at.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, each)
     count = len(path.names)

@@ -43,7 +43,7 @@ def worst_time_bound(
         most: boxes that may be looked at.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     evaluator = BoxEvaluator(path, mission)
     whole = ErrorBoxes.whole(len(path.names))

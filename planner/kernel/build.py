@@ -1,4 +1,4 @@
-"""The kernel's machine code; without a compiler there is none, and NumPy and CasADi search."""
+"""The kernel's machine code: compiled when first needed, then kept."""
 
 import ctypes
 from functools import cache
@@ -28,16 +28,20 @@ SOURCES = (
 FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
 
 
+SEARCH_BACKEND = "compiled"
+"""How plans are searched for, as logs name it; logs of earlier programs may say `interpreted`."""
+
+
 @cache
-def load_kernel() -> ctypes.CDLL | None:
-    """Returns the compiled kernel, or None where it cannot be had."""
+def load_kernel() -> ctypes.CDLL:
+    """Returns the compiled kernel.
+
+    Raises:
+        NoMachineCodeError: there is no C compiler that works.
+    """
     folder = Path(__file__).parent
+    path = shared_library([folder / name for name in SOURCES], flags=FLAGS)
     try:
-        return ctypes.CDLL(str(shared_library([folder / name for name in SOURCES], flags=FLAGS)))
-    except (NoMachineCodeError, OSError):
-        return None
-
-
-def search_backend() -> str:
-    """Returns how plans are searched for here, `compiled` or `interpreted`; costs differ by 1e-9 s or so."""
-    return "interpreted" if load_kernel() is None else "compiled"
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise NoMachineCodeError(str(error)) from None

@@ -7,7 +7,6 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
 from flight.mission.mission import Mission
 from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.search_result import SearchResult
@@ -33,13 +32,6 @@ millionth of a radian is worth milliseconds."""
 
 EQUAL_TURNS = 2
 """With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
-
-
-class NoKernelError(FlightError):
-    """What only compiled code can do in reasonable time was asked for on a machine without a C compiler."""
-
-    def __init__(self) -> None:
-        super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
 _NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
@@ -78,16 +70,12 @@ class ExactSearch:
     """
 
     def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
+        if len(gammas) > MOST_TRIMS:
+            raise ValueError(f"expected at most {MOST_TRIMS} levels, got {len(gammas)}")
         self._library = library
         self._gammas = gammas
         self._automaton = Automaton.of(library, gammas)
         self._structure, self._arrays = self._automaton.structure()
-
-    def supports(self, mission: Mission) -> bool:
-        """Whether there is a kernel, and it has room for the mission."""
-        return (
-            load_kernel() is not None and mission.max_trims <= MOST_TRIMS and len(self._gammas) <= MOST_TRIMS
-        )
 
     def answer(
         self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
@@ -100,16 +88,17 @@ class ExactSearch:
             deadline: seconds after which it is returned likewise.
 
         Raises:
+            NoMachineCodeError: there is no C compiler that works.
             UnknownTrimError: the library lacks the start or goal trim.
         """
-        compiled = load_kernel()
-        assert compiled is not None
+        if mission.max_trims > MOST_TRIMS:
+            raise ValueError(f"max_trims must be <= {MOST_TRIMS}, got {mission.max_trims}")
         self._library.trim(mission.start_trim)
         if mission.goal_trim is not None:
             self._library.trim(mission.goal_trim)
         found = _Answer()
         task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
-        if compiled.search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
+        if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
             raise MemoryError("the search for walks")
         return self._read(found, mission)
 
@@ -135,7 +124,7 @@ def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walk
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     return best_times(table, mission)[0]
 
@@ -152,16 +141,13 @@ def best_times(
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    compiled = load_kernel()
-    if compiled is None:
-        raise NoKernelError
     structure = CTable()
     table.fill(structure)
     costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
     task = _task(mission)
-    compiled.each(
+    load_kernel().each(
         ctypes.byref(task),
         ctypes.byref(structure),
         ctypes.c_void_p(costs.ctypes.data),

@@ -6,7 +6,7 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
 from .policy import Planner
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Levels that are planned for."""
@@ -29,7 +29,7 @@ class AdaptiveGammaPlanner:
 
     def __init__(self, library: Library, wind_at_20_ft: float, *, max_nodes: int | None = None) -> None:
         self._planners: dict[float, Planner] = {
-            gamma: WorstCase(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
+            gamma: worst_case_planner(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
         }
         self._wind = wind_at_20_ft
         self.gamma = GAMMAS[-1]

@@ -13,11 +13,10 @@ from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from planner.independent_errors.box_evaluator import BoxEvaluator, ErrorBoxes
 from planner.independent_errors.error_path import error_path
-from planner.kernel.build import load_kernel
 from planner.walks.kinematics import NegativeDurationError
 from planner.walks.walk import Walk
 
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 FIRST_WIDTH = 1 / 40
 """Of the intervals of levels that are tried first."""
@@ -27,7 +26,7 @@ NARROWEST = 1e-5
 
 
 def certified_gamma(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
-    """Returns a level up to which every level is proved to be bearable; 0 without a C compiler.
+    """Returns a level up to which every level is proved to be bearable.
 
     Args:
         library: the primitives.
@@ -35,8 +34,6 @@ def certified_gamma(library: Library, mission: Mission, *, limit: float, gamma: 
         limit: seconds that the worst case may take.
         gamma: the level to prove it for; the level returned is at most that.
     """
-    if load_kernel() is None:
-        return 0.0
     answers_of = cache(
         lambda walk: BoxEvaluator(error_path(library, walk, 1.0, "primitive").with_single_gamma(), mission)
     )
@@ -64,6 +61,6 @@ def _is_certified(evaluator: BoxEvaluator, low: float, high: float, limit: float
 def _best_walk(library: Library, mission: Mission, gamma: float) -> Walk:
     """Returns the walk that is best for a level; none where there is none."""
     try:
-        return WorstCase(library, gamma).plan(mission).sequence
+        return worst_case_planner(library, gamma).plan(mission).sequence
     except NegativeDurationError:
         return ()

@@ -4,21 +4,19 @@ from dataclasses import replace
 from functools import cache, partial
 from math import inf, isfinite
 from time import perf_counter
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Policy, Scenario
 from planner.check.plan_check import plan_problems
+from planner.kernel.build import load_kernel
 from planner.kernel.exact import ExactSearch
 from planner.walks.kinematics import check_durations, walk_motion
 from planner.walks.safe_stop import safe_stop_path
 from planner.walks.search_result import SearchResult
 from planner.walks.walk import trims_of_walks
-
-if TYPE_CHECKING:
-    from planner.fallback.without_kernel import SearchWithoutKernel
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
@@ -26,12 +24,6 @@ FREEDOM = (
     "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
     "that the search does not see"
 )
-
-NOT_PROVED = (
-    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
-    "are better did not end"
-)
-
 
 SLOW = 1e-6
 """Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
@@ -66,6 +58,7 @@ class LibraryPlanner:
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
+        NoMachineCodeError: there is no C compiler that works.
     """
 
     def __init__(
@@ -80,6 +73,8 @@ class LibraryPlanner:
     ) -> None:
         for level in gammas:
             check_durations(library, level)
+        # Whoever closes a loop learns before the flight that nothing can be planned here.
+        load_kernel()
         self._library = library
         self._hash = library_hash(library)
         self._policy: Policy = policy
@@ -93,7 +88,6 @@ class LibraryPlanner:
             for trim in library.trims
             if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
         )
-        self._without_kernel = cache(partial(_without_kernel, library, gammas))
         self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
@@ -103,14 +97,9 @@ class LibraryPlanner:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        answer = self._answer(mission)
+        answer = self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
         plan = self._verify(self._assemble(answer, mission), mission)
         return replace(plan, solve_time=perf_counter() - began)
-
-    def _answer(self, mission: Mission) -> SearchResult:
-        if self._exact.supports(mission):
-            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-        return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
 
     def _assemble(self, answer: SearchResult, mission: Mission) -> Plan:
         plan = Plan(
@@ -134,7 +123,7 @@ class LibraryPlanner:
         return replace(
             plan,
             status="optimal" if answer.exhausted else "feasible",
-            reason="" if answer.exhausted else self._optimality_caveat(mission),
+            reason="" if answer.exhausted else self._optimality_caveat(),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             tail=self._tails(answer.walk[-1]),
@@ -154,9 +143,7 @@ class LibraryPlanner:
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
 
-    def _optimality_caveat(self, mission: Mission) -> str:
-        if not self._exact.supports(mission):
-            return NOT_PROVED
+    def _optimality_caveat(self) -> str:
         return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
 
     def _verify(self, plan: Plan, mission: Mission) -> Plan:
@@ -173,10 +160,3 @@ class LibraryPlanner:
             maneuvers=(),
             scenarios=(),
         )
-
-
-def _without_kernel(library: Library, gammas: tuple[float, ...]) -> "SearchWithoutKernel":
-    # It needs CasADi, which takes long to load.
-    from planner.fallback.without_kernel import SearchWithoutKernel
-
-    return SearchWithoutKernel(library, gammas)

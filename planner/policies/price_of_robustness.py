@@ -16,8 +16,8 @@ from flight.plan.plan import Plan
 from planner.walks.kinematics import NegativeDurationError
 
 from .certified_gamma import certified_gamma
-from .nominal import Nominal
-from .worst_case import WorstCase
+from .nominal import nominal_planner
+from .worst_case import worst_case_planner
 
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
@@ -65,7 +65,7 @@ def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tu
         mission: from where to where.
         steps: levels above 0.
     """
-    nominal = Nominal(library).plan(mission)
+    nominal = nominal_planner(library).plan(mission)
     if not nominal.found:
         return ()
     curve = [PricePoint(0.0, nominal.cost, 1.0, nominal.sequence)]
@@ -102,7 +102,7 @@ class PriceOfRobustness:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        best = Nominal(self._library).plan(mission)
+        best = nominal_planner(self._library).plan(mission)
         if not best.found:
             return replace(best, policy="price-of-robustness", alpha=self._alpha)
         # The equality at gamma 0 must survive rounding.
@@ -152,7 +152,7 @@ def _gamma_reason(gamma: float, proved: float) -> str:
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:
     try:
-        plan = WorstCase(library, gamma).plan(mission)
+        plan = worst_case_planner(library, gamma).plan(mission)
     except NegativeDurationError:
         return None
     return plan if plan.found else None

@@ -1,6 +1,6 @@
 """Where a walk leads: its end at an uncertainty level.
 
-It is the flow of `flight.se2.SE2.exp` and the composition of poses; `symbolic_motion` does it for symbols.
+It is the flow of `flight.se2.SE2.exp` and the composition of poses; `tests.oracles` has a twin for symbols.
 """
 
 from collections.abc import Sequence

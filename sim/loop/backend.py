@@ -1,6 +1,6 @@
 """How the vehicle's expressions are evaluated: interpreted by CasADi, or as machine code; the bits agree.
 
-Machine code is the C that CasADi writes of an expression, compiled once by the machine's own compiler,
+Machine code is the C that CasADi writes of an expression, compiled once (`runtime.compiler`),
 without anything that would reorder arithmetic. Before it is used it is held to the interpreter, bit by bit,
 on random numbers, so that a flight does not depend on whether there is a compiler.
 """

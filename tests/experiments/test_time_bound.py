@@ -9,7 +9,7 @@ from experiments.mission.stated_time_bound import with_time_bound
 from flight.plan.time_bound import TimeBound
 from flight.se2 import SE2
 from maneuver.app import BAD_INPUT, run
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library, find_mission
 
 LIBRARY = find_library("gtmax-sim")
@@ -20,7 +20,7 @@ HERE = TimeBound("worst-case", 1.0, "gtmax", 0.9, 2.0, 100, 100, 1)
 def promised(distance: float, *promises: TimeBound) -> float | None:
     start = MISSION.start
     mission = replace(MISSION, goal=(start.x + distance, start.y), start=SE2(start.x, start.y, 0.3))
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     plan = with_time_bound(planner.plan(mission), mission, planner, LIBRARY, promises)
     return None if plan.time_promise is None else plan.time_promise.time
 

@@ -36,7 +36,7 @@ from maneuver.options.latencies import latency_of
 from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from runtime.executor import JobExecutor
 from scenarios.find import find_library, find_mission
 
@@ -51,7 +51,7 @@ def test_random_missions_repeat_and_each_has_a_plan() -> None:
     assert missions == random_missions(LIBRARY, count=8, seed=3, gamma=1.0)
     assert missions[:5] == random_missions(LIBRARY, count=5, seed=3, gamma=1.0)
     assert missions != random_missions(LIBRARY, count=8, seed=4, gamma=1.0)
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in missions:
         assert planner.plan(mission).found
         assert NEAREST <= mission.start.distance_to(mission.goal) <= FARTHEST

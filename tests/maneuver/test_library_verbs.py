@@ -21,9 +21,6 @@ from flight.se2 import SE2, Twist
 from identification.design.kinematic_library import average_displacement, read_kinematic_library
 from maneuver.app import run
 from planner.independent_errors.monotonicity_audit import PrimitiveScalar, audit_monotonicity
-from planner.kernel.build import load_kernel
-
-needs_compiler = pytest.mark.skipif(load_kernel() is None, reason="this machine has no C compiler")
 
 
 def simple(forward_error: float) -> Library:
@@ -40,14 +37,12 @@ def simple(forward_error: float) -> Library:
     return Library("simple", "", "", trims, turns)
 
 
-@needs_compiler
 def test_where_only_speed_is_uncertain_faster_is_never_slower() -> None:
     result = audit_monotonicity(simple(0.3), missions=60, seed=1)
     assert result.reachable > 20
     assert result.monotone == result.reachable
 
 
-@needs_compiler
 def test_an_error_signed_the_wrong_way_is_named() -> None:
     """The negative control: gamma = +1 makes the first trim slower."""
     result = audit_monotonicity(simple(-0.3), missions=60, seed=1)
@@ -55,7 +50,6 @@ def test_an_error_signed_the_wrong_way_is_named() -> None:
     assert {rise.culprit for rise in result.rises} == {PrimitiveScalar("trim", 1, "forward")}
 
 
-@needs_compiler
 def test_the_verb_prints_how_often_and_why(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["library", "audit", "thesis-kinematic", "--missions", "40"]) == 0
     said = capsys.readouterr().out

@@ -1,7 +1,7 @@
 """The problem of each policy for one walk, stated in CasADi and solved by IPOPT: what planners are held to.
 
-The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and
-the largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every
+The worst case has coasting times for each level and the largest cost as one more variable (thesis, Problem
+6.2; with level 0 alone it is the nominal problem, 6.1); the committed one has the same times at every
 level (Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
 exchange: the level of a fine grid that misses most joins the statement until none misses. The price of
 robustness is stated in `price_statement`.
@@ -22,8 +22,9 @@ from flight.se2 import wrap_angle
 from planner.walks.goal_condition import EQUALITY_TOLERANCE, wants_heading
 from planner.walks.kinematics import WalkMotion, walk_motion
 from planner.walks.search_result import Times
-from planner.walks.symbolic_motion import symbolic_motion
 from planner.walks.walk import Walk
+
+from .symbolic_motion import symbolic_motion
 
 FINE = 2001
 """Levels of the grid on which a committed solution is looked at."""

@@ -24,9 +24,9 @@ from planner.closed_loop.latency import Latency, LatencyRecordError
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.remaining_plan import PlanStep, RemainingPlan
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.safe_stop import rest_trim, safe_stop_path
 from scenarios.find import MISSIONS, find_library
 from sim.loop.specification import FlightSpecification, specified_pose
@@ -47,14 +47,14 @@ def flown(
     planner: Planner | None = None,
 ) -> FlightRecord:
     vehicle = AutomatonVehicle(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=gamma)
-    planner = planner or Nominal(LIBRARY)
+    planner = planner or nominal_planner(LIBRARY)
     return fly_closed_loop(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
 
 
 def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_plans_for() -> None:
     """It promises to whoever knows the level before flying; the loop learns it on the way, sometimes late."""
     results = [
-        flown(shipped(name), gamma, planner=WorstCase(LIBRARY, 1.0))
+        flown(shipped(name), gamma, planner=worst_case_planner(LIBRARY, 1.0))
         for name in THESIS_MISSIONS
         for gamma in (-1.0, 0.0, 1.0)
     ]
@@ -68,7 +68,9 @@ def test_a_loop_that_neither_learns_nor_keeps_breaks_the_promise() -> None:
     late = [
         not result.reached or result.flown_time > result.predicted_time
         for name in THESIS_MISSIONS
-        for result in [flown(shipped(name), -1.0, settings=careless, planner=WorstCase(LIBRARY, 1.0))]
+        for result in [
+            flown(shipped(name), -1.0, settings=careless, planner=worst_case_planner(LIBRARY, 1.0))
+        ]
     ]
     assert sum(late) >= 3
 
@@ -115,7 +117,7 @@ class Slow:
 
 def test_a_late_plan_is_not_flown_and_a_record_of_times_repeats_the_flight() -> None:
     mission = shipped("gtmax-2")
-    slow = Slow(Nominal(LIBRARY), cycle([0.01, 0.01, 0.01, 0.01, 0.3]))
+    slow = Slow(nominal_planner(LIBRARY), cycle([0.01, 0.01, 0.01, 0.01, 0.3]))
     measured = flown(mission, settings=Settings(latency=Latency(0.05, measured=True)), planner=slow)
     late = [one for one in measured.decisions if one.kind is DecisionKind.LATE]
     assert late
@@ -133,7 +135,7 @@ class Liar:
     """A planner that promises to be there at once, and calls that verified; its first plan is honest."""
 
     def __init__(self) -> None:
-        self._honest, self._asked = Nominal(LIBRARY), 0
+        self._honest, self._asked = nominal_planner(LIBRARY), 0
 
     def plan(self, mission: Mission) -> Plan:
         """Returns a plan that ends where it says, but says where it does not end."""
@@ -205,14 +207,14 @@ def test_without_a_hover_rest_is_the_slowest_straight_trim() -> None:
 
 
 def test_every_plan_says_how_it_comes_to_rest() -> None:
-    plan = Nominal(LIBRARY).plan(shipped("gtmax-2"))
+    plan = nominal_planner(LIBRARY).plan(shipped("gtmax-2"))
     assert plan.tail[-1] == 1
     LIBRARY.maneuvers_along((plan.sequence[-1], *plan.tail))
 
 
 def test_what_is_left_of_a_plan_leads_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
-    plan = WorstCase(LIBRARY, 1.0).plan(mission)
+    plan = worst_case_planner(LIBRARY, 1.0).plan(mission)
     for scenario in plan.scenarios:
         end, time = RemainingPlan.of(plan, scenario).predicted_end(mission.start, LIBRARY, scenario.gamma)
         assert time == pytest.approx(scenario.cost)
@@ -252,7 +254,7 @@ class Falling(AutomatonVehicle):
 def test_the_track_of_the_leg_in_which_the_vehicle_is_lost_is_kept() -> None:
     mission = shipped("gtmax-2")
     falling = Falling(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    result = fly_closed_loop(falling, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(falling, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert "it met the ground" in result.reason
     assert result.legs[-1].track[-1, 1] == 99.0
@@ -288,7 +290,7 @@ def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: py
         advance(self)
 
     monkeypatch.setattr(SimulatedHelicopter, "_advance", fall)
-    result = fly_closed_loop(helicopter, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(helicopter, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert result.flown_time == pytest.approx(6.0)
     assert result.legs[-1].track[-1, 0] == pytest.approx(6.0)

@@ -15,7 +15,7 @@ from flightlog.log import FlightLog
 from flightlog.log_diff import count_differing_bytes, differences
 from flightlog.topic import Series
 from maneuver.app import run
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import parse_specification
@@ -141,7 +141,7 @@ def test_a_mission_planned_by_another_search_is_refused(
     flown: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = read_log(flown["a mission nominally planned, with ideal sensors"])
-    here = search_backend()
+    here = SEARCH_BACKEND
     assert log.header.search_backend == here
     other = {"compiled": "interpreted", "interpreted": "compiled"}[here]
     write_log(replace(log, header=log.header.with_search_backend(other)), tmp_path / "other.mcap")

@@ -32,7 +32,7 @@ from maneuver.app import run
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from scenarios.find import find_library, find_mission
 from sim.loop.specification import FlightOptions, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
@@ -128,7 +128,7 @@ def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
     mission = find_mission("gtmax-1")
     vehicle = Doubting(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
     flown = fly_closed_loop(
-        vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0)
+        vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0)
     )
     assert (flown.reached, flown.claimed, flown.reason) == (False, False, "alarm: doubt")
     kinds = [decision.kind for decision in flown.decisions]
@@ -175,7 +175,7 @@ class Uncertain(AutomatonVehicle):
 def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> None:
     mission = find_mission("gtmax-2")
     vehicle = Mistaken(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    flown = fly_closed_loop(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    flown = fly_closed_loop(vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert flown.claimed
     assert not flown.reached
     assert flown.closest > mission.tolerance
@@ -189,7 +189,7 @@ def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal()
         vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
         settings = Settings(certainty=certainty, max_activations=40)
         return fly_closed_loop(
-            vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=settings
+            vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=settings
         ).claimed
 
     assert not flown(3.0)

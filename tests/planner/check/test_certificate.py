@@ -24,9 +24,9 @@ from planner.check.certified_bound import Leaves
 from planner.check.certified_bound import dual_bound as proved_bound
 from planner.check.interval_walk import interval_walk
 from planner.check.plan_check import plan_problems
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify import certify
 from planner.proof.certify_plan import NotProvableError, certify_plan
 from planner.proof.dual_bound import Multipliers, WalkProblems, dual_bound
@@ -45,7 +45,7 @@ def shipped(place: int) -> Library:
 @cache
 def gtmax() -> tuple[Plan, Library, Mission]:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    return certify_plan(WorstCase(library, 0.5).plan(mission), library, mission), library, mission
+    return certify_plan(worst_case_planner(library, 0.5).plan(mission), library, mission), library, mission
 
 
 def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, tuple[float, ...], Mission]:
@@ -121,7 +121,7 @@ def test_plans_are_proved_and_a_millisecond_more_is_not(seed: int) -> None:
         float(rng.choice([0.0, 0.5])),
         max_trims=3,
     )
-    plan = certify_plan(WorstCase(library, gamma).plan(mission), library, mission)
+    plan = certify_plan(worst_case_planner(library, gamma).plan(mission), library, mission)
     assert plan.status == "optimal"
     assert plan.certificate is not None
     assert plan.lower_bound is not None
@@ -159,7 +159,7 @@ def test_where_there_is_no_way_that_is_proved_too() -> None:
     # Behind the start, with one trim that flies straight on.
     mission = Mission("behind", SE2.identity(), 2, (-10.0, 1.0), 0.5, max_trims=1)
     library = thesis_kinematic()
-    plan = certify_plan(WorstCase(library, 0.5).plan(mission), library, mission)
+    plan = certify_plan(worst_case_planner(library, 0.5).plan(mission), library, mission)
     assert plan.status == "infeasible"
     assert plan_problems(plan, library, mission) == ()
     ahead = replace(mission, goal=(10.0, 0.0))
@@ -168,8 +168,8 @@ def test_where_there_is_no_way_that_is_proved_too() -> None:
 
 def test_a_plan_that_is_not_the_best_is_not_certified() -> None:
     library, mission = thesis_kinematic(), Mission("slow", SE2.identity(), 1, (30.0, 12.0), 0.0)
-    best = Nominal(library).plan(mission)
-    slower = Nominal(library).plan(replace(mission, max_trims=2))
+    best = nominal_planner(library).plan(mission)
+    slower = nominal_planner(library).plan(replace(mission, max_trims=2))
     assert slower.cost > best.cost + 0.01
     doubted = certify_plan(slower, library, mission)
     assert doubted.status == "feasible"
@@ -217,7 +217,7 @@ def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
 ) -> None:
     library = lonely(*trims)
     mission = Mission("odd", SE2.identity(), 1, goal, tolerance, max_trims=3)
-    plan = certify_plan(Nominal(library).plan(mission), library, mission)
+    plan = certify_plan(nominal_planner(library).plan(mission), library, mission)
     assert plan.status in {"optimal", "infeasible"}
     assert plan_problems(plan, library, mission) == ()
 

@@ -18,9 +18,9 @@ from maneuver.app import run
 from planner.check.guarantees import guarantees_of
 from planner.check.plan_check import plan_problems
 from planner.commitment.committed import CommittedPlanner
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify_plan import certify_plan
 from scenarios.find import find_library, find_mission
 from tests.maneuver.test_command_line import refusal
@@ -75,7 +75,7 @@ def test_proved_and_claimed_are_told_apart_in_text_and_json(
 
 def test_a_bound_of_no_time_is_no_claim() -> None:
     there = Mission("there", SE2.identity(), 2, (0.1, 0.0), 1.0, max_trims=2)
-    plan = certify_plan(WorstCase(thesis_gtmax(), 1.0).plan(there), thesis_gtmax(), there)
+    plan = certify_plan(worst_case_planner(thesis_gtmax(), 1.0).plan(there), thesis_gtmax(), there)
     assert guarantees_of(replace(plan, certificate=None)).unproved == ()
     assert "less than -" not in " ".join(guarantees_of(plan).proved)
 
@@ -109,7 +109,7 @@ def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
 @cache
 def promised(max_trims: int = 4) -> str:
     library, mission = find_library("gtmax-sim"), replace(find_mission("gtmax-2"), max_trims=max_trims)
-    planner = Nominal(library)
+    planner = nominal_planner(library)
     plan = with_time_bound(
         planner.plan(mission), mission, planner, library, stated_time_bounds("gtmax-sim", library)
     )
@@ -249,7 +249,7 @@ def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
 )
 def test_a_plan_says_nothing_that_its_policy_does_not_say(change: dict[str, Any], said: str) -> None:
     mission = find_mission("gtmax-2")
-    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    plan = worst_case_planner(thesis_gtmax(), 0.5).plan(mission)
     assert any(
         one.startswith(said) for one in plan_problems(replace(plan, **change), thesis_gtmax(), mission)
     )
@@ -257,7 +257,7 @@ def test_a_plan_says_nothing_that_its_policy_does_not_say(change: dict[str, Any]
 
 def test_a_price_is_never_called_optimal() -> None:
     mission = find_mission("gtmax-2")
-    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    plan = worst_case_planner(thesis_gtmax(), 0.5).plan(mission)
     relabelled = replace(plan, policy="price-of-robustness", alpha=1.5)
     assert any(one.startswith("status: ") for one in plan_problems(relabelled, thesis_gtmax(), mission))
 

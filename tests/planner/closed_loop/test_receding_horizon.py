@@ -21,8 +21,9 @@ from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.receding_horizon import NoToleranceError, fly_closed_loop
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.policy import Planner
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import MISSIONS
 
 
@@ -39,7 +40,7 @@ def flown(mission: Mission, settings: Settings | None = None, *, gamma: float = 
     return fly_closed_loop(
         vehicle(library, mission, gamma),
         mission,
-        planner=Nominal(library),
+        planner=nominal_planner(library),
         library=library,
         settings=settings,
     )
@@ -49,7 +50,7 @@ def flown(mission: Mission, settings: Settings | None = None, *, gamma: float = 
 class Refusing:
     """A planner that gives its first few plans, and then only refusals."""
 
-    planner: Nominal
+    planner: Planner
     plans: int
     asked: list[Mission] = field(default_factory=list)
 
@@ -70,7 +71,7 @@ def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:
     mission = shipped("gtmax-2")
     library = thesis_gtmax()
     result = flown(mission, Settings(activation_interval=100.0, latency=Latency(0.0), aim=1.0))
-    plan = Nominal(library).plan(mission)
+    plan = nominal_planner(library).plan(mission)
     assert result.reached
     assert result.activations == 1
     assert result.flown_time == pytest.approx(plan.cost, abs=0.01)
@@ -81,7 +82,7 @@ def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:
 def test_errors_are_flown_out_by_planning_again(gamma: float) -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     result = fly_closed_loop(
-        vehicle(library, mission, gamma), mission, planner=WorstCase(library, 0.5), library=library
+        vehicle(library, mission, gamma), mission, planner=worst_case_planner(library, 0.5), library=library
     )
     assert result.reached
     assert result.closest <= mission.tolerance
@@ -112,7 +113,7 @@ def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_toler
 
 def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_rest() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
-    planner = Refusing(Nominal(library), plans=2)  # the promise and the first plan
+    planner = Refusing(nominal_planner(library), plans=2)  # the promise and the first plan
     settings = Settings(max_activations=40)
     broken = vehicle(library, mission)
     result = fly_closed_loop(broken, mission, planner=planner, library=library, settings=settings)
@@ -125,7 +126,7 @@ def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_r
 
 def test_without_a_first_plan_nothing_is_flown() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
-    planner = Refusing(Nominal(library), plans=0)
+    planner = Refusing(nominal_planner(library), plans=0)
     result = fly_closed_loop(vehicle(library, mission), mission, planner=planner, library=library)
     assert not result.reached
     assert result.legs == ()
@@ -163,7 +164,7 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 ) -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     broken = kind(library, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    result = fly_closed_loop(broken, mission, planner=Nominal(library), library=library)
+    result = fly_closed_loop(broken, mission, planner=nominal_planner(library), library=library)
     assert not result.reached
     assert reason in result.reason
 
@@ -171,7 +172,7 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 def test_a_goal_to_be_met_exactly_cannot_be_flown() -> None:
     mission, library = shipped("kinematic-1"), thesis_kinematic()
     with pytest.raises(NoToleranceError, match="kinematic-1: a flight needs a goal tolerance > 0 m"):
-        fly_closed_loop(vehicle(library, mission), mission, planner=Nominal(library), library=library)
+        fly_closed_loop(vehicle(library, mission), mission, planner=nominal_planner(library), library=library)
 
 
 @pytest.mark.parametrize(
@@ -225,7 +226,7 @@ class Careless:
     """Plans as if no trim were wanted at the goal."""
 
     def __init__(self, library: Library) -> None:
-        self._planner = Nominal(library)
+        self._planner = nominal_planner(library)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the plan for the mission without the trim."""
@@ -243,4 +244,6 @@ def test_passing_through_the_goal_in_another_trim_is_not_being_there() -> None:
         vehicle(library, hover), hover, planner=Careless(library), library=library, settings=few
     )
     assert not careless.reached
-    assert fly_closed_loop(vehicle(library, hover), hover, planner=Nominal(library), library=library).reached
+    assert fly_closed_loop(
+        vehicle(library, hover), hover, planner=nominal_planner(library), library=library
+    ).reached

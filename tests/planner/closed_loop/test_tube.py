@@ -18,7 +18,7 @@ from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.remaining_plan import PlanStep
 from planner.closed_loop.tube import tube_exit_time
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
 
 LIBRARY = find_library("gtmax-sim")
@@ -138,7 +138,7 @@ def test_a_tube_begins_anew_at_every_planning() -> None:
 
 def test_the_automaton_stays_in_its_tube_and_leaves_that_of_a_library_that_claims_too_much() -> None:
     (mission,) = random_missions(LIBRARY, count=1, seed=4, gamma=1.0)
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for gamma in (-1.0, 1.0, independent_gammas(np.random.default_rng(3))):
         vehicle = AutomatonVehicle(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=gamma)
         flight = fly_closed_loop(vehicle, mission, planner=planner, library=LIBRARY)

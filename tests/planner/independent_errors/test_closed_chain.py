@@ -11,7 +11,6 @@ from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
 from planner.independent_errors.closure import Closure, ClosureTimes, close_chain, closures_of
 from planner.independent_errors.error_path import ErrorPath, error_path
-from planner.kernel.build import load_kernel
 from planner.kernel.exact import best_times
 
 DRAWS = 40
@@ -179,7 +178,6 @@ def entered(
     return times[:, place]
 
 
-@pytest.mark.skipif(load_kernel() is None, reason="this machine has no C compiler")
 @pytest.mark.parametrize("walk", [(2, 5, 7, 3), (2, 5), (3, 6, 3)])
 def test_trims_are_held_at_least_as_long_as_asked(walk: tuple[int, ...]) -> None:
     rng = np.random.default_rng(8)

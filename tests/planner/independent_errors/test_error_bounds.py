@@ -19,15 +19,12 @@ from planner.independent_errors.error_path import ErrorGranularity, ErrorPath, e
 from planner.independent_errors.independent_errors import bound_independent_errors
 from planner.independent_errors.worst_miss import worst_miss_bound
 from planner.independent_errors.worst_time import worst_time_bound
-from planner.kernel.build import load_kernel
 from planner.kernel.exact import least_costs
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal_condition import goal_from_start
 from scenarios.find import MISSIONS
 
 from .test_closed_chain import wandering
-
-needs_kernel = pytest.mark.skipif(load_kernel() is None, reason="this machine has no C compiler")
 
 WALKS = {"gtmax": (2, 5, 7, 3), "kinematic": (1, 2, 5, 2)}
 
@@ -96,7 +93,7 @@ def test_between_corners_it_can_be_worse_than_at_every_corner() -> None:
 @pytest.mark.parametrize("each", ["primitive", "scalar"])
 def test_no_draw_misses_by_more_than_the_bound(each: ErrorGranularity) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-2.toml")
-    plan = WorstCase(library, 0.5).plan(mission)
+    plan = worst_case_planner(library, 0.5).plan(mission)
     path = error_path(library, plan.sequence, 0.5, each)
     bound = worst_miss_bound(path, mission, plan.coasting_times)
     drawn = np.random.default_rng(3).uniform(-1, 1, (10_000, len(path.names)))
@@ -105,7 +102,6 @@ def test_no_draw_misses_by_more_than_the_bound(each: ErrorGranularity) -> None:
     assert bound.bound <= 1.011 * bound.found
 
 
-@needs_kernel
 @pytest.mark.parametrize(
     ("name", "gamma", "each", "most", "tight"),
     [
@@ -120,7 +116,7 @@ def test_no_draw_takes_longer_than_the_bound(
     name: str, gamma: float, each: ErrorGranularity, most: int, tight: float
 ) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
-    plan = WorstCase(library, gamma).plan(mission)
+    plan = worst_case_planner(library, gamma).plan(mission)
     path = error_path(library, plan.sequence, gamma, each)
     bound = worst_time_bound(path, mission, BoundedMaximum(plan.cost, (), inf, 0), most=most)
     slowest = slowest_of(path, mission, np.random.default_rng(4))
@@ -130,14 +126,13 @@ def test_no_draw_takes_longer_than_the_bound(
     assert again == pytest.approx(bound.found, abs=1e-9)
 
 
-@needs_kernel
 @pytest.mark.parametrize(
     "change", [{"tolerance": 0.0}, {"tolerance": 0.05}, {"goal_heading": 1.2, "heading_tolerance": 0.3}]
 )
 def test_exact_goals_and_wanted_headings_have_a_bound_of_their_time(change: dict[str, float]) -> None:
     library = thesis_gtmax()
     mission = replace(read_mission(MISSIONS / "gtmax-1.toml"), **change)  # type: ignore[arg-type]
-    plan = WorstCase(library, 0.2).plan(mission)
+    plan = worst_case_planner(library, 0.2).plan(mission)
     path = error_path(library, plan.sequence, 0.2, "primitive")
     bound = worst_time_bound(path, mission, BoundedMaximum(plan.cost, (), inf, 0), most=1000)
     slowest = slowest_of(path, mission, np.random.default_rng(6))
@@ -151,10 +146,9 @@ def slowest_of(path: ErrorPath, mission: Mission, rng: np.random.Generator) -> f
     return float(least_costs(path.table(drawn), mission).max())
 
 
-@needs_kernel
 def test_single_gamma_corners_and_bound_are_in_order() -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    plan = WorstCase(library, 0.1).plan(mission)
+    plan = worst_case_planner(library, 0.1).plan(mission)
     for each in ("primitive", "scalar"):
         found = bound_independent_errors(
             library, mission, plan.sequence, plan.coasting_times, gamma=0.1, each=each
@@ -168,12 +162,11 @@ def test_single_gamma_corners_and_bound_are_in_order() -> None:
         assert found.all_tried == (each == "primitive")
 
 
-@needs_kernel
 @pytest.mark.parametrize(("name", "gamma"), [("gtmax-1", 0.5), ("gtmax-2", 1.0)])
 def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamma: float) -> None:
     rng = np.random.default_rng(12)
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
-    path = error_path(library, WorstCase(library, gamma).plan(mission).sequence, gamma, "scalar")
+    path = error_path(library, worst_case_planner(library, gamma).plan(mission).sequence, gamma, "scalar")
     answers, count = BoxEvaluator(path, mission), len(path.names)
     width = rng.uniform(0.05, 0.6, (60, 1)) * rng.uniform(0, 1, (60, count))
     middle = (1 - width) * rng.choice([-1.0, 1.0], (60, count))
@@ -187,18 +180,16 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
             assert costs.max() <= look.bound[box] + 1e-6
 
 
-@needs_kernel
 def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
     """With a wide gap nothing is halved: the bound is that of the first box, not what was found in it."""
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    plan = WorstCase(library, 0.3).plan(mission)
+    plan = worst_case_planner(library, 0.3).plan(mission)
     path = error_path(library, plan.sequence, 0.3, "primitive")
     bound = worst_time_bound(path, mission, BoundedMaximum(plan.cost, (), inf, 0), gap=0.5)
     assert bound.boxes == 1
     assert bound.bound > 1.001 * bound.found
 
 
-@needs_kernel
 def test_times_that_errors_make_negative_prove_nothing() -> None:
     """Short coasts that answer errors would soon have to be undone; then the walk has to go another way."""
     rng, never = np.random.default_rng(3), 0

@@ -14,9 +14,8 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.errors import NoManeuverError
 from flight.se2 import SE2, Twist
-from planner.fallback.batch import Batch
 from planner.walks.kinematics import NegativeDurationError, WalkMotion, walk_motion
-from planner.walks.symbolic_motion import symbolic_motion
+from tests.oracles.symbolic_motion import symbolic_motion
 
 TWIN_AGREEMENT = 1e-10
 """Metres and radians, for ends within a kilometre."""
@@ -55,29 +54,6 @@ def test_the_symbolic_end_of_a_walk_is_the_numeric_one(numbers: WalkMotion, star
     symbolic = np.array(end(velocities, moved, [start.x, start.y, start.heading], list(times))).ravel()
     numeric = numbers.end(start, times)
     assert symbolic == pytest.approx([numeric.x, numeric.y, numeric.heading], abs=TWIN_AGREEMENT)
-
-
-@given(motions(), st.integers(0, 1000))
-def test_the_end_of_a_walk_in_arrays_is_the_numeric_one(numbers: WalkMotion, seed: int) -> None:
-    times = times_for(numbers, seed)
-    position, heading = Batch.of([numbers]).end(np.array([times]))
-    numeric = numbers.end(SE2.identity(), times)
-    assert position[0] == pytest.approx(complex(numeric.x, numeric.y), abs=TWIN_AGREEMENT)
-    assert heading[0] == pytest.approx(numeric.heading, abs=TWIN_AGREEMENT)
-
-
-@given(motions(), st.integers(0, 1000))
-def test_the_end_moves_with_each_time_as_the_end_velocities_say(numbers: WalkMotion, seed: int) -> None:
-    batch, times = Batch.of([numbers]), np.array([times_for(numbers, seed)]) + 0.1
-    velocities = batch.end_velocities(times)
-    step = 1e-5
-    for place in range(batch.trims):
-        later, earlier = times.copy(), times.copy()
-        later[0, place] += step
-        earlier[0, place] -= step
-        slope = (batch.end(later)[0] - batch.end(earlier)[0]) / (2 * step)
-        # Second differences of positions up to some hundred metres.
-        assert velocities[0, place] == pytest.approx(slope[0], abs=1e-5)
 
 
 def test_gamma_moves_a_walk_by_its_signed_errors() -> None:

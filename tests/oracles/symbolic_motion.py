@@ -1,4 +1,4 @@
-"""Where a walk leads, for CasADi symbols: the twin of `kinematics.Motion`.
+"""Where a walk leads, for CasADi symbols: the twin of `planner.walks.kinematics.WalkMotion`.
 
 It takes the walk's numbers as symbols, so that one statement serves every walk of the same length.
 """

@@ -6,8 +6,10 @@ from random import Random
 
 import pytest
 
-from benchmarks.files.crash_kills import killed
-from benchmarks.files.crash_sweep import (
+from runtime.atomic_write import publish_bytes
+from tests.support.crash_disk import Loss, NotingDisk, after_crash
+from tests.support.studies.crash_kills import killed
+from tests.support.studies.crash_sweep import (
     Sweep,
     crash_everywhere,
     fill_everywhere,
@@ -15,10 +17,10 @@ from benchmarks.files.crash_sweep import (
     note,
     whole_writer,
 )
-from runtime.atomic_write import publish_bytes
-from tests.support.crash_disk import Loss, NotingDisk, after_crash
+from tests.support.studies.study import Study
 
 PIECE = 700_000
+SMALL_PIECE = 128 * 1024
 
 
 @pytest.fixture(scope="module")
@@ -69,6 +71,35 @@ def test_a_campaign_killed_again_and_again_comes_to_the_same_library() -> None:
     counts = killed(2, flights=6, workers=1, seed=2)
     assert counts.pop("campaigns finished") > 0
     assert counts == {"kills": 2}
+
+
+@pytest.mark.slow
+def test_study_of_crashes_at_every_step(study: Study, tmp_path: Path) -> None:
+    sweep, seed = Sweep.of(tmp_path, flights=study.size("flights", 3)), study.size("seed", 1)
+    caught = {}
+    for name, writer in (("the program's writer", whole_writer), ("a naive writer", naive_writer)):
+        counts = crash_everywhere(sweep, writer, piece=SMALL_PIECE, seed=seed)
+        for loss, found in counts.items():
+            study.show_share(found["caught"], found["points"], f"{name}, {loss}")
+        total = sum(counts.values(), Counter[str]())
+        study.show_share(total["caught"], total["points"], f"{name}, all")
+        caught[writer] = total["caught"] / total["points"]
+    full = fill_everywhere(sweep, piece=SMALL_PIECE)
+    study.show_share(full["caught"], full["points"], "the program's writer, disk full")
+    assert caught[whole_writer] == full["caught"] == 0
+    assert caught[naive_writer] > 0.5
+
+
+@pytest.mark.slow
+def test_study_of_campaigns_killed_at_random(study: Study) -> None:
+    kills, flights = study.size("kills", 20), study.size("flights", 2)
+    counts = killed(kills, flights=flights, workers=study.size("workers", 1), seed=study.size("seed", 1))
+    for what, count in sorted(counts.items()):
+        study.show(f"{count:5d} {what}")
+    wrong = sum(count for what, count in counts.items() if what.startswith("wrong"))
+    study.show_share(wrong, counts["kills"], "kills")
+    assert counts["kills"] == kills
+    assert wrong == 0
 
 
 def test_what_was_synced_outlives_the_machine_and_what_was_not_may_go(tmp_path: Path) -> None:

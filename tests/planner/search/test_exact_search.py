@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import libraries
-from benchmarks.planning.planning_missions import synthetic_library
 from experiments.thesis.printed_libraries import thesis_gtmax, thesis_kinematic
 from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
@@ -30,6 +29,7 @@ from planner.policies.worst_case import WorstCase
 from planner.walks.answer import Answer
 from planner.walks.goal import reaches
 from planner.walks.kinematics import motion
+from tests.support.random_missions import synthetic_library
 
 AGREEMENT = 1e-4
 """Seconds by which no other search may be faster."""

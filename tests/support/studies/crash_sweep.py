@@ -5,16 +5,10 @@ laid out as a disk may hold them after a crash there, and the same command goes 
 visible and not whole; a flight that was reported and is gone; in the end, a file more, a file less, or
 another byte than in the undisturbed run. A writer that opens files in their place and never syncs shows that
 the harness sees such things. Flights are flown once and remembered, because it is the writing that is tested;
-`benchmarks.files.crash_kills` flies them.
-
-For example:
-
-    python -m benchmarks.files.crash_sweep --flights 4
+`crash_kills` flies them.
 """
 
-import argparse
 import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -24,7 +18,6 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from benchmarks.upper_limit import upper_limit
 from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
 from experiments.campaign.evidence import gather_evidence
 from flight.automaton.library_file import library_text
@@ -199,36 +192,3 @@ def fill_everywhere(sweep: Sweep, *, piece: int) -> Counter[str]:
         wrong = hidden | sweep.faults(found, set())
         counts.update(["points", *wrong, *(["caught"] if wrong else [])])
     return counts
-
-
-def main() -> None:
-    """Prints what was found after every kind of crash, for the program's writer and for the naive one."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--flights", type=int, default=4)
-    parser.add_argument("--piece", type=int, default=128 * 1024, help="bytes that one step writes")
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        sweep = Sweep.of(Path(name), flights=arguments.flights)
-        for what, writer in (("the program's writer", whole_writer), ("a naive writer", naive_writer)):
-            counts = crash_everywhere(sweep, writer, piece=arguments.piece, seed=arguments.seed)
-            for loss, found in counts.items():
-                _say(f"{what}, {loss}", found)
-            _say(f"{what}, all", sum(counts.values(), Counter[str]()))
-        _say("the program's writer, disk full", fill_everywhere(sweep, piece=arguments.piece))
-
-
-def _say(what: str, found: Counter[str]) -> None:
-    caught, points = found["caught"], found["points"]
-    details = ", ".join(
-        f"{words} {count}" for words, count in found.items() if words not in {"points", "caught"}
-    )
-    limit = f"95 % upper limit {100 * upper_limit(caught, points):.2f} %"
-    words = f" ({details})" if details else ""
-    print(f"{what}: {caught} of {points} points wrong, {limit}{words}", flush=True)
-
-
-if __name__ == "__main__":
-    main()

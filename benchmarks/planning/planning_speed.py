@@ -48,9 +48,9 @@ FIRST_CALL = """
 import os
 from time import perf_counter
 began = perf_counter()
-from benchmarks.planning_missions import shipped_libraries
-from benchmarks.planning_speed import GAMMA, sample
-from planner.worst_case import WorstCase
+from benchmarks.planning.planning_missions import shipped_libraries
+from benchmarks.planning.planning_speed import GAMMA, sample
+from planner.policies.worst_case import WorstCase
 library = shipped_libraries()[1]
 WorstCase(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
 print(perf_counter() - began, sum(os.times()[:4]))

@@ -7,7 +7,7 @@ from random import Random
 import pytest
 
 from runtime.atomic_write import publish_bytes
-from tests.support.crash_disk import Loss, NotingDisk, after_crash
+from tests.support.studies.crash_disk import Loss, NotingDisk, after_crash
 from tests.support.studies.crash_kills import killed
 from tests.support.studies.crash_sweep import (
     Sweep,

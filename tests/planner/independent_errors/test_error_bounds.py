@@ -24,8 +24,7 @@ from planner.kernel.exact import least_costs_of_each
 from planner.policies.worst_case import WorstCase
 from planner.walks.goal import goal_seen
 from scenarios.find import MISSIONS
-
-from .test_closed_chain import wandering
+from tests.support.planning.wandering import wandering
 
 needs_kernel = pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 

@@ -29,7 +29,7 @@ from planner.policies.worst_case import WorstCase
 from planner.walks.answer import Answer
 from planner.walks.goal import reaches
 from planner.walks.kinematics import motion
-from tests.support.random_missions import synthetic_library
+from tests.support.planning.random_missions import synthetic_library
 
 AGREEMENT = 1e-4
 """Seconds by which no other search may be faster."""

@@ -22,7 +22,7 @@ from planner.walks.goal import EQUALITY_TOLERANCE
 from planner.walks.kinematics import motion
 from planner.walks.walk import walks
 from tests.oracles.statements import Question
-from tests.support.random_missions import random_mission, shipped_libraries
+from tests.support.planning.random_missions import random_mission, shipped_libraries
 
 LEVELS = (0.05, 0.1, 0.3, 0.5, 0.8, 1.0)
 STARTS = 6

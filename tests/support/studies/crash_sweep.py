@@ -27,8 +27,8 @@ from identification.identify import identify
 from runtime.atomic_write import Disk, publish_bytes, remove_partials
 from runtime.executor import Means
 from scenarios.find import find_campaign
-from tests.support.crash_disk import Loss, NotingDisk, Step, after_crash
 from tests.support.small_campaign import write_small_campaign
+from tests.support.studies.crash_disk import Loss, NotingDisk, Step, after_crash
 
 Writer = Callable[[bytes, Path, Disk], None]
 Files = dict[str, bytes]

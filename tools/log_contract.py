@@ -1,5 +1,10 @@
-"""Writes the flight log's contract as a page: `python -m tools.log_contract`."""
+"""Writes the flight log's contract as a page: `python -m tools.log_contract`.
 
+`--check` writes nothing and exits with 1 where the page is another.
+"""
+
+import argparse
+import sys
 from collections.abc import Iterable
 from dataclasses import fields
 from pathlib import Path
@@ -24,20 +29,20 @@ another vehicle a field may be absent too: its schema lacks it, and the other fi
 
 There are two kinds of channels. The first are for programs: every field is a double, numbered in the order
 below, in SI units, north-east-down; `flightlog.file.reader.read_log` reads them into arrays. The second are
-for
-viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never read
-back. [review.md](review.md) says how to open a log in the viewers.
+for viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never
+read back. [review.md](review.md) says how to open a log in the viewers.
 
-This page is made from `flightlog/log.py` and `flightlog/viewers/viewer_channels.py` by `python -m
-tools.log_contract`.
+This page is made from `flightlog/channels.py` and `flightlog/viewers/viewer_channels.py` by
+`python -m tools.log_contract`.
 
 ## Example
 
 ```python
 from pathlib import Path
 
-from flight.log import COMMAND, TRUTH, primitives_flown
-from flight.log_file import read_log
+from flightlog.channels import COMMAND, TRUTH
+from flightlog.file.reader import read_log
+from flightlog.primitives import primitives_flown
 
 log = read_log(Path("flight.mcap"))
 print(log.header.vehicle, log.header.wind, log.duration)
@@ -118,5 +123,23 @@ def _table(head: tuple[str, ...], rows: Iterable[tuple[str, ...]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in lines)
 
 
+def main() -> int:
+    """Writes the page, or compares one; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("--check", nargs="?", type=Path, const=PAGE, metavar="PAGE", help=f"docs/{PAGE.name}")
+    checked: Path | None = parser.parse_args().check
+    if checked is None:
+        PAGE.write_text(page(), encoding="utf-8")
+    elif checked.read_text(encoding="utf-8") != page():
+        print(
+            f"{checked.name} is not the log's contract; `python -m tools.log_contract` writes it",
+            file=sys.stderr,
+        )
+        return 1
+    return 0
+
+
 if __name__ == "__main__":
-    PAGE.write_text(page(), encoding="utf-8")
+    sys.exit(main())

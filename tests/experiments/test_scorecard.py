@@ -7,35 +7,13 @@ import numpy as np
 import pytest
 
 import libraries
-from experiments.mission.result import MissionResult
 from experiments.validation.scorecard import Proportion, quantile, scorecard_cells, scorecard_totals
 from experiments.validation.time_bound_trial import find_time_bounds, time_bound_trials, time_factor
 from flight.automaton.library_file import library_hash, read_library
 from flight.plan.plan import read_plan
 from flight.plan.time_bound import TimeBound, read_time_bounds, time_bounds_path, time_bounds_text
 from maneuver.app import run
-
-
-def result(mission: str, number: int, *, flown: float = 10.0, reached: bool = True) -> MissionResult:
-    return MissionResult(
-        mission=mission,
-        policy="worst-case",
-        gamma=1.0,
-        plant="helicopter",
-        wind="gtmax",
-        seed=number,
-        reached=reached,
-        claimed=reached,
-        flown_time=flown,
-        predicted_time=10.0,
-        closest=0.5 if reached else 3.0,
-        activations=20,
-        failures=0,
-        fallbacks=0,
-        reason="reached the goal" if reached else "lost",
-        log=None,
-        planning_times=(0.001, 0.002),
-    )
+from tests.support.mission_results import result
 
 
 def test_a_cell_counts_what_reached_the_goal_and_what_kept_the_prediction() -> None:

@@ -1,13 +1,14 @@
 """Files that somebody else wrote, or broke: each ends in an answer or in one line, never in a traceback."""
 
 import ast
+from collections import Counter
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 from random import Random
 
 import pytest
 
-import benchmarks.files.hostile_files as hostile
 import models
 from flight.errors import FlightError
 from flightlog.channels import TRUTH
@@ -18,6 +19,8 @@ from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers.mjcf_check import parse_model
 from maneuver.app import run
+from tests.support.studies.hostile_files import Kind, kinds_of_files, outcome
+from tests.support.studies.study import Study
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 ROOT = Path(__file__).parents[2]
@@ -25,22 +28,38 @@ OURS = ("flight", "sim", "identification", "planner", "review", "maneuver", "too
 
 
 @pytest.fixture(scope="module")
-def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.FileKind]:
-    return {kind.name: kind for kind in hostile.kinds(tmp_path_factory.mktemp("good"))}
+def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Kind]:
+    return {kind.name: kind for kind in kinds_of_files(tmp_path_factory.mktemp("good"))}
 
 
 @pytest.mark.parametrize(
     "name", ["library", "mission", "plan", "sequence", "vehicle", "model", "campaign", "log", "torn log"]
 )
 def test_a_mutated_file_is_answered_or_refused_in_one_line(
-    kinds: dict[str, hostile.FileKind], name: str, tmp_path: Path
+    kinds: dict[str, Kind], name: str, tmp_path: Path
 ) -> None:
     count = 6 if name == "log" else 25
-    found = [hostile.outcome(kinds[name], Random(f"{name} {n}"), tmp_path) for n in range(count)]
-    assert not [outcome for outcome in found if outcome.startswith("wrong")]
+    found = [outcome(kinds[name], Random(f"{name} {n}"), tmp_path) for n in range(count)]
+    assert not [result for result in found if result.startswith("wrong")]
 
 
-def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, hostile.FileKind], tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_study_of_mutated_files(kinds: dict[str, Kind], study: Study, tmp_path: Path) -> None:
+    mutations, seed = study.size("mutations", 1000), study.size("seed", 1)
+    outcomes = Counter[tuple[str, str]]()
+    for number, kind in zip(range(mutations), cycle(kinds.values()), strict=False):
+        result = outcome(kind, Random(f"{seed} {number}"), tmp_path)
+        outcomes[kind.name, result] += 1
+        if result.startswith("wrong"):
+            study.show(f"mutation {number} of seed {seed}: {kind.name}: {result}")
+    for (name, result), count in sorted(outcomes.items()):
+        study.show(f"{name:10s} {count:6d}  {result}")
+    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
+    study.show_share(wrong, mutations, "mutations")
+    assert wrong == 0
+
+
+def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, Kind], tmp_path: Path) -> None:
     for name in ("library", "plan", "sequence", "vehicle", "model", "campaign"):
         path = tmp_path / f"good{kinds[name].suffix}"
         path.write_bytes(kinds[name].content)

@@ -10,6 +10,7 @@ import pytest
 from flight.automaton.library_file import library_text
 from flightlog.file.writer import write_log
 from maneuver.app import run
+from tests.support.refusal import refusal
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 
@@ -18,20 +19,6 @@ def log_path(tmp_path: Path) -> Path:
     path = tmp_path / "flight.mcap"
     write_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), path)
     return path
-
-
-def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """Returns the one line that a refused command prints."""
-    try:
-        code: object = run(arguments)
-    except SystemExit as stop:  # raised by the parser of the command line
-        code = stop.code
-    printed = capsys.readouterr()
-    assert code == 2, printed
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1, printed.err
-    assert printed.err.startswith("maneuver: ")
-    return printed.err
 
 
 def test_a_truncated_log_is_one_line_and_code_2(

@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -14,29 +13,16 @@ import pytest
 from flight.errors import FlightError
 from maneuver.app import run
 from runtime.cluster import NoClusterError, cluster_executor
+from tests.support.local_cluster import Cluster, local_cluster
 from tests.support.small_campaign import write_small_campaign
 
 pytest.importorskip("distributed")
 
-Cluster = tuple[Path, list[subprocess.Popen[bytes]]]
-
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    place = tmp_path_factory.mktemp("cluster")
-    file = place / "scheduler.json"
-    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
-    worker = ["worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny"]
-    with ExitStack() as stack:
-
-        def start(words: list[str]) -> subprocess.Popen[bytes]:
-            command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
-            quiet = subprocess.DEVNULL
-            process = stack.enter_context(subprocess.Popen(command, cwd=place, stdout=quiet, stderr=quiet))
-            stack.callback(process.kill)
-            return process
-
-        yield file, [start(words) for words in (scheduler, worker, worker)]
+    with local_cluster(tmp_path_factory.mktemp("cluster")) as lent:
+        yield lent
 
 
 def contents(folder: Path) -> dict[str, bytes]:

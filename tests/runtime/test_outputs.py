@@ -12,7 +12,7 @@ from flightlog.file.writer import write_log
 from maneuver.app import run
 from runtime.atomic_write import write_atomically
 from scenarios.find import MISSIONS
-from tests.maneuver.test_command_line import refusal
+from tests.support.refusal import refusal
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 PLAN = ("plan", "gtmax-2", "--library", "thesis-gtmax", "--policy", "nominal")

@@ -37,7 +37,7 @@ from scenarios.find import find_library, find_mission
 from sim.loop.specification import FlightOptions, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
-from tests.experiments.test_scorecard import result
+from tests.support.mission_results import result
 
 LIBRARY = find_library("gtmax-sim")
 

@@ -23,9 +23,8 @@ from planner.policies.price_of_robustness import PriceOfRobustness
 from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify_plan import certify_plan
 from scenarios.find import find_library, find_mission
-from tests.maneuver.test_command_line import refusal
-
-from .test_plan_check import case, proved_case
+from tests.support.planning.planned_case import case, proved_case
+from tests.support.refusal import refusal
 
 Told = dict[str, Any]
 

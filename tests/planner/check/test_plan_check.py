@@ -2,39 +2,17 @@
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from experiments.thesis.printed_libraries import thesis_gtmax, thesis_kinematic
-from flight.automaton.library import Library
-from flight.mission.mission import Mission, read_mission
+from experiments.thesis.printed_libraries import thesis_kinematic
 from flight.plan.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
 from maneuver.app import run
 from planner.check.plan_check import plan_problems
-from planner.policies.worst_case import worst_case_planner
-from planner.proof.certify_plan import certify_plan
-from scenarios.find import MISSIONS
-
-
-@cache
-def proved_case() -> tuple[Plan, Library, Mission]:
-    """As `case`, of walks of at most two trims, with a certificate."""
-    library = thesis_gtmax()
-    mission = Mission("short", SE2.identity(), 3, (12.0, -9.0), 0.5, max_trims=2)
-    return certify_plan(worst_case_planner(library, 0.5).plan(mission), library, mission), library, mission
-
-
-@cache
-def case() -> tuple[Plan, Library, Mission]:
-    library = thesis_gtmax()
-    mission = read_mission(MISSIONS / "gtmax-1.toml")
-    plan = worst_case_planner(library, 0.5).plan(mission)
-    # As compiled code calls it; a machine without a compiler does not.
-    return replace(plan, status="optimal", reason="", lower_bound=plan.cost), library, mission
+from tests.support.planning.planned_case import case, proved_case
 
 
 def with_scenario(plan: Plan, place: int, **changes: object) -> Plan:

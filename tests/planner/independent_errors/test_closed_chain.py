@@ -4,48 +4,17 @@ import numpy as np
 import pytest
 
 from experiments.thesis.printed_libraries import thesis_gtmax
-from flight.automaton.library import Library
-from flight.automaton.maneuver import Maneuver, ManeuverError
-from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
-from flight.se2 import SE2, Twist
+from flight.se2 import SE2
 from planner.independent_errors.closure import Closure, ClosureTimes, close_chain, closures_of
 from planner.independent_errors.error_path import ErrorPath, error_path
 from planner.kernel.exact import best_times
+from tests.support.planning.wandering import wandering
 
 DRAWS = 40
 
 Boxes = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Middles, half widths, coasting times."""
-
-
-def wandering(rng: np.random.Generator, turns: str) -> Library:
-    """A chain of trims, s for straight and t for turn, with errors of about a tenth."""
-    trims = tuple(
-        Trim(
-            place,
-            kind,
-            Twist(
-                rng.uniform(1, 4),
-                rng.normal() * 0.3,
-                rng.choice([-1, 1]) * rng.uniform(0.2, 0.7) * (kind == "t"),
-            ),
-            Twist(rng.uniform(0, 0.3), rng.uniform(0, 0.3), rng.uniform(0, 0.02)),
-        )
-        for place, kind in enumerate(turns, start=1)
-    )
-    joints = tuple(
-        Maneuver(
-            place,
-            place,
-            place + 1,
-            rng.uniform(2, 4),
-            SE2(rng.uniform(2, 8), rng.normal() * 2, rng.normal() * 0.8),
-            ManeuverError(-0.4, rng.normal() * 0.5, rng.normal() * 0.5, rng.normal() * 0.1),
-        )
-        for place in range(1, len(turns))
-    )
-    return Library("wandering", "", "", trims, joints)
 
 
 def boxes(rng: np.random.Generator, path: ErrorPath, count: int, size: float) -> Boxes:

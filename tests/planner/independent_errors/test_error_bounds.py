@@ -23,8 +23,7 @@ from planner.kernel.exact import least_costs
 from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal_condition import goal_from_start
 from scenarios.find import MISSIONS
-
-from .test_closed_chain import wandering
+from tests.support.planning.wandering import wandering
 
 WALKS = {"gtmax": (2, 5, 7, 3), "kinematic": (1, 2, 5, 2)}
 

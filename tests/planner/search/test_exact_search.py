@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import libraries
-from benchmarks.planning.planning_missions import synthetic_library
 from experiments.thesis.printed_libraries import thesis_gtmax
 from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
@@ -25,6 +24,7 @@ from planner.policies.worst_case import worst_case_planner
 from planner.walks.goal_condition import reaches_goal
 from planner.walks.kinematics import walk_motion
 from tests.oracles.statements import worst_case
+from tests.support.planning.random_missions import synthetic_library
 
 
 def shipped() -> tuple[Library, ...]:

@@ -1,4 +1,4 @@
-"""Whether 95 % with 95 % confidence is what it says: `python -m benchmarks.identification.calibration`.
+"""Whether 95 % with 95 % confidence is what it says.
 
 Campaigns of planted flights: 153 for the bounds, 30 for the values, cut and identified from their logs like
 any others. The deviations follow laws whose joint coverage is known exactly, so every primitive's true
@@ -6,10 +6,9 @@ coverage is computed, not estimated. Of 200 primitives 10 may be expected to cov
 more than 21 with a probability below 0.001.
 """
 
-from argparse import ArgumentParser
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from itertools import count, islice
+from itertools import count
 from statistics import median
 
 import numpy as np
@@ -26,11 +25,10 @@ from identification.segmentation.flight_evidence import FlightEvidence, extract_
 from identification.statistics.box import Box
 from identification.statistics.coverage import samples_needed
 from scenarios.find import find_campaign
-from tests.support.deviation_laws import LAWS, Law
+from tests.support.deviation_laws import Law
 from tests.support.planted_flights import PlantedDeviations, planted_log
 
 COVERAGE = CONFIDENCE = 0.95
-PRIMITIVES = 200
 NOMINAL_FLIGHTS = 30
 SHRUNKEN = 0.8
 
@@ -64,31 +62,6 @@ class Primitive:
         """Returns each bound over the one that truly covers 95 %, of equal share for every scalar."""
         sizes: list[float] = (self.box.size / self.scale / law.quantile(COVERAGE, len(self.scale))).tolist()
         return sizes
-
-
-def main() -> None:
-    """Prints a row for each law, and for bounds that were tampered with."""
-    parser = ArgumentParser(description=__doc__)
-    parser.add_argument("--primitives", type=int, default=PRIMITIVES)
-    wanted = parser.parse_args().primitives
-    print(f"of {wanted} primitives that claim {COVERAGE:.0%} with {CONFIDENCE:.0%} confidence:")
-    print(f"{'law':<22} {'bounds':<14} {'cover less':>10} {'median cover':>13} {'bound/quantile':>15}")
-    for law in LAWS:
-        found = list(islice(calibration(law), wanted))
-        for name, primitives in (
-            ("as identified", found),
-            ("shrunken", shrunken(found)),
-            ("shuffled", shuffled(found)),
-        ):
-            less = sum(primitive.true_coverage(law) < COVERAGE for primitive in primitives)
-            cover = median(primitive.true_coverage(law) for primitive in primitives)
-            print(
-                f"{law.name:<22} {name:<14} {less:>10} {cover:>13.3f} {median_size(law, primitives):>15.2f}"
-            )
-    print("\nflights for the values, and the median bound over the true quantile (normal law):")
-    for nominal in (5, 10, 20, 30, 60):
-        found = list(islice(calibration(LAWS[0], nominal_flights=nominal), wanted))
-        print(f"{nominal:>4}  {median_size(LAWS[0], found):.3f}")
 
 
 def median_size(law: Law, primitives: Sequence[Primitive]) -> float:
@@ -169,7 +142,3 @@ def planted_flights(
         log = planted_log(library, text, tour, planted, seed=number)
         flights.append(extract_evidence(log, name=f"flight {number}", sha256=f"{number:064x}"))
     return flights
-
-
-if __name__ == "__main__":
-    main()

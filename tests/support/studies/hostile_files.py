@@ -2,21 +2,14 @@
 
 A mutation is wrong where the program ends in a traceback, takes longer than five seconds or much memory, says
 more than one line, or takes a damaged log for a whole one.
-
-For example:
-
-    python -m benchmarks.files.hostile_files --mutations 10000
 """
 
-import argparse
 import contextlib
 import io
 import resource
 import signal
 import sys
-import tempfile
 import traceback
-from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +18,6 @@ from types import FrameType
 
 import libraries
 import models
-from benchmarks.upper_limit import upper_limit
 from flight.errors import FlightError
 from flight.mission.campaign import read_campaign
 from flight.mission.sequence import read_sequence
@@ -51,7 +43,7 @@ class _TooLongError(BaseException):
 
 
 @dataclass(frozen=True, slots=True)
-class FileKind:
+class Kind:
     """A kind of file: where a good one is, the command that reads one, and how its structure is changed.
 
     Attributes:
@@ -71,7 +63,7 @@ class FileKind:
     checked: bool = False
 
 
-def kinds(folder: Path) -> tuple[FileKind, ...]:
+def kinds_of_files(folder: Path) -> tuple[Kind, ...]:
     """Returns every kind of file that a user may hand over, with a good one of each, made in a folder."""
     plan, log = folder / "plan.json", folder / "log.mcap"
     with _silence():
@@ -85,14 +77,14 @@ def kinds(folder: Path) -> tuple[FileKind, ...]:
     campaign = (CAMPAIGNS / "gtmax.toml").read_bytes()
     vehicle, model = ((models.FOLDER / f"gtmax.{ending}").read_bytes() for ending in ("toml", "xml"))
     return (
-        FileKind("library", library, ".json", _command("library", "check"), changed_json),
-        FileKind("mission", mission, ".toml", _command("plan", "--library", "thesis-gtmax"), changed_toml),
-        FileKind("plan", plan.read_bytes(), ".json", _command("plan", "check"), changed_json),
-        FileKind("sequence", sequence, ".toml", _reading(read_sequence), changed_toml),
-        FileKind("vehicle", vehicle, ".toml", _reading(read_parameters), changed_toml),
-        FileKind("model", model, ".xml", _reading(_shape), changed_xml),
-        FileKind("campaign", campaign, ".toml", _reading(read_campaign), changed_toml),
-        FileKind(
+        Kind("library", library, ".json", _command("library", "check"), changed_json),
+        Kind("mission", mission, ".toml", _command("plan", "--library", "thesis-gtmax"), changed_toml),
+        Kind("plan", plan.read_bytes(), ".json", _command("plan", "check"), changed_json),
+        Kind("sequence", sequence, ".toml", _reading(read_sequence), changed_toml),
+        Kind("vehicle", vehicle, ".toml", _reading(read_parameters), changed_toml),
+        Kind("model", model, ".xml", _reading(_shape), changed_xml),
+        Kind("campaign", campaign, ".toml", _reading(read_campaign), changed_toml),
+        Kind(
             "log",
             whole,
             ".mcap",
@@ -100,7 +92,7 @@ def kinds(folder: Path) -> tuple[FileKind, ...]:
             lambda _, chance: changed_log(flown, chance),
             True,
         ),
-        FileKind("torn log", whole, ".mcap", _command("recover", "--force"), changed_bytes),
+        Kind("torn log", whole, ".mcap", _command("recover", "--force"), changed_bytes),
     )
 
 
@@ -130,7 +122,7 @@ def _reading(read: Callable[[Path], object]) -> Callable[[Path], int]:
     return use
 
 
-def outcome(kind: FileKind, chance: Random, folder: Path) -> str:
+def outcome(kind: Kind, chance: Random, folder: Path) -> str:
     """Mutates a file, uses it, and returns what came of that; `wrong: ...` where it must not be."""
     keeps_format = chance.random() < 0.5
     content = kind.change(kind.content, chance) if keeps_format else changed_bytes(kind.content, chance)
@@ -164,32 +156,6 @@ def _judged(code: int, said: str, *, grown: int, must_fail: bool) -> str:
     return f"exit code {code}"
 
 
-def main() -> None:
-    """Prints what came of each kind, and an upper limit of the share that goes wrong."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--mutations", type=int, default=10_000)
-    parser.add_argument("--seed", type=int, default=1)
-    parser.add_argument("--kinds", nargs="*", help="only these")
-    arguments = parser.parse_args()
-    outcomes = Counter[tuple[str, str]]()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
-        chosen = [k for k in kinds(folder) if not arguments.kinds or k.name in arguments.kinds]
-        for number in range(arguments.mutations):
-            kind = chosen[number % len(chosen)]
-            result = outcome(kind, Random(f"{arguments.seed} {number}"), folder)
-            outcomes[kind.name, result] += 1
-            if result.startswith("wrong"):
-                print(f"mutation {number} of seed {arguments.seed}: {kind.name}: {result}", flush=True)
-    for (kind_name, result), count in sorted(outcomes.items()):
-        print(f"{kind_name:10s} {count:6d}  {result}")
-    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
-    upper = upper_limit(wrong, arguments.mutations)
-    print(f"{wrong} of {arguments.mutations} wrong; 95 % upper limit {100 * upper:.3f} %")
-
-
 @contextlib.contextmanager
 def _silence(errors: io.StringIO | None = None) -> Iterator[None]:
     with contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(errors or io.StringIO()):
@@ -208,7 +174,3 @@ def _limited() -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, previous)
-
-
-if __name__ == "__main__":
-    main()

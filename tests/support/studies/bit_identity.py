@@ -4,31 +4,23 @@ With 1, 2 and 8 workers; in another order; stopped half-way and resumed; with mo
 algebra; and on a cluster with a scheduler and two worker processes, where `distributed` is installed. Then
 every log is flown again from itself. One hash stands for the files of a way: names, logs, library, data
 sheet.
-
-For example:
-
-    python -m benchmarks.files.bit_identity --flights 16
 """
 
-import argparse
 import os
 import subprocess
 import sys
-import tempfile
-import time
 from collections.abc import Iterator, Mapping
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
-from contextlib import ExitStack, contextmanager
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
 from random import Random
 from typing import Any
 
-from benchmarks.upper_limit import upper_limit
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
 from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
+from tests.support.local_cluster import local_cluster
 from tests.support.small_campaign import write_small_campaign
 
 SEED = 5
@@ -56,7 +48,7 @@ def _hand_to(waiting: Future[Any]) -> Any:
     return lambda done: waiting.set_result(done.result())
 
 
-class LibraryRuns:
+class Ways:
     """The ways to make one library.
 
     Args:
@@ -119,23 +111,6 @@ class LibraryRuns:
         return CampaignOrder(campaign, seed=SEED, flights=self._flights, wind=campaign.wind)
 
 
-@contextmanager
-def cluster(folder: Path) -> Iterator[Path]:
-    """Lends a scheduler and two workers on this machine, by the scheduler's file."""
-    file = folder / "scheduler.json"
-    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
-    worker = ["worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny"]
-    with ExitStack() as stack:
-        for words in (scheduler, worker, worker):
-            command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
-            quiet = subprocess.DEVNULL
-            process = stack.enter_context(subprocess.Popen(command, cwd=folder, stdout=quiet, stderr=quiet))
-            stack.callback(process.kill)
-        while not file.exists():
-            time.sleep(0.1)
-        yield file
-
-
 def hash_of(folder: Path) -> str:
     """Returns one hash for all files below a folder, with their names."""
     digest = sha256()
@@ -146,7 +121,7 @@ def hash_of(folder: Path) -> str:
 
 def hashes(folder: Path, *, flights: int, workers: tuple[int, ...]) -> Iterator[tuple[str, str]]:
     """Yields each way with its hash."""
-    ways = LibraryRuns(folder, flights=flights)
+    ways = Ways(folder, flights=flights)
     for count in workers:
         name = f"{count} worker{'s' * (count > 1)}"
         yield name, ways.by_command(name, "--workers", str(count))
@@ -157,32 +132,6 @@ def hashes(folder: Path, *, flights: int, workers: tuple[int, ...]) -> Iterator[
         variables = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
         yield name, ways.by_command(name, "--workers", "1", environment=dict.fromkeys(variables, threads))
     if find_spec("distributed"):
-        with cluster(folder) as file:
+        with local_cluster(folder) as (file, _):
             for name, more in (("cluster, by value", []), ("cluster, shared folder", ["--shared-folder"])):
                 yield name, ways.by_command(name, "--cluster", str(file), *more)
-
-
-def main() -> None:
-    """Prints the hash of every way, how many there are, and what replays differ in."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--flights", type=int, default=16)
-    parser.add_argument("--workers", type=int, nargs="*", default=[1, 2, 8])
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        found = []
-        for way, digest in hashes(Path(name), flights=arguments.flights, workers=tuple(arguments.workers)):
-            print(f"{digest}  {way}", flush=True)
-            found.append(digest)
-        print(
-            f"{len(set(found))} hash of {arguments.flights} logs, library and data sheet in {len(found)} ways"
-        )
-        ways = LibraryRuns(Path(name), flights=arguments.flights)
-        differ, logs = ways.replayed()
-    limit = 100 * upper_limit(differ, logs)
-    print(f"{differ} of {logs} logs differ when flown again from themselves; 95 % upper limit {limit:.1f} %")
-
-
-if __name__ == "__main__":
-    main()

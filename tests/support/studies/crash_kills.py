@@ -2,13 +2,8 @@
 
 After each kill every visible file must be whole, and what was there must still be; in the end the library and
 its data sheet must be those of the undisturbed run, with nothing left beside them.
-
-For example:
-
-    python -m benchmarks.files.crash_kills --kills 200
 """
 
-import argparse
 import os
 import signal
 import subprocess
@@ -21,14 +16,13 @@ from pathlib import Path
 from random import Random
 from time import monotonic
 
-from benchmarks.upper_limit import upper_limit
 from tests.support.small_campaign import write_small_campaign
 
 SEED = 1
 
 
 @dataclass(slots=True)
-class KilledCampaign:
+class Killing:
     """A campaign that is killed again and again.
 
     Attributes:
@@ -119,7 +113,7 @@ def killed(kills: int, *, flights: int, workers: int, seed: int) -> Counter[str]
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         campaign = write_small_campaign(folder, flights=flights)
-        killing = KilledCampaign(campaign, workers, Random(seed))
+        killing = Killing(campaign, workers, Random(seed))
         (folder / "undisturbed").mkdir()
         killing.undisturbed(folder / "undisturbed")
         number = 0
@@ -128,29 +122,4 @@ def killed(kills: int, *, flights: int, workers: int, seed: int) -> Counter[str]
             place.mkdir()
             killing.until(kills, place)
             number += 1
-            print(f"{killing.counts['kills']} of {kills} kills", file=sys.stderr, flush=True)
         return killing.counts
-
-
-def main() -> None:
-    """Prints how often campaigns were killed, and what was wrong after that."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--kills", type=int, default=200)
-    parser.add_argument("--flights", type=int, default=24)
-    parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    counts = killed(
-        arguments.kills, flights=arguments.flights, workers=arguments.workers, seed=arguments.seed
-    )
-    for what, count in sorted(counts.items()):
-        print(f"{count:5d} {what}")
-    wrong = sum(count for what, count in counts.items() if what.startswith("wrong"))
-    limit = 100 * upper_limit(wrong, counts["kills"])
-    print(f"{wrong} of {counts['kills']} kills wrong; 95 % upper limit {limit:.2f} %")
-
-
-if __name__ == "__main__":
-    main()

@@ -1,13 +1,12 @@
-"""Whether nothing beats committed plans: `python -m benchmarks.planning.committed_proof 100 1`.
+"""Committed plans against brute force.
 
-So many missions, with that seed, of at most three trims over the three shipped libraries; some want a
+Missions of at most three trims over the three shipped libraries; some want a
 heading, a last trim, the goal exactly, or to be where they are. Every plan goes through the independent check
 and is flown at 10,001 levels. Brute force is IPOPT on the CasADi statement of every sequence, from many
 random starts: what it reaches, in seconds, or in metres of tolerance where there is no plan, must not be
 better than what was planned.
 """
 
-import sys
 from dataclasses import dataclass, field, replace
 from math import inf
 from time import process_time
@@ -23,8 +22,7 @@ from planner.walks.goal_condition import EQUALITY_TOLERANCE
 from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 from tests.oracles.statements import Question
-
-from .planning_missions import random_mission, shipped_libraries
+from tests.support.planning.random_missions import random_mission, shipped_libraries
 
 LEVELS = (0.05, 0.1, 0.3, 0.5, 0.8, 1.0)
 STARTS = 6
@@ -34,7 +32,7 @@ AGREEMENT = 1e-3
 
 
 @dataclass(slots=True)
-class ProofCounts:
+class Counts:
     """What went wrong, and how far brute force came."""
 
     statuses: dict[str, int] = field(default_factory=dict)
@@ -45,25 +43,33 @@ class ProofCounts:
     overlooked: int = 0
     seconds: list[float] = field(default_factory=list)
 
+    @property
+    def wrong(self) -> int:
+        """How many plans failed, missed, or were beaten by more than the agreement."""
+        beaten = [gap for gap in (*self.slower, *self.wider) if gap > AGREEMENT]
+        return self.failed + self.missed + self.overlooked + len(beaten)
 
-def main(missions: int, seed: int) -> int:
-    """Prints the counts; returns how much is wrong."""
+    def lines(self) -> tuple[str, ...]:
+        """Returns the figures in words."""
+        return (
+            f"{self.statuses}; {self.failed} failed the check, {self.missed} missed",
+            f"brute force was faster by {max(self.slower, default=-inf):.6f} s at most, found a tolerance "
+            f"smaller by {max(self.wider, default=-inf):.6f} m at most, "
+            f"and a plan where none was seen {self.overlooked} times",
+            f"planning: median {np.median(self.seconds):.2f} s, slowest {max(self.seconds):.2f} s",
+        )
+
+
+def committed_against_brute_force(missions: int, *, seed: int) -> Counts:
+    """Returns what came of so many missions drawn with a seed."""
     rng = np.random.default_rng(seed)
-    every, counts = shipped_libraries(), ProofCounts()
+    every, counts = shipped_libraries(), Counts()
     for _ in range(missions):
         library, gamma = every[int(rng.integers(3))], float(rng.choice(LEVELS))
         mission = random_mission(rng, library, int(rng.choice([2, 3])))
         mission = varied(replace(mission, tolerance=float(rng.choice([0.5, 1.0, 3.0, 8.0]))), library, rng)
         compare(library, mission, gamma, rng, counts)
-    print(f"{missions} missions: {counts.statuses}; {counts.failed} failed the check, {counts.missed} missed")
-    print(
-        f"brute force was faster by {max(counts.slower, default=-inf):.6f} s at most, found a tolerance "
-        f"smaller by {max(counts.wider, default=-inf):.6f} m at most, "
-        f"and a plan where none was seen {counts.overlooked} times"
-    )
-    print(f"planning: median {np.median(counts.seconds):.2f} s, slowest {max(counts.seconds):.2f} s")
-    worse = [gap for gap in (*counts.slower, *counts.wider) if gap > AGREEMENT]
-    return counts.failed + counts.missed + counts.overlooked + len(worse)
+    return counts
 
 
 def varied(mission: Mission, library: Library, rng: np.random.Generator) -> Mission:
@@ -81,7 +87,7 @@ def varied(mission: Mission, library: Library, rng: np.random.Generator) -> Miss
 
 
 def compare(
-    library: Library, mission: Mission, gamma: float, rng: np.random.Generator, counts: ProofCounts
+    library: Library, mission: Mission, gamma: float, rng: np.random.Generator, counts: Counts
 ) -> None:
     """Plans a mission, and looks for something better."""
     began = process_time()
@@ -94,8 +100,6 @@ def compare(
     if known is not None:
         counts.missed += largest_miss(library, known, mission) > known.tolerance
     cost, miss = brute_force(library, mission, gamma, rng, planner.horizon(mission))
-    if "-v" in sys.argv:
-        print(mission, gamma, plan.status, plan.cost, cost, known and known.tolerance, miss)
     if plan.found:
         counts.slower.append(plan.cost - cost)
     else:
@@ -132,8 +136,3 @@ def brute_force(
                 times = question.committed(near[0])
                 cost = min(cost, fixed + sum(near[0] if times is None else times))
     return cost, miss
-
-
-if __name__ == "__main__":
-    arguments = [int(one) for one in sys.argv[1:] if one != "-v"]
-    sys.exit(1 if main(*(arguments + [100, 1][len(arguments) :])) else 0)

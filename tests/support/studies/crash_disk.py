@@ -18,7 +18,7 @@ from runtime.atomic_write import FileSystem
 _PAGE = 4096
 
 
-class CrashLoss(StrEnum):
+class Loss(StrEnum):
     """What a crash takes away, beyond the steps that were still to come."""
 
     KILLED = "killed"
@@ -66,7 +66,7 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
-class FileOperation:
+class Step:
     """One call of the disk; what a write adds stands in `content`."""
 
     what: str
@@ -75,7 +75,7 @@ class FileOperation:
     content: bytes = b""
 
 
-class RecordingFileSystem(FileSystem):
+class NotingDisk(FileSystem):
     """Does every step, and notes it.
 
     Args:
@@ -84,7 +84,7 @@ class RecordingFileSystem(FileSystem):
     """
 
     def __init__(self, piece: int, *, full_after: int | None = None) -> None:
-        self.steps: list[FileOperation] = []
+        self.steps: list[Step] = []
         self._piece, self._full_after, self._open = piece, full_after, dict[int, Path]()
 
     def open(self, path: Path) -> int:
@@ -92,43 +92,43 @@ class RecordingFileSystem(FileSystem):
         self._need_room()
         descriptor = super().open(path)
         self._open[descriptor] = path
-        self.steps.append(FileOperation("open", path))
+        self.steps.append(Step("open", path))
         return descriptor
 
     def write(self, descriptor: int, content: bytes) -> int:
         """Writes a piece at most."""
         self._need_room()
         taken = super().write(descriptor, content[: self._piece])
-        self.steps.append(FileOperation("write", self._open[descriptor], content=content[:taken]))
+        self.steps.append(Step("write", self._open[descriptor], content=content[:taken]))
         return taken
 
     def sync(self, descriptor: int) -> None:
         """Makes a content last."""
         self._need_room()
         super().sync(descriptor)
-        self.steps.append(FileOperation("sync", self._open[descriptor]))
+        self.steps.append(Step("sync", self._open[descriptor]))
 
     def rename(self, path: Path, target: Path) -> None:
         """Gives a new name."""
         super().rename(path, target)
-        self.steps.append(FileOperation("rename", path, target))
+        self.steps.append(Step("rename", path, target))
 
     def remove(self, path: Path) -> None:
         """Takes a name."""
         super().remove(path)
-        self.steps.append(FileOperation("remove", path))
+        self.steps.append(Step("remove", path))
 
     def sync_folder(self, path: Path) -> None:
         """Makes names last."""
         super().sync_folder(path)
-        self.steps.append(FileOperation("sync folder", path))
+        self.steps.append(Step("sync folder", path))
 
     def _need_room(self) -> None:
         if self._full_after is not None and len(self.steps) >= self._full_after:
             raise OSError(ENOSPC, "No space left on device")
 
 
-def after_crash(steps: Sequence[FileOperation], loss: CrashLoss, chance: Random) -> dict[Path, bytes]:
+def after_crash(steps: Sequence[Step], loss: Loss, chance: Random) -> dict[Path, bytes]:
     """Returns the files, by name, that a disk may hold when all stops after some steps.
 
     Args:
@@ -138,19 +138,19 @@ def after_crash(steps: Sequence[FileOperation], loss: CrashLoss, chance: Random)
     """
     state = _State()
     for step in steps:
-        _apply_operation(state, step)
-    if loss is CrashLoss.KILLED:
+        _take(state, step)
+    if loss is Loss.KILLED:
         return {path: content.written for path, content in state.names.items()}
     names = dict(state.kept)
     for path, content in state.pending:
-        if loss is CrashLoss.NAMES_FIRST or (loss is CrashLoss.TORN and chance.random() < 0.5):
+        if loss is Loss.NAMES_FIRST or (loss is Loss.TORN and chance.random() < 0.5):
             _apply(names, path, content)
-    if loss is CrashLoss.TORN:
-        return {path: _torn_content(content, chance) for path, content in names.items()}
+    if loss is Loss.TORN:
+        return {path: _torn(content, chance) for path, content in names.items()}
     return {path: content.synced for path, content in names.items()}
 
 
-def _apply_operation(state: _State, step: FileOperation) -> None:
+def _take(state: _State, step: Step) -> None:
     match step.what:
         case "open":
             if step.path in state.names:
@@ -180,7 +180,7 @@ def _apply(names: dict[Path, _Content], path: Path, content: _Content | None) ->
         names[path] = content
 
 
-def _torn_content(content: _Content, chance: Random) -> bytes:
+def _torn(content: _Content, chance: Random) -> bytes:
     """Returns a content of which some pages that were not synced are there, some not, and one in part."""
     if content.written == content.synced:
         return content.written

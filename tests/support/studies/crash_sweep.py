@@ -5,16 +5,10 @@ laid out as a disk may hold them after a crash there, and the same command goes 
 visible and not whole; a flight that was reported and is gone; in the end, a file more, a file less, or
 another byte than in the undisturbed run. A writer that opens files in their place and never syncs shows that
 the harness sees such things. Flights are flown once and remembered, because it is the writing that is tested;
-`benchmarks.files.crash_kills` flies them.
-
-For example:
-
-    python -m benchmarks.files.crash_sweep --flights 4
+`crash_kills` flies them.
 """
 
-import argparse
 import shutil
-import tempfile
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
@@ -24,7 +18,6 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-from benchmarks.upper_limit import upper_limit
 from experiments.campaign.evidence import gather_evidence
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
 from flight.automaton.library_file import library_text
@@ -34,8 +27,8 @@ from identification.identify import identify
 from runtime.atomic_write import FileSystem, remove_partial_files, write_atomically
 from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
-from tests.support.crash_file_system import CrashLoss, FileOperation, RecordingFileSystem, after_crash
 from tests.support.small_campaign import write_small_campaign
+from tests.support.studies.crash_disk import Loss, NotingDisk, Step, after_crash
 
 Writer = Callable[[bytes, Path, FileSystem], None]
 Files = dict[str, bytes]
@@ -54,7 +47,7 @@ def naive_writer(content: bytes, path: Path, file_system: FileSystem) -> None:
     file_system.close(descriptor)
 
 
-class CachingExecutor(Executor):
+class Remembering(Executor):
     """Runs work at once, in this process, and each flight only once."""
 
     def __init__(self) -> None:
@@ -83,7 +76,7 @@ class Sweep:
 
     order: CampaignOrder
     place: Path
-    executor: CachingExecutor
+    executor: Remembering
     expected: Files
 
     @classmethod
@@ -91,7 +84,7 @@ class Sweep:
         """Flies the campaign once, undisturbed."""
         campaign = find_campaign(str(write_small_campaign(folder, flights=flights)))
         order = CampaignOrder(campaign, seed=1, flights=flights, wind=campaign.wind)
-        sweep = cls(order, folder / "place", CachingExecutor(), {})
+        sweep = cls(order, folder / "place", Remembering(), {})
         sweep.lay_out({})
         sweep.run(whole_writer, FileSystem())
         sweep.expected = sweep.files()
@@ -110,7 +103,7 @@ class Sweep:
 
         def write(content: bytes, path: Path) -> None:
             writer(content, path, file_system)
-            if reported is not None and isinstance(file_system, RecordingFileSystem):
+            if reported is not None and isinstance(file_system, NotingDisk):
                 reported.append((len(file_system.steps), self._name(path)))
 
         job_executor = JobExecutor(self.executor, by_value=True, write=write)
@@ -167,20 +160,20 @@ class _Inline(Executor):
         return future
 
 
-def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[FileOperation], list[tuple[int, str]]]:
+def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[Step], list[tuple[int, str]]]:
     """Returns every step of an undisturbed run, and after how many each file was said to be there."""
-    file_system, reported = RecordingFileSystem(piece), list[tuple[int, str]]()
+    file_system, reported = NotingDisk(piece), list[tuple[int, str]]()
     sweep.lay_out({})
     sweep.run(writer, file_system, reported=reported)
     return file_system.steps, reported
 
 
-def crash_everywhere(sweep: Sweep, writer: Writer, *, piece: int, seed: int) -> dict[CrashLoss, Counter[str]]:
+def crash_everywhere(sweep: Sweep, writer: Writer, *, piece: int, seed: int) -> dict[Loss, Counter[str]]:
     """Stops after every step, with every loss, and counts what is wrong after each; `points` counts all."""
     steps, reported = note(sweep, writer, piece=piece)
-    counts = {loss: Counter[str]() for loss in CrashLoss}
+    counts = {loss: Counter[str]() for loss in Loss}
     for number in range(len(steps) + 1):
-        for loss in CrashLoss:
+        for loss in Loss:
             found = sweep.relative(after_crash(steps[:number], loss, Random(f"{seed} {number} {loss}")))
             said = {name for step, name in reported if step <= number}
             wrong = sweep.faults(found, said)
@@ -195,42 +188,9 @@ def fill_everywhere(sweep: Sweep, *, piece: int) -> Counter[str]:
     for number in range(len(steps)):
         sweep.lay_out({})
         with suppress(CannotWriteError):
-            sweep.run(whole_writer, RecordingFileSystem(piece, full_after=number))
+            sweep.run(whole_writer, NotingDisk(piece, full_after=number))
         found = sweep.files()
         hidden = {"half-written file left"} if any("/." in name for name in found) else set()
         wrong = hidden | sweep.faults(found, set())
         counts.update(["points", *wrong, *(["caught"] if wrong else [])])
     return counts
-
-
-def main() -> None:
-    """Prints what was found after every kind of crash, for the program's writer and for the naive one."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
-    )
-    parser.add_argument("--flights", type=int, default=4)
-    parser.add_argument("--piece", type=int, default=128 * 1024, help="bytes that one step writes")
-    parser.add_argument("--seed", type=int, default=1)
-    arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        sweep = Sweep.of(Path(name), flights=arguments.flights)
-        for what, writer in (("the program's writer", whole_writer), ("a naive writer", naive_writer)):
-            counts = crash_everywhere(sweep, writer, piece=arguments.piece, seed=arguments.seed)
-            for loss, found in counts.items():
-                _print_counts(f"{what}, {loss}", found)
-            _print_counts(f"{what}, all", sum(counts.values(), Counter[str]()))
-        _print_counts("the program's writer, disk full", fill_everywhere(sweep, piece=arguments.piece))
-
-
-def _print_counts(what: str, found: Counter[str]) -> None:
-    caught, points = found["caught"], found["points"]
-    details = ", ".join(
-        f"{words} {count}" for words, count in found.items() if words not in {"points", "caught"}
-    )
-    limit = f"95 % upper limit {100 * upper_limit(caught, points):.2f} %"
-    words = f" ({details})" if details else ""
-    print(f"{what}: {caught} of {points} points wrong, {limit}{words}", flush=True)
-
-
-if __name__ == "__main__":
-    main()

@@ -1,4 +1,4 @@
-"""What an autopilot of another kind told while it flew: its own messages, in the log that was made of its."""
+"""Status messages of an imported log's autopilot."""
 
 import json
 from dataclasses import dataclass
@@ -14,7 +14,13 @@ from .log import FlightLog
 
 @dataclass(frozen=True, slots=True)
 class AutopilotMessage:
-    """One message: seconds since the log's start (below 0 before it), `INFO`, `WARNING` or `ERROR`, words."""
+    """Autopilot message: time, level and text.
+
+    Attributes:
+        time: seconds since the log's start; negative before it.
+        level: `INFO`, `WARNING` or `ERROR`.
+        text: the message.
+    """
 
     time: float
     level: str
@@ -36,10 +42,10 @@ class _Import(BaseModel):
 
 
 def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
-    """Returns the autopilot's messages; none in a log that was not imported.
+    """Returns the autopilot's messages; none unless the log was imported.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     if IMPORT_ATTACHMENT not in log.attachments:
         return ()
@@ -49,4 +55,4 @@ def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
         raise BadFileError(IMPORT_ATTACHMENT, first_problem(error)) from None
     except ValueError as error:
         raise BadFileError(IMPORT_ATTACHMENT, f"is not JSON: {error}") from None
-    return tuple(AutopilotMessage(one.time, one.level, one.text) for one in content.messages)
+    return tuple(AutopilotMessage(part.time, part.level, part.text) for part in content.messages)

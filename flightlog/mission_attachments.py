@@ -1,4 +1,4 @@
-"""What a closed-loop flight's attachments say about where it was going: its mission and its plans."""
+"""Mission and plans of a closed-loop flight, from its attachments."""
 
 import json
 from dataclasses import dataclass
@@ -20,17 +20,17 @@ Content = TypeVar("Content")
 
 @dataclass(frozen=True, slots=True)
 class LoggedPlan:
-    """One plan of a receding-horizon flight, as far as its reader needs it.
+    """One plan of a receding-horizon flight.
 
     Attributes:
-        time: seconds since the flight's start at which it was made.
-        gamma: uncertainty level of its deciding scenario.
-        cost: seconds that the deciding scenario takes.
+        time: time of the plan, seconds since the flight's start.
+        gamma: gamma of the slowest scenario.
+        cost: duration of the slowest scenario, seconds.
         sequence: trim ids.
-        coasting_times: seconds in each trim, of the deciding scenario.
-        policy: which planner made it; empty where the log does not say.
-        status: what the planner called it; empty where the log does not say.
-        level: uncertainty level that was planned for, 0 for a nominal plan.
+        coasting_times: coasting times of the slowest scenario, seconds.
+        policy: policy of the planner; empty if not logged.
+        status: status of the plan; empty if not logged.
+        level: gamma planned for; 0 for a nominal plan.
     """
 
     time: float
@@ -45,7 +45,7 @@ class LoggedPlan:
 
 @dataclass(frozen=True, slots=True)
 class FailedPlanning:
-    """A planning that found nothing to fly: when, and why."""
+    """Replan without a plan: time and reason."""
 
     time: float
     reason: str
@@ -53,7 +53,7 @@ class FailedPlanning:
 
 @dataclass(frozen=True, slots=True)
 class LoggedSequence:
-    """The sequence that a flight was to hold: trim ids, seconds in each, start pose, height in metres."""
+    """Sequence to fly: trim ids, coasting times, start pose, height."""
 
     trims: tuple[int, ...]
     coasting_times: tuple[float, ...]
@@ -62,7 +62,7 @@ class LoggedSequence:
 
 
 class _Part(BaseModel):
-    """Attachments may say more than is read here."""
+    """Part of an attachment; other keys are ignored."""
 
     model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
 
@@ -109,10 +109,10 @@ class _Specification(_Part):
 
 
 def logged_sequence(log: FlightLog) -> LoggedSequence | None:
-    """Returns the sequence that was to be flown, or None where the log has none.
+    """Returns the specified sequence; None if the log has none.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     flight = _attachment(log, SPECIFICATION_ATTACHMENT, TypeAdapter(_Specification))
     if flight is None or not flight.trims:
@@ -122,33 +122,33 @@ def logged_sequence(log: FlightLog) -> LoggedSequence | None:
 
 
 def logged_goal(log: FlightLog) -> Destination | None:
-    """Returns where the flight was to go, or None where the log does not say.
+    """Returns the goal of a flight; None if the log has none.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     mission = _attachment(log, MISSION_ATTACHMENT, TypeAdapter(_Mission))
     if mission is None:
         return None
-    # What the loop was closed with comes before what the mission's file says.
+    # The tolerance of the closed loop overrides that of the mission's file.
     tolerance = mission.settings.final_tolerance or mission.tolerance
     return Destination(mission.goal, tolerance, mission.goal_heading, mission.heading_tolerance)
 
 
 def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
-    """Returns the plans that had something to fly, in order; empty where the log has none.
+    """Returns the plans with scenarios, in order.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     return tuple(plan for plan in logged_plannings(log) if isinstance(plan, LoggedPlan))
 
 
 def logged_plannings(log: FlightLog) -> tuple[LoggedPlan | FailedPlanning, ...]:
-    """Returns every planning, with a plan or without, in order; empty where the log has none.
+    """Returns all replans in order, with or without a plan.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     plans = _attachment(log, PLANS_ATTACHMENT, TypeAdapter(tuple[_Plan, ...])) or ()
     return tuple(

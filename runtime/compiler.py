@@ -1,4 +1,4 @@
-"""C sources made into machine code: by the machine's own compiler, when first needed, then kept."""
+"""Compilation of C sources by the machine's compiler, cached."""
 
 import os
 import platform
@@ -12,34 +12,34 @@ from pathlib import Path
 from flight.errors import FlightError
 
 COMPILERS = ("cc", "gcc", "clang")
-# Numbers as written: no reordering, and no fused multiply-adds, so that every machine gives the same bits.
+# No reordering and no fused multiply-adds, so that every machine gives the same bits.
 IEEE_FLAGS = ("-ffp-contract=off", "-fPIC", "-shared")
-# A compiler that needs longer than this has failed, s.
+# Seconds after which a compilation counts as failed.
 _COMPILER_TIMEOUT = 120
 
 
 class NoMachineCodeError(FlightError):
-    """A C source cannot be made into machine code here."""
+    """Failure to compile a C source on this machine."""
 
     def __init__(self, why: str) -> None:
         super().__init__(f"expected a C compiler that works, one of {', '.join(COMPILERS)}: {why}")
 
 
 def cache_folder() -> Path:
-    """Returns where machine code is kept: under XDG_CACHE_HOME, or .cache in the home folder."""
+    """Returns the machine-code cache: XDG_CACHE_HOME or .cache at home."""
     root = os.environ.get("XDG_CACHE_HOME")
     return (Path(root) if root else Path("~/.cache").expanduser()) / "maneuver-automaton"
 
 
 def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *IEEE_FLAGS)) -> Path:
-    """Returns the shared library of a C source, compiled now unless it was before.
+    """Returns the shared library of a C source, compiled if needed.
 
     Args:
-        sources: files; the last one is compiled and includes the others.
-        flags: of the compiler.
+        sources: source files; the last one is compiled and includes the others.
+        flags: compiler flags.
 
     Raises:
-        NoMachineCodeError: there is no compiler, it failed, or there is nowhere to write.
+        NoMachineCodeError: there is no compiler, it failed, or the cache cannot be written.
     """
     path = cache_folder() / f"{sources[-1].stem}-{_fingerprint(sources, flags)}.so"
     try:
@@ -51,7 +51,7 @@ def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *I
 
 
 def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
-    """Compiles a source into a file, whole or not at all."""
+    """Compiles a source into a file atomically."""
     compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
     if compiler is None:
         raise NoMachineCodeError("there is none")
@@ -61,8 +61,8 @@ def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
         command = [compiler, *flags, str(source), "-o", str(made), "-lm"]
         done = subprocess.run(command, check=False, capture_output=True, timeout=_COMPILER_TIMEOUT)
         if done.returncode:
-            said = done.stderr.decode(errors="replace").strip().splitlines()
-            raise NoMachineCodeError(said[-1] if said else f"{compiler} failed")
+            messages = done.stderr.decode(errors="replace").strip().splitlines()
+            raise NoMachineCodeError(messages[-1] if messages else f"{compiler} failed")
         made.replace(path)
 
 

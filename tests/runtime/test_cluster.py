@@ -146,7 +146,7 @@ def test_a_campaign_whose_scheduler_dies_ends_in_one_line_and_goes_on_here(
         said = process.communicate()[1]
     assert process.returncode == 2
     assert len(said.splitlines()) == 1
-    assert "the same command goes on from there" in said
+    assert "repeat the command to resume" in said
     assert len(contents(tmp_path / "out")) < 8
     assert run([*words, "--workers", "1"]) == 0
     assert len(contents(tmp_path / "out")) == 8

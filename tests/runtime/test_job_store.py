@@ -67,7 +67,7 @@ def test_a_campaign_that_was_stopped_flies_only_what_is_missing(
     flown = fly_campaign(order, folder, job_executor=job_executor)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert contents(folder) == undisturbed
-    assert capsys.readouterr().err == "2 of 3 are there already\n"
+    assert capsys.readouterr().err == "2 of 3 already done\n"
     assert [flight.path.name for flight in flown.flights] == list(undisturbed)
     # What is kept says the same as what was flown.
     assert fly_campaign(order, folder, job_executor=job_executor) == flown

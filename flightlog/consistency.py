@@ -47,8 +47,8 @@ def _check_values(series: Series) -> None:
     if impossible.any():
         row, column = np.argwhere(impossible)[0]
         raise ValueError(
-            f"{name} {series.topic.fields[column].name} at {series.time[row]:.2f} s: expected a magnitude below "
-            f"{LARGEST_VALUE:g}, got {series.values[row, column]}"
+            f"{name} {series.topic.fields[column].name} at {series.time[row]:.2f} s: expected a magnitude "
+            f"below {LARGEST_VALUE:g}, got {series.values[row, column]}"
         )
     back = np.flatnonzero(np.diff(series.time) < 0)
     if len(back):

@@ -25,7 +25,7 @@ QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
 CONTROLS = tuple(f"u{number}" for number in range(1, MAX_ACTUATORS + 1))
 NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
 """Names of columns: position and velocity in world axes in SI units (z and vz optional), quaternion or angles
-(about z, y, x in radians; yaw may be alone) from body to world, body rates in radians per second, controls."""
+(about z, y, x in radians; yaw may be alone) from body to world, body rates in rad/s, controls."""
 
 _MOST_LISTED, _LONGEST_LIST = 40, 600
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}

@@ -66,7 +66,7 @@ def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Pa
     [
         ((), "expected --columns time=COLUMN"),
         (("--columns", "time=tt"), "no column 'tt'; it has t, px"),
-        (("--columns", "date=t"), "no column can be 'date'"),
+        (("--columns", "date=t"), "unknown column name 'date'"),
         (("--columns", "time"), "expected NAME=HEADING, got 'time'"),
         (("--columns", "time=t", "time=px"), "time is given twice"),
         (("--columns", "time=t", "--pose", "/odom"), "--pose cannot be given here"),

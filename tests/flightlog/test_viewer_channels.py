@@ -148,7 +148,7 @@ def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None
     lost = replace(flight, header=replace(flight.header, outcome="flight lost at 9.00 s: met the ground"))
     told = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
     assert told[0] == (0.0, "primitive", "hold 1 hover")
-    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case)" in [text for _, _, text in told]
+    assert "plan 1: 21.00 s, trims 1 2 3 7 (worst-case)" in [text for _, _, text in told]
     assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in told
     assert told[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
     levels = [message.level for _, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]

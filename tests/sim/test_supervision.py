@@ -110,7 +110,7 @@ def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
     again = read_log(tmp_path / "flight.mcap")
     assert alarms(again) == alarms(log)
     said = [event.text for event in flight_events(again) if event.source == "alarm"]
-    assert said[0].startswith("fixes are the same to the bit: 0.4 s, allowed 0.35 s")
+    assert said[0].startswith("fixes bitwise unchanged: 0.4 s, limit 0.35 s")
 
 
 class Doubting(AutomatonVehicle):

@@ -23,8 +23,8 @@ all of them. Equal flights give equal bytes. Missing topics are absent, not zero
 fields may be absent too: its schema lacks them, and the other fields keep their numbers.
 
 There are two kinds of channels. The first are for programs: every field is a double, numbered in the order
-below, in SI units, north-east-down; `flightlog.file.reader.read_log` reads them into arrays. The second are for
-viewers: `foxglove` messages, z-up, derived from the first when the log is written, and never read back.
+below, in SI units, north-east-down; `flightlog.file.reader.read_log` reads them into arrays. The second are
+for viewers: `foxglove` messages, z-up, derived from the first when the log is written, and never read back.
 [review.md](review.md) describes how to open a log in the viewers.
 
 This page is generated from `flightlog/channels.py` and `flightlog/viewers/viewer_channels.py` by

@@ -1,4 +1,4 @@
-"""The numbers of the vehicle, read once from `models/gtmax.toml` and checked there."""
+"""Vehicle parameters, read from `models/gtmax.toml` and checked."""
 
 import hashlib
 import json
@@ -15,7 +15,7 @@ from flight.errors import BadFileError
 from flight.schema import check_schema_name, first_problem, read_text
 
 SCHEMA = "maneuver-vehicle/1"
-"""What a vehicle's file may name itself; one that does not is of this version."""
+"""Schema name of a vehicle file, assumed for files that name none."""
 
 Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
 Share = Annotated[float, Field(ge=0.0, le=1.0)]
@@ -26,7 +26,7 @@ _STRICT = ConfigDict(extra="forbid", strict=True)
 
 @dataclass(frozen=True, slots=True)
 class Environment:
-    """What surrounds the vehicle: gravity in m/s2, air density in kg/m3."""
+    """Environment: gravity in m/s2, air density in kg/m3."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     gravity: Positive
@@ -35,7 +35,10 @@ class Environment:
 
 @dataclass(frozen=True, slots=True)
 class Body:
-    """Mass in kg and moments of inertia in kg m2 about the centre of mass, axes forward-right-down."""
+    """Mass in kg and moments of inertia in kg m2.
+
+    About the centre of mass, axes forward-right-down.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     mass: Positive
@@ -47,7 +50,10 @@ class Body:
 
 @dataclass(frozen=True, slots=True)
 class MainRotor:
-    """The lifting rotor: lengths in m, speed in rad/s, hub spring in N m/rad, drag shares in 1/s."""
+    """Main rotor.
+
+    Lengths in m, speed in rad/s, hub spring in N m/rad, drag shares in 1/s.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     radius: Positive
@@ -69,7 +75,7 @@ class MainRotor:
 
 @dataclass(frozen=True, slots=True)
 class StabiliserBar:
-    """The bar that damps body rates: time in s, gains in rad per rad."""
+    """Stabiliser bar: time constant in s, gains in rad/rad."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     time: Positive
@@ -80,7 +86,10 @@ class StabiliserBar:
 
 @dataclass(frozen=True, slots=True)
 class TailRotor:
-    """The rotor that holds the heading: lengths in m, speed in rad/s; its yaw-rate gyro in s and rad/s."""
+    """Tail rotor and yaw-rate gyro.
+
+    Lengths in m, speed in rad/s; gyro gain in s and bandwidth in rad/s.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     radius: Positive
@@ -97,7 +106,10 @@ class TailRotor:
 
 @dataclass(frozen=True, slots=True)
 class Airframe:
-    """Flat plates and surfaces: areas in m2, arms behind the centre of mass in m."""
+    """Flat plates and surfaces: areas in m2, arms in m.
+
+    Arms are measured backwards from the centre of mass.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     plate_front: Positive
@@ -113,7 +125,10 @@ class Airframe:
 
 @dataclass(frozen=True, slots=True)
 class Servos:
-    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s, transport delay in s."""
+    """Servos: bandwidth and rates in rad/s, travel in rad, delay in s.
+
+    Travel and rates are those of the blade pitch.
+    """
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     bandwidth: Positive
@@ -129,7 +144,7 @@ class Servos:
 
 @dataclass(frozen=True, slots=True)
 class Parameters:
-    """Everything that makes one helicopter differ from another; built by `read_parameters`."""
+    """Parameters of a helicopter, built by `read_parameters`."""
 
     __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     name: str
@@ -150,7 +165,7 @@ def change_vehicle(
     hub_forward: float = 0.0,
     extra_delay: float = 0.0,
 ) -> Parameters:
-    """Returns a vehicle that is not the one its controller was made for.
+    """Returns a vehicle that differs from the controller's model.
 
     Args:
         parameters: the vehicle to change.
@@ -171,19 +186,19 @@ def change_vehicle(
 
 
 def read_parameters(path: Path | None = None) -> Parameters:
-    """Reads and checks the vehicle's numbers.
+    """Reads and checks the vehicle's parameters.
 
     Args:
-        path: a file in the form of `models/gtmax.toml`, which is the default.
+        path: file in the format of `models/gtmax.toml`, the default.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
     path = path or models.FOLDER / "gtmax.toml"
     try:
         content = tomllib.loads(read_text(path))
         check_schema_name(str(content.pop("schema", SCHEMA)), SCHEMA)
-        # A strict model takes a table for a dataclass only from JSON.
+        # A strict model accepts a table as a dataclass only from JSON.
         return _reader().validate_json(json.dumps(content))
     except tomllib.TOMLDecodeError as error:
         raise BadFileError(path, f"is not TOML: {error}") from None
@@ -194,10 +209,10 @@ def read_parameters(path: Path | None = None) -> Parameters:
 
 
 def parse_parameters(text: bytes, source: str) -> Parameters:
-    """Reads the vehicle's numbers back from a flight log.
+    """Reads the vehicle's parameters from a flight log.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
     try:
         return _reader().validate_json(text)
@@ -212,7 +227,7 @@ def _reader() -> TypeAdapter[Parameters]:
 
 @cache
 def model_hash() -> str:
-    """Returns the SHA-256 of the vehicle's numbers and shape, in hexadecimal."""
+    """Returns the SHA-256 of the vehicle's parameters and shape."""
     files = (models.FOLDER / name for name in ("gtmax.toml", "gtmax.xml"))
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 

@@ -121,7 +121,7 @@ def test_machine_code_of_other_bits_is_not_used(monkeypatch: pytest.MonkeyPatch,
     off = ca.Function("linear", [x], [np.nextafter(0.1, 1.0) * x[0] + 0.2 * x[1] * x[2]])
     assert not same_bits(function, off)
     monkeypatch.setattr(backends, "same_bits", lambda *_: False)
-    with pytest.raises(BitMismatchError, match="the machine code of 'other' gives other bits"):
+    with pytest.raises(BitMismatchError, match="machine code of 'other' with the interpreter's bits, got other"):
         prepare_function(ca.Function("other", [x], [x[0] * x[1]]), Backend.COMPILED)
 
 

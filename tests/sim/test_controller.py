@@ -101,7 +101,7 @@ def test_banking_at_once_for_a_swing_of_the_tail_keeps_it_swinging(speed: float,
 def test_banking_at_once_has_its_margins_at_the_slow_trims_only() -> None:
     missed = {figure.name for figure in check_margins(PARAMETERS, gains=AT_ONCE) if not figure.passed}
     assert "fast, gain at lateral" in missed
-    assert "fast, loops that settle, share" in missed
+    assert "fast, share of stable loops" in missed
     assert all(name.startswith("fast, ") for name in missed)
 
 

@@ -1,4 +1,4 @@
-"""Flights with all that a page shows, and their pages."""
+"""Flights with all content of a review page, and their pages."""
 
 import json
 from dataclasses import replace
@@ -21,13 +21,13 @@ WALK, COASTS = (1, 2, 3, 7), (2.0,) * 4
 
 
 def whole_flight(*, coasts: tuple[float, ...] = COASTS, seed: int = 1, name: str = "synthetic") -> FlightLog:
-    """Returns a mission's log with every topic and attachment that a page shows."""
+    """Returns a mission's log with all topics and attachments reviewed."""
     log = synthetic_log(
         LIBRARY, WALK, coasts, seed=seed, start=SE2(5.0, -3.0, 0.7), kind="mission", name=name
     )
     truth = log[TRUTH]
     controls = Series(CONTROLS, truth.time, 0.1 * truth.values[:, :8])
-    spread = Series(NAVIGATION, truth.time[::5], np.full((len(truth.time[::5]), 9), 0.2))
+    sigmas = Series(NAVIGATION, truth.time[::5], np.full((len(truth.time[::5]), 9), 0.2))
     scenarios = [{"gamma": gamma, "cost": 20.0 - gamma, "coasting_times": coasts} for gamma in (0.0, -1.0)]
     plans = [
         {"time": time, "sequence": WALK, "gamma": 1.0, "scenarios": scenarios} for time in (0.0, 3.0, 6.0)
@@ -39,7 +39,7 @@ def whole_flight(*, coasts: tuple[float, ...] = COASTS, seed: int = 1, name: str
         VEHICLE_ATTACHMENT: {"servos": {**servos, "pedal_low": -0.3, "pedal_high": 0.4}},
     }
     attached = {name: json.dumps(content).encode() for name, content in files.items()}
-    series = {**log.series, CONTROLS.name: controls, NAVIGATION.name: spread}
+    series = {**log.series, CONTROLS.name: controls, NAVIGATION.name: sigmas}
     return replace(log, series=series, attachments={**log.attachments, **attached})
 
 

@@ -1,4 +1,4 @@
-"""What an autopilot of another kind told while it flew: its own messages, in the log that was made of its."""
+"""Status messages of an imported log's autopilot."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,13 @@ from .log import FlightLog
 
 @dataclass(frozen=True, slots=True)
 class AutopilotMessage:
-    """One message: seconds since the log's start (below 0 before it), `INFO`, `WARNING` or `ERROR`, words."""
+    """Autopilot message: time, level and text.
+
+    Attributes:
+        time: seconds since the log's start; negative before it.
+        level: `INFO`, `WARNING` or `ERROR`.
+        text: the message.
+    """
 
     time: float
     level: str
@@ -22,10 +28,10 @@ class _Import(FileModel):
 
 
 def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
-    """Returns the autopilot's messages; none in a log that was not imported.
+    """Returns the autopilot's messages; none unless the log was imported.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     text = log.attachments.get(IMPORT_ATTACHMENT)
     return () if text is None else parse_json(text, IMPORT_ATTACHMENT, _Import, extra="ignore").messages

@@ -1,4 +1,4 @@
-"""What happened in a flight, in the order it happened: primitives, plannings, the goal, the end."""
+"""Events of a flight by time: primitives, replans, goal and end."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -17,7 +17,7 @@ from .trim_labels import trim_label, trim_names
 
 
 class Level(IntEnum):
-    """How serious an event is; names and values are those of `foxglove.Log`."""
+    """Severity of an event, named and numbered as in `foxglove.Log`."""
 
     INFO = 2
     WARNING = 3
@@ -26,13 +26,13 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened.
+    """One event of a flight.
 
     Attributes:
         time: seconds since the flight's start.
-        level: how serious it is.
-        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight`, `autopilot` of another kind.
-        text: one sentence.
+        level: severity.
+        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight` or `autopilot` (imported logs).
+        text: one line.
     """
 
     time: float
@@ -42,7 +42,7 @@ class Event:
 
 
 def flight_events(log: FlightLog) -> tuple[Event, ...]:
-    """Returns the events of a flight, by time; an attachment that is broken is an event too."""
+    """Returns the events of a flight by time, with its broken attachments."""
     events: list[Event] = []
     for part in (_primitives, _plannings, _faults, _alarms, _autopilot_messages, _arrival):
         try:
@@ -89,24 +89,25 @@ def _plannings(log: FlightLog) -> list[Event]:
 
 def _faults(log: FlightLog) -> list[Event]:
     return [
-        Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
-        for number, flown in fault_occurrences(log).items()
+        Event(occurrence.start, Level.WARNING, "fault", f"fault {number}: {occurrence.sentence}")
+        for number, occurrence in fault_occurrences(log).items()
     ]
 
 
 def _autopilot_messages(log: FlightLog) -> list[Event]:
     events = []
-    for one in autopilot_messages(log):
-        level = Level[one.level] if one.level in Level.__members__ else Level.INFO
-        earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
-        events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
+    for message in autopilot_messages(log):
+        level = Level[message.level] if message.level in Level.__members__ else Level.INFO
+        earlier = f"{-message.time:.1f} s before the start: " if message.time < 0.0 else ""
+        time = min(max(message.time, 0.0), log.duration)
+        events.append(Event(time, level, "autopilot", earlier + message.text))
     return events
 
 
 def _alarms(log: FlightLog) -> list[Event]:
     if ALARM.name not in log.series:
         return []
-    found = alarms_from_series(log[ALARM])
+    alarms = alarms_from_series(log[ALARM])
     return [
         Event(
             alarm.time,
@@ -114,7 +115,7 @@ def _alarms(log: FlightLog) -> list[Event]:
             "alarm",
             alarm.sentence,
         )
-        for alarm in found
+        for alarm in alarms
     ]
 
 

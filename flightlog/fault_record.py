@@ -1,4 +1,4 @@
-"""What a flight log tells of faults: which were asked for, which began, how far they went."""
+"""Faults in a flight log: injected faults, occurrences and effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,15 +18,15 @@ _FAULTS = TypeAdapter(tuple[Fault, ...])
 
 
 def faults_text(faults: Sequence[Fault]) -> bytes:
-    """Returns the faults of a flight as its log carries them."""
+    """Returns faults as the log's attachment."""
     return _FAULTS.dump_json(tuple(faults), indent=1)
 
 
 def logged_faults(log: FlightLog) -> tuple[Fault, ...]:
-    """Returns the faults of a logged flight; none where the log says nothing of them.
+    """Returns the faults injected into a logged flight.
 
     Raises:
-        BadFileError: the log says something else of them.
+        BadFileError: the attachment is invalid.
     """
     text = log.attachments.get(FAULTS_ATTACHMENT)
     return () if text is None else parse_json(text, FAULTS_ATTACHMENT, tuple[Fault, ...])
@@ -34,13 +34,13 @@ def logged_faults(log: FlightLog) -> tuple[Fault, ...]:
 
 @dataclass(frozen=True, slots=True)
 class FaultOccurrence:
-    """What became of a fault: when it acted, in seconds, and how far it went.
+    """Occurrence of a fault: its times in seconds and largest effect.
 
     Attributes:
-        fault: as asked for.
-        start: of what the log holds of it.
-        end: likewise; the log's end where it lasted.
-        effect: the largest, in the unit of its kind.
+        fault: the injected fault.
+        start: logged start.
+        end: logged end; the end of the log if the fault lasted.
+        effect: largest effect, in the unit of the kind.
     """
 
     fault: Fault
@@ -50,7 +50,7 @@ class FaultOccurrence:
 
     @property
     def sentence(self) -> str:
-        """What happened, for people."""
+        """Kind, sizes, end and effect as text."""
         kind = self.fault.kind
         sizes = " ".join(
             f"{value:g} {size.unit}".removesuffix(" -")
@@ -62,10 +62,10 @@ class FaultOccurrence:
 
 
 def fault_occurrences(log: FlightLog) -> dict[int, FaultOccurrence]:
-    """Returns the faults that began in a flight, by their numbers.
+    """Returns the faults that began in a flight, by number.
 
     Raises:
-        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+        BadFileError: the log's list of faults is invalid or lacks a fault that began.
     """
     if FAULT.name not in log.series:
         return {}
@@ -85,14 +85,14 @@ def fault_occurrences(log: FlightLog) -> dict[int, FaultOccurrence]:
 
 
 def fault_effects(log: FlightLog) -> tuple[float, ...]:
-    """Returns the largest effect of each fault asked for; 0 where one did not begin.
+    """Returns each fault's largest effect; 0 if it did not begin.
 
     Raises:
-        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+        BadFileError: the log's list of faults is invalid or lacks a fault that began.
     """
-    flown = fault_occurrences(log)
+    occurrences = fault_occurrences(log)
     return tuple(
-        flown[number].effect if number in flown else 0.0
+        occurrences[number].effect if number in occurrences else 0.0
         for number, _ in enumerate(logged_faults(log), start=1)
     )
 

@@ -1,4 +1,4 @@
-"""What a closed-loop flight's attachments say about where it was going: its mission and its plans."""
+"""Mission and plans of a closed-loop flight, from its attachments."""
 
 import json
 from collections.abc import Sequence
@@ -36,7 +36,7 @@ class LoggedPlan:
 
 @dataclass(frozen=True, slots=True)
 class LoggedSequence:
-    """The sequence that a flight was to hold: trim ids, seconds in each, start pose, height in metres."""
+    """Sequence to fly: trim ids, coasting times, start pose, height."""
 
     trims: tuple[int, ...]
     coasting_times: tuple[float, ...]
@@ -71,10 +71,10 @@ class _Specification(FileModel):
 
 
 def logged_sequence(log: FlightLog) -> LoggedSequence | None:
-    """Returns the sequence that was to be flown, or None where the log has none.
+    """Returns the specified sequence; None if the log has none.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     flight = _attached(log, SPECIFICATION_ATTACHMENT, _Specification)
     if flight is None or not flight.trims:
@@ -84,10 +84,10 @@ def logged_sequence(log: FlightLog) -> LoggedSequence | None:
 
 
 def logged_goal(log: FlightLog) -> Destination | None:
-    """Returns where the flight was to go, or None where the log does not say.
+    """Returns the goal of a flight; None if the log has none.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     mission = _attached(log, MISSION_ATTACHMENT, Mission)
     closed = _attached(log, MISSION_ATTACHMENT, _Closed)
@@ -108,10 +108,10 @@ def logged_goal_trim(log: FlightLog) -> int | None:
 
 
 def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
-    """Returns the plans that had something to fly, in order; empty where the log has none.
+    """Returns the plans with scenarios, in order.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     return tuple(planning for planning in logged_plannings(log) if planning.plan.found)
 
@@ -120,7 +120,7 @@ def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
     """Returns every planning, with a plan or without, in order; empty where the log has none.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
     asked = _attached(log, PLANS_ATTACHMENT, tuple[_Asked, ...]) or ()
     plans = _attached(log, PLANS_ATTACHMENT, tuple[Plan, ...]) or ()

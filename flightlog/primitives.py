@@ -1,4 +1,4 @@
-"""A flight as a reader sees it: a trim held through several plannings is held once."""
+"""Primitives of a flight, with consecutive coasts in one trim merged."""
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -24,11 +24,11 @@ class FlownPrimitive:
         kind: coast or maneuver.
         id: id of the trim held, or of the maneuver.
         from_trim: id of the trim left; of the trim held in a coast.
-        to_trim: id of the trim led to; of the trim held in a coast.
+        to_trim: id of the trim reached; of the trim held in a coast.
         target: nominal velocity of that trim.
-        start: seconds.
-        end: seconds; the start of the next primitive, or the end of the log.
-        timed_out: whether the executor ended it by time-out.
+        start: start, seconds.
+        end: start of the next primitive or end of the log, seconds.
+        timed_out: whether it ended by time-out.
     """
 
     kind: PrimitiveKind
@@ -64,9 +64,9 @@ def flown_primitives(log: FlightLog) -> tuple[FlownPrimitive, ...]:
 
 
 def merged_primitives(log: FlightLog) -> tuple[FlownPrimitive, ...]:
-    """Returns the primitives of a log; coasts in one trim that follow one another are one, empty ones none.
+    """Returns the primitives with consecutive coasts in one trim merged.
 
-    A log that another program wrote has none.
+    Empty coasts are dropped; an imported log has no primitives.
     """
     if PRIMITIVE.name not in log.series:
         return ()

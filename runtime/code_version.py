@@ -1,4 +1,4 @@
-"""The version of the code that flies: what a log names, so that a flight of other code is told from ours."""
+"""Version of the flying code, stored in every log."""
 
 from functools import cache
 from hashlib import sha256
@@ -8,17 +8,17 @@ from pathlib import Path
 from .version import VERSION
 
 FOLDERS = ("experiments", "flight", "flightlog", "identification", "models", "planner", "runtime", "sim")
-"""What decides how a flight goes, and how its primitives are cut and judged in what is kept of it."""
+"""Packages that determine a flight and the evaluation of its log."""
 
 _ENDINGS = {".py", ".c", ".toml", ".xml"}
-# What computes, beside CasADi, which a log names as its back-end.
+# Numeric packages; CasADi is in the log's back-end.
 _ARITHMETIC = ("mujoco", "numpy", "scipy")
 _DIGITS = 12
 
 
 @cache
 def code_version() -> str:
-    """Returns the program's version and, after a `+`, a digest of what flies: sources, models, arithmetic."""
+    """Returns the program's version and a digest of code and numerics."""
     digest = sha256()
     root = Path(__file__).parents[1]
     for path in sorted(path for folder in FOLDERS for path in (root / folder).rglob("*")):

@@ -1,4 +1,4 @@
-"""C sources made into machine code when first needed, then kept: by the machine's compiler, or a wheel's."""
+"""Compilation of C sources by the machine's compiler, cached."""
 
 import os
 import platform
@@ -21,12 +21,12 @@ WHEEL = "ziglang"
 WHEEL_COMMAND = ("-m", WHEEL, "cc", "-mcpu=baseline")
 # Numbers as written: no reordering, and no fused multiply-adds, so that every machine gives the same bits.
 IEEE_FLAGS = ("-ffp-contract=off", "-fPIC", "-shared")
-# A compiler that needs longer than this has failed, s.
+# Seconds after which a compilation counts as failed.
 _COMPILER_TIMEOUT = 120
 
 
 class NoMachineCodeError(FlightError):
-    """A C source cannot be made into machine code here."""
+    """Failure to compile a C source on this machine."""
 
     def __init__(self, why: str) -> None:
         super().__init__(
@@ -36,20 +36,20 @@ class NoMachineCodeError(FlightError):
 
 
 def cache_folder() -> Path:
-    """Returns where machine code is kept: under XDG_CACHE_HOME, or .cache in the home folder."""
+    """Returns the machine-code cache: XDG_CACHE_HOME or .cache at home."""
     root = os.environ.get("XDG_CACHE_HOME")
     return (Path(root) if root else Path("~/.cache").expanduser()) / "maneuver-automaton"
 
 
 def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *IEEE_FLAGS)) -> Path:
-    """Returns the shared library of a C source, compiled now unless it was before.
+    """Returns the shared library of a C source, compiled if needed.
 
     Args:
-        sources: files; the last one is compiled and includes the others.
-        flags: of the compiler.
+        sources: source files; the last one is compiled and includes the others.
+        flags: compiler flags.
 
     Raises:
-        NoMachineCodeError: there is no compiler, it failed, or there is nowhere to write.
+        NoMachineCodeError: there is no compiler, it failed, or the cache cannot be written.
     """
     path = cache_folder() / f"{sources[-1].stem}-{_fingerprint(sources, flags)}.so"
     try:

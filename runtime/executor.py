@@ -1,4 +1,4 @@
-"""Processes that share the work, each with one thread for linear algebra."""
+"""Process pool with one linear-algebra thread for each process."""
 
 import multiprocessing
 import os
@@ -14,18 +14,18 @@ from .atomic_write import write_atomically
 
 
 def overwrite_atomically(content: bytes, path: Path) -> None:
-    """Writes a file whole or not at all, whatever was there."""
+    """Writes a file atomically over any existing one."""
     write_atomically(content, path, force=True)
 
 
 @dataclass(frozen=True, slots=True)
 class JobExecutor:
-    """What does work.
+    """Executor of jobs, with the way that their files return.
 
     Attributes:
-        executor: runs it.
-        by_value: whether its workers send files back; else they write them, into a folder that is shared.
-        write: writes what was sent.
+        executor: runs the jobs.
+        by_value: whether workers send files back; otherwise they write them into a shared folder.
+        write: writes a file that was sent back.
     """
 
     executor: Executor
@@ -40,7 +40,7 @@ _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 @contextmanager
 def worker_pool(processes: int) -> Iterator[Executor]:
-    """Lends a pool of fresh processes, each with one thread for linear algebra."""
+    """Yields a pool of fresh processes with single-threaded linear algebra."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     try:
@@ -60,9 +60,9 @@ def worker_pool(processes: int) -> Iterator[Executor]:
 
 
 def _set_up_worker() -> None:
-    """Leaves signals to the process that started the work, and ends when that has ended, however it did.
+    """Ignores signals in a worker and ends it with its parent.
 
-    Asked to stop, workers finish the flight in hand.
+    After a stop signal workers finish the flight in progress.
     """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
@@ -71,7 +71,7 @@ def _set_up_worker() -> None:
 
 def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
-    assert parent is not None, "a worker was started by somebody"
+    assert parent is not None, "a worker has a parent process"
     parent.join()
     os._exit(1)
 

@@ -1,7 +1,7 @@
-"""Work that is kept as it comes: started again, the same command does only what is missing.
+"""Job store: runs missing jobs only and keeps each result.
 
-Nothing but the files says what is done. Each is published whole, and tells by its content whose it is, so
-that there is no register that could disagree with them.
+The files alone record progress. Each is written atomically and its content identifies its job, so that there
+is no separate register that could disagree with them.
 """
 
 import fcntl
@@ -26,32 +26,32 @@ Value = TypeVar("Value")
 
 
 class BusyError(FlightError):
-    """Two programs were to write into one folder at the same time."""
+    """Two programs writing into one folder at the same time."""
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(f"{folder}: another program is writing there; wait for it, or give another folder")
+        super().__init__(f"{folder}: another program is writing there; wait for it or use another folder")
 
 
 class NotSharedError(FlightError):
-    """A worker wrote a file that is not seen here."""
+    """File written by a worker but not visible here."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(
-            f"{path} was written by a worker and is not seen here: expected the same folder on every "
-            "machine; without --shared-folder workers send files back"
+            f"{path}: written by a worker but not visible here; expected a folder shared by all machines; "
+            "without --shared-folder workers send files back"
         )
 
 
 @dataclass(frozen=True, slots=True)
 class JobStoreStatus(Generic[Result]):
-    """What a folder holds of some work.
+    """Status of a set of jobs in a folder.
 
     Attributes:
-        folder: that was looked at.
-        jobs: in their order.
-        status: of each.
-        foreign_files: files of the same kind that belong to none of them.
-        partial_files: files that a writer left who was killed.
+        folder: folder inspected.
+        jobs: jobs in order.
+        status: status of each job.
+        foreign_files: files of the same kind that belong to no job.
+        partial_files: partial files of killed writers.
     """
 
     folder: Path
@@ -61,19 +61,19 @@ class JobStoreStatus(Generic[Result]):
     partial_files: tuple[Path, ...]
 
     def paths(self, state: JobState) -> tuple[Path, ...]:
-        """Returns the files that are in a state."""
+        """Returns the files in a state."""
         return tuple(
-            job.path for job, found in zip(self.jobs, self.status, strict=True) if found.state is state
+            job.path for job, status in zip(self.jobs, self.status, strict=True) if status.state is state
         )
 
     @property
     def complete(self) -> bool:
-        """Whether all is there."""
-        return all(found.state is JobState.WHOLE for found in self.status)
+        """True if all jobs are done."""
+        return all(status.state is JobState.WHOLE for status in self.status)
 
 
 def inspect_jobs(jobs: Sequence[Job[Result]], folder: Path) -> JobStoreStatus[Result]:
-    """Looks at every file, and alters nothing."""
+    """Returns the status of all jobs without changing any file."""
     known = {job.path for job in jobs}
     kinds = {path.suffix for path in known}
     others = sorted(path for kind in kinds for path in folder.glob(f"[!.]*{kind}") if path not in known)
@@ -82,17 +82,17 @@ def inspect_jobs(jobs: Sequence[Job[Result]], folder: Path) -> JobStoreStatus[Re
 
 
 def check_own_folder(store: JobStoreStatus[Result]) -> None:
-    """Refuses to add to a folder that holds something else.
+    """Refuses a folder that holds anything but these jobs' files.
 
     Raises:
-        FlightError: a file of the same name or kind is of other work.
-        AlreadyExistsError: the folder holds none of this work, but something.
+        FlightError: a file of the same name or kind belongs to another job.
+        AlreadyExistsError: the folder holds no file of these jobs, but others.
     """
     check_no_replacement(store)
     if store.foreign_files:
         raise FlightError(
             f"{store.folder} holds {store.foreign_files[0].name}, which does not belong to this command "
-            f"({len(store.foreign_files)} such); give --force to leave it there, or another folder"
+            f"({len(store.foreign_files)} such); use --force to keep it there, or another folder"
         )
     begun = any(found.state is not JobState.MISSING for found in store.status) or store.partial_files
     if not begun and any(store.folder.iterdir()):
@@ -100,18 +100,18 @@ def check_own_folder(store: JobStoreStatus[Result]) -> None:
 
 
 def check_no_replacement(store: JobStoreStatus[Result]) -> None:
-    """Refuses to replace files of other work; what stands beside is let be.
+    """Refuses to replace files of other jobs; other files are ignored.
 
     Raises:
-        FlightError: a file that would be replaced is of other work.
+        FlightError: a file that would be replaced belongs to another job.
     """
     for found in store.status:
         if found.state is JobState.ANOTHER:
-            raise FlightError(f"{found.reason}; give --force to replace it, or another folder")
+            raise FlightError(f"{found.reason}; use --force to replace it, or another folder")
 
 
 def allow_other_files(store: JobStoreStatus[Result]) -> None:
-    """Lets files of other work be: those in the way are replaced, those beside it stay."""
+    """Accepts any folder: conflicting files are replaced, others are kept."""
 
 
 def complete(
@@ -122,18 +122,18 @@ def complete(
     what: str,
     check: Callable[[JobStoreStatus[Result]], None] = check_own_folder,
 ) -> list[Result]:
-    """Does what is missing, and returns what all work came to, in its order.
+    """Runs the missing jobs and returns all results in order.
 
     Args:
-        jobs: each with a file of its own in the folder.
-        folder: nobody else writes into it meanwhile.
-        job_executor: what does the work, and how files come here.
-        what: is done, for the progress.
-        check: raises where the folder holds what must not be touched.
+        jobs: jobs, each with its own file in the folder.
+        folder: output folder, locked during the run.
+        job_executor: executor of the jobs.
+        what: label of the progress bar.
+        check: raises if the folder holds files that must not be touched.
 
     Raises:
         BusyError: another program is writing into the folder.
-        FlightError: the check, the work or the writing says no; what is whole stays.
+        FlightError: the check, a job or a write failed; finished files stay.
     """
     existed = folder.exists()
     with _exclusive_folder(folder):
@@ -142,31 +142,31 @@ def complete(
             check(store)
         remove_partial_files(folder)
         _print_status(store)
-        results = {n: one.result for n, one in enumerate(store.status) if one.result is not None}
+        results = {n: status.result for n, status in enumerate(store.status) if status.result is not None}
         missing = {n: job for n, job in enumerate(jobs) if n not in results}
-        come = (
+        finished = (
             _run_and_collect(missing, job_executor)
             if job_executor.by_value
             else _run_in_shared_folder(missing, job_executor)
         )
-        with closing(come):
-            results |= show_progress(come, total=len(jobs), done=len(results), what=what)
+        with closing(finished):
+            results |= show_progress(finished, total=len(jobs), done=len(results), what=what)
     return [results[n] for n in range(len(jobs))]
 
 
 def _print_status(store: JobStoreStatus[Result]) -> None:
     whole = len(store.paths(JobState.WHOLE))
     if whole:
-        print(f"{whole} of {len(store.jobs)} are there already", file=sys.stderr)
-    for one in store.status:
-        if one.state is JobState.DAMAGED:
-            print(f"done again: {one.reason}", file=sys.stderr)
+        print(f"{whole} of {len(store.jobs)} already done", file=sys.stderr)
+    for status in store.status:
+        if status.state is JobState.DAMAGED:
+            print(f"repeated: {status.reason}", file=sys.stderr)
 
 
 def _run_and_collect(
     missing: Mapping[int, Job[Result]], job_executor: JobExecutor
 ) -> Generator[tuple[int, Result]]:
-    """Yields numbers and results as they come; workers send files by value."""
+    """Yields job numbers and results; workers send files by value."""
     sent = {job_executor.executor.submit(_run_job, job): n for n, job in missing.items()}
     for future in _completed_futures(sent):
         done = future.result()
@@ -178,18 +178,18 @@ def _run_and_collect(
 def _run_in_shared_folder(
     missing: Mapping[int, Job[Result]], job_executor: JobExecutor
 ) -> Generator[tuple[int, Result]]:
-    """Yields numbers and results as they come; workers write files themselves."""
+    """Yields job numbers and results; workers write the files."""
     here = Path.cwd()
-    kept = {job_executor.executor.submit(_run_and_write, job, here): n for n, job in missing.items()}
-    for future in _completed_futures(kept):
-        result, n = future.result(), kept.pop(future)
+    submitted = {job_executor.executor.submit(_run_and_write, job, here): n for n, job in missing.items()}
+    for future in _completed_futures(submitted):
+        result, n = future.result(), submitted.pop(future)
         if not missing[n].path.exists():
             raise NotSharedError(missing[n].path)
         yield n, result
 
 
 def _completed_futures(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value]]:
-    """Yields what is done; where somebody stops listening, the rest is not begun."""
+    """Yields completed futures and cancels the rest on exit."""
     try:
         yield from as_completed(futures)
     finally:
@@ -202,7 +202,7 @@ def _run_job(job: Job[Result]) -> JobResult[Result]:
 
 
 def _run_and_write(job: Job[Result], folder: Path) -> Result:
-    """Works, and writes the files where relative paths start from a folder."""
+    """Runs a job and writes its files below a folder."""
     done = job.run()
     for path, content in done.files:
         write_atomically(content, folder / path, force=True)
@@ -211,7 +211,7 @@ def _run_and_write(job: Job[Result], folder: Path) -> Result:
 
 @contextmanager
 def _exclusive_folder(folder: Path) -> Iterator[None]:
-    """Makes a folder, and keeps other programs from writing into it; the system forgets that with us."""
+    """Makes and locks a folder; the lock ends with the process."""
     make_durable_folder(folder)
     descriptor = os.open(folder, os.O_RDONLY)
     try:
@@ -227,5 +227,5 @@ def _lock(descriptor: int, folder: Path) -> None:
     except BlockingIOError:
         raise BusyError(folder) from None
     except OSError:
-        # Some network file systems know no locks; files are whole there too.
+        # Some network file systems have no locks; files are written atomically there too.
         return

@@ -1,4 +1,4 @@
-"""The flights of a campaign: each a walk through its automaton, each a log that says whose it is."""
+"""Flights of a campaign as jobs, each with its log."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -24,14 +24,14 @@ from .simulated_helicopter import SimulatedHelicopter
 
 @dataclass(frozen=True, slots=True)
 class CampaignFlightResult:
-    """What became of one flight of a campaign.
+    """Result of one flight of a campaign.
 
     Attributes:
-        specification: what was to be flown.
-        path: its log.
-        outcome: `completed`, or what went wrong.
+        specification: specification of the flight.
+        path: path of its log.
+        outcome: `completed`, or the reason of the failure.
         timeouts: maneuvers that ended by time-out.
-        duration: simulated time in s.
+        duration: simulated time, s.
     """
 
     specification: FlightSpecification
@@ -45,16 +45,16 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
     """Flies a sequence of trims, joined by the library's maneuvers.
 
     Args:
-        vehicle: holds the first trim of the sequence.
+        vehicle: vehicle, in the first trim of the sequence.
         sequence: trims and coasting times.
-        library: holds the maneuvers that join them.
+        library: library with the maneuvers.
 
     Returns:
-        Coasts and maneuvers in turn.
+        Coasts and maneuvers alternately.
 
     Raises:
-        NoManeuverError: two trims follow one another that no maneuver joins.
-        FlightLostError: the flight ended in the ground or diverged.
+        NoManeuverError: no maneuver joins two consecutive trims.
+        FlightLostError: the vehicle hit the ground or the motion diverged.
     """
     maneuvers = library.maneuvers_along(sequence.trims)
     legs = [vehicle.coast(sequence.coasting_times[0])]
@@ -71,32 +71,32 @@ def fly_specification(
     parameters: Parameters | None = None,
     backend: Backend | None = None,
 ) -> FlightLog:
-    """Flies the sequence of a specification; a lost flight gives its log up to there.
+    """Flies a specified sequence; a lost flight gives a partial log.
 
     Args:
-        specification: what is flown.
-        library: flown with.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        backend: what evaluates expressions; the best that there is where None.
+        specification: specification of the flight.
+        library: library flown with.
+        parameters: vehicle; `models/gtmax.toml` if None.
+        backend: numeric back-end; the best available if None.
     """
     helicopter = SimulatedHelicopter(specification, library, parameters=parameters, backend=backend)
     try:
         fly_sequence(helicopter, specification.sequence, library=library)
     except FlightLostError:
-        # The log says so: its header carries the outcome.
+        # The outcome is in the log's header.
         return helicopter.log()
     return helicopter.log()
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignFlight:
-    """One flight of a campaign, and the log that keeps it (a `runtime.job.Job`).
+    """One flight of a campaign, a `runtime.job.Job`.
 
     Attributes:
-        specification: what is to be flown.
-        library: flown with.
-        path: of the log.
-        code: version that flies it.
+        specification: specification of the flight.
+        library: library flown with.
+        path: path of the log.
+        code: required code version.
     """
 
     specification: FlightSpecification
@@ -105,23 +105,23 @@ class CampaignFlight:
     code: str = field(default_factory=code_version)
 
     def status(self) -> JobStatus[CampaignFlightResult]:
-        """Returns what its log says, if it is there, whole, and of this very flight."""
+        """Returns the status of its log."""
         if not self.path.exists():
             return JobStatus(JobState.MISSING)
         try:
             log = read_log(self.path, topics=(PRIMITIVE, TRUTH))
         except BadFileError as error:
             return JobStatus(JobState.DAMAGED, reason=str(error))
-        wrong = identity_difference(self._identity(), flight_identity(log.header, log.attachments))
-        if wrong is not None:
-            return JobStatus(JobState.ANOTHER, reason=f"{self.path} is of another flight: {wrong}")
+        difference = identity_difference(self._identity(), flight_identity(log.header, log.attachments))
+        if difference is not None:
+            return JobStatus(JobState.ANOTHER, reason=f"{self.path} is of another flight: {difference}")
         return JobStatus(JobState.WHOLE, self._result(log))
 
     def run(self) -> JobResult[CampaignFlightResult]:
-        """Flies.
+        """Flies and returns log and result.
 
         Raises:
-            OtherCodeError: this process has other code than the one that asked.
+            CodeMismatchError: this process has another code version than requested.
         """
         check_code_version(self.code, code_version())
         log = fly_specification(self.specification, self.library)

@@ -1,4 +1,4 @@
-"""A logged flight flown again from its servo commands and wind: no force is prescribed motion."""
+"""Replay of a logged flight from servo commands and wind."""
 
 import json
 
@@ -18,24 +18,24 @@ from sim.vehicle.parameters import model_hash, read_parameters
 
 
 class VehicleMismatchError(FlightError):
-    """A log cannot be flown again here: it would be another motion."""
+    """Vehicle or back-end of a log that is not available here."""
 
     def __init__(self, what: str, logged: str, here: str) -> None:
         super().__init__(f"expected the {what} of the log, {logged}, got {here}")
 
 
 def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
-    """Flies the logged servo commands in the logged wind, without controller or navigation.
+    """Flies the logged servo commands in the logged wind.
 
-    Faults of servos and vehicle act again; those of sensors and controller are in the commands, gusts in the
-    wind.
+    No controller or navigation runs, and no motion is prescribed. Faults of servos and vehicle are injected
+    again; those of sensors and controller are in the commands, gusts in the wind.
 
     Returns:
         True motion at the start of every control period, columns as in `/truth`.
 
     Raises:
-        AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
-        FlightLostError: the flight ended in the ground or diverged.
+        VehicleMismatchError: vehicle or numeric back-end of the log are not available here.
+        FlightLostError: the vehicle hit the ground or the motion diverged.
     """
     check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
@@ -60,20 +60,20 @@ def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
 
 
 def check_vehicle_matches(log: FlightLog) -> None:
-    """Refuses a log of a vehicle that is not here.
+    """Refuses a log of another vehicle.
 
     Raises:
-        AnotherVehicleError: it is of another.
+        VehicleMismatchError: the vehicles differ.
     """
     if log.header.model_hash != model_hash():
         raise VehicleMismatchError("vehicle", log.header.model_hash, model_hash())
 
 
 def backend_named(name: str) -> Backend:
-    """Returns the back-end of a log, where it is here.
+    """Returns a log's back-end by name.
 
     Raises:
-        AnotherVehicleError: it is not.
+        VehicleMismatchError: it is not available here.
     """
     here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
     if name not in here:

@@ -1,4 +1,4 @@
-"""The flight loop: the simulated helicopter as a `flight.automaton.vehicle.Vehicle` that keeps its log."""
+"""Simulated helicopter with flight loop and log, a `flight.automaton.vehicle.Vehicle`."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -35,23 +35,23 @@ from .supervisor import Supervisor, alarm_limits
 
 
 class SimulatedHelicopter:
-    """A helicopter in simulated air that holds trims and performs maneuvers (a `Vehicle`).
+    """Helicopter in simulated air, a `Vehicle`.
 
-    It begins in its start trim, settled, at the start pose.
+    It starts settled in its start trim at the start pose.
 
     Args:
-        specification: what is flown, with the seed of all chance.
-        library: names the trims and says when a maneuver has ended.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        gains: of the controller.
-        backend: what evaluates expressions; the best that there is where None. No number depends on it.
+        specification: specification of the flight.
+        library: trims, maneuvers and the maneuver-end rule.
+        parameters: vehicle; `models/gtmax.toml` if None.
+        gains: gains of the controller.
+        backend: numeric back-end; the best available if None. No number depends on it.
 
     Attributes:
-        supervisor: what watches the flight; None where nothing does.
+        supervisor: supervisor of the flight; None for unsupervised flights.
 
     Raises:
-        NoManeuverEndError: the library does not say when a maneuver has ended.
-        FlightLostError: the flight ended before it began.
+        NoManeuverEndError: the library has no maneuver-end rule.
+        FlightLostError: the flight was lost during settling.
     """
 
     def __init__(
@@ -86,7 +86,7 @@ class SimulatedHelicopter:
             signals=signals,
             backend=backend,
         )
-        # What runs before the helicopter moves.
+        # Parts that run before the plant.
         self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
         self._faults: FaultInjector | None = None
         self.supervisor: Supervisor | None = None
@@ -118,7 +118,10 @@ class SimulatedHelicopter:
             )
 
     def _settle(self) -> None:
-        """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
+        """Flies the start trim through its transients.
+
+        Then the world is displaced so that the vehicle is at the start pose.
+        """
         specification, target = self._specification, self._trim.velocity
         equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
@@ -148,7 +151,7 @@ class SimulatedHelicopter:
 
     @property
     def time(self) -> float:
-        """Seconds since the start."""
+        """Time since the start, seconds."""
         return self._periods / CONTROL_RATE
 
     @property
@@ -158,19 +161,21 @@ class SimulatedHelicopter:
 
     @property
     def pose(self) -> SE2:
-        """Believed pose in the world."""
+        """Estimated pose in the world."""
         return Motion._make(self._signals.estimate.tolist()).pose
 
     @property
     def truth(self) -> Motion:
-        """True motion; not for anything that decides."""
+        """True motion, not for decisions."""
         return Motion._make(self._signals.truth.tolist())
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim for a time in seconds, to the nearest control period, or to its first alarm.
+        """Holds the trim for a time in s, or until an alarm.
+
+        The time is rounded to control periods.
 
         Raises:
-            FlightLostError: the flight ended in the ground or diverged.
+            FlightLostError: the vehicle hit the ground or the motion diverged.
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
         first = self._periods
@@ -182,11 +187,11 @@ class SimulatedHelicopter:
         return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver to its end, judged on the estimate, to its time-out or to its first alarm.
+        """Performs a maneuver to its end, time-out or first alarm.
 
         Raises:
-            ValueError: the maneuver leaves another trim than the one held.
-            FlightLostError: the flight ended in the ground or diverged.
+            ValueError: the maneuver does not start in the trim held.
+            FlightLostError: the vehicle hit the ground or the motion diverged.
         """
         if maneuver.from_trim != self._trim.id:
             raise ValueError(
@@ -197,19 +202,19 @@ class SimulatedHelicopter:
         self._generator.set_target(target)
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
         first, estimate = self._periods, self._signals.estimate
-        judge = ManeuverEndDetector(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
-        verdict = ManeuverStatus.UNDER_WAY
+        detector = ManeuverEndDetector(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
+        status = ManeuverStatus.UNDER_WAY
         with self._attach_track_if_lost(first):
-            while verdict is ManeuverStatus.UNDER_WAY and not self._alarm_since(first):
+            while status is ManeuverStatus.UNDER_WAY and not self._alarm_since(first):
                 self._advance()
                 if self._periods % PERIODS_PER_SAMPLE == 0:
-                    verdict = judge.update(self.time, Motion._make(estimate.tolist()).velocity)
-        self._timed_out = verdict is ManeuverStatus.TIMED_OUT
+                    status = detector.update(self.time, Motion._make(estimate.tolist()).velocity)
+        self._timed_out = status is ManeuverStatus.TIMED_OUT
         return self._leg(first, settled=not self._timed_out)
 
     @contextmanager
     def _attach_track_if_lost(self, first: int) -> Iterator[None]:
-        """Hands on what was flown, from a control period on, of a primitive in which the vehicle is lost."""
+        """Adds the track since a control period to a flight loss."""
         try:
             yield
         except FlightLostError as error:
@@ -230,17 +235,17 @@ class SimulatedHelicopter:
         )
 
     def _alarm_since(self, period: int) -> str:
-        """Returns the first alarm of the flight, if it was raised after a control period."""
+        """Returns the mission's first alarm if raised after a control period."""
         if self.supervisor is None or not self.supervisor.alarms:
             return ""
         alarm = self.supervisor.first_alarm(after=period / CONTROL_RATE)
         return "" if alarm is None else alarm.sentence
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
-        """Returns the log of the flight up to now.
+        """Returns the log of the flight so far.
 
         Args:
-            attachments: files to go with it, such as mission and plans, by name.
+            attachments: further attachments by name, such as mission and plans.
         """
         header = flight_header(
             self._specification, self._parameters, backend=self._backend, outcome=self._outcome

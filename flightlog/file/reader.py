@@ -1,4 +1,4 @@
-"""Flight logs as MCAP files: protobuf channels of doubles, every checksum written and every checksum read.
+"""Reading of MCAP flight logs with verification of every checksum.
 
 A message whose fields are all doubles numbered 1 to 15 has a fixed layout, a tag byte and eight bytes each,
 so a block of messages is a NumPy array, written and read as one piece.
@@ -39,20 +39,20 @@ from .writer import (
 )
 
 MAGIC = b"\x89MCAP0\r\n"
-_RECOVER = "; `maneuver recover` saves what is whole"
+_RECOVER = "; `maneuver recover` saves the undamaged part"
 _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
 
 
 def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)) -> FlightLog:
-    """Reads a log, every byte of it checked.
+    """Reads a flight log and verifies every checksum.
 
     Args:
-        path: of the file.
-        topics: those that are unpacked, where the log has them; fewer are read faster.
+        path: file to read.
+        topics: topics to unpack, where present; fewer are read faster.
 
     Raises:
-        BadFileError: the file is missing, too large, cut short, damaged, or no flight log; one line.
+        BadFileError: the file is missing, too large, truncated, damaged, or not a flight log.
     """
     try:
         size = path.stat().st_size
@@ -77,19 +77,19 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
 
 
 def _check_complete(content: bytes, path: Path) -> None:
-    """Refuses content whose beginning, end or checksums are not those of a complete file."""
+    """Refuses content with an incomplete start, end or wrong checksum."""
     if not content.startswith(MAGIC):
         raise BadFileError(path, "expected an MCAP file, got something else")
     end = len(content) - len(MAGIC) - _FOOTER.size
     if end < len(MAGIC) or not content.endswith(MAGIC):
-        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing{_RECOVER}")
+        raise BadFileError(path, f"is truncated after {len(content)} bytes{_RECOVER}")
     opcode, _, summary_start, _, summary_crc = _FOOTER.unpack_from(content, end)
     data_end = summary_start - _DATA_END.size
     if opcode != Opcode.FOOTER or not len(MAGIC) <= data_end <= end:
-        raise BadFileError(path, f"is damaged: its footer points nowhere{_RECOVER}")
+        raise BadFileError(path, f"is damaged: its footer has an invalid offset{_RECOVER}")
     opcode, _, data_crc = _DATA_END.unpack_from(content, data_end)
     if not data_crc or not summary_crc:
-        raise BadFileError(path, "has no checksums; a flight log of this program has them all")
+        raise BadFileError(path, "expected checksums of data and summary, got none")
     if opcode != Opcode.DATA_END or zlib.crc32(content[:data_end]) != data_crc:
         raise BadFileError(path, f"is damaged: its data do not match their checksum{_RECOVER}")
     if zlib.crc32(content[summary_start : end + _FOOTER.size - 4]) != summary_crc:
@@ -143,7 +143,7 @@ def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> 
 
 
 def _topic_of_schema(topic: Topic, schema: Schema) -> Topic:
-    """Returns a topic with the fields that the file's schema has; a log of another vehicle may have fewer."""
+    """Returns a topic with the fields that the file's schema has."""
     described = described_fields(schema.data, topic.message)
     expected = dict(zip(topic.field_names, topic.numbers, strict=True))
     if not described or not described.items() <= expected.items():
@@ -156,7 +156,7 @@ def _topic_of_schema(topic: Topic, schema: Schema) -> Topic:
 def _chunk_blocks(
     content: bytes, index: ChunkIndex, topics: Mapping[int, Topic]
 ) -> Iterator[tuple[int, np.ndarray[Any, Any]]]:
-    """Yields channel and messages of one chunk; the data's checksum has been verified over the whole file."""
+    """Yields channel and messages of a chunk with verified checksum."""
     if topics.keys().isdisjoint(index.message_index_offsets):
         return
     if index.compression != "zstd":

@@ -1,4 +1,4 @@
-"""Tables of other programs (CSV) as flight logs of ours: the columns named, in the axes stated."""
+"""Import of CSV tables as flight logs."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
@@ -24,9 +24,8 @@ POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "w
 QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
 CONTROLS = tuple(f"u{number}" for number in range(1, MAX_ACTUATORS + 1))
 NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
-"""What columns can be: position and velocity along the world's axes in SI units (z and vz may lack),
-the quaternion or the angles (about z, y, x, in radians; yaw may be alone) from body to world, body rates in
-radians per second, controls."""
+"""Names of columns: position and velocity in world axes in SI units (z and vz optional), quaternion or angles
+(about z, y, x in radians; yaw may be alone) from body to world, body rates in rad/s, controls."""
 
 _MOST_LISTED, _LONGEST_LIST = 40, 600
 _SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -38,22 +37,22 @@ def read_external_csv(
     """Reads a table with a row of headings.
 
     Args:
-        path: of the file.
-        columns: headings by the names of `NAMES`; a heading that is one of these names needs none.
-        axes: of world and body.
-        time_unit: of the times.
-        topic: what the motion is to be: the estimate, or the truth.
+        path: file to read.
+        columns: headings by the names of `NAMES`; not needed for headings that are such names.
+        axes: axes of world and body.
+        time_unit: unit of the times.
+        topic: topic of the motion: estimate or truth.
 
     Raises:
-        BadFileError: the file is no such table, or says nothing of a motion.
+        BadFileError: the file is not such a table, or holds no motion.
     """
     file = ExternalLog.read(path)
     try:
         table = pd.read_csv(io.BytesIO(file.content))
     except (ValueError, UnicodeDecodeError, pd.errors.ParserError) as error:
-        raise BadFileError(path, f"is no table: {' '.join(str(error).split())}") from None
+        raise BadFileError(path, f"is not a table: {' '.join(str(error).split())}") from None
     if len(table) < 2:
-        raise BadFileError(path, f"expected two rows or more under a row of headings, got {len(table)}")
+        raise BadFileError(path, f"expected at least two rows below the headings, got {len(table)}")
     try:
         chosen = _select_columns(table, columns)
         numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
@@ -63,18 +62,18 @@ def read_external_csv(
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     if states is None:
-        raise BadFileError(path, f"expected two rows of a motion, got none usable in {len(table)}")
+        raise BadFileError(path, f"expected at least two usable rows, got none of {len(table)}")
     provenance = {"columns": chosen, "velocity": velocity, "world axes": axes.world, "body axes": axes.body}
     controls = _controls(numbers, time - np.nanmin(time))
     return file.log([states, *([controls] if controls is not None else [])], provenance=provenance)
 
 
 def _select_columns(table: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, str]:
-    """Returns headings by our names: those stated, and those that are our names."""
+    """Returns headings by our names, stated or equal."""
     headings = [str(heading) for heading in table.columns]
     for name, heading in columns.items():
         if name not in NAMES:
-            raise FlightError(f"no column can be {name!r}; expected one of {', '.join(NAMES)}")
+            raise FlightError(f"unknown column name {name!r}; expected one of {', '.join(NAMES)}")
         if heading not in headings:
             raise FlightError(f"no column {heading!r}; it has {_heading_list(headings)}")
     chosen = {**{name: name for name in NAMES if name in headings}, **columns}
@@ -84,7 +83,7 @@ def _select_columns(table: pd.DataFrame, columns: Mapping[str, str]) -> dict[str
 
 
 def _heading_list(headings: Sequence[str]) -> str:
-    """Returns headings as one line, as many as a reader wants."""
+    """Returns headings as one line of limited length."""
     return " ".join(", ".join(headings[:_MOST_LISTED]).split())[:_LONGEST_LIST] or "none"
 
 
@@ -98,7 +97,7 @@ def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
 def _sources(
     numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
 ) -> tuple[list[Source], str]:
-    """Returns what the columns say, and where the velocity is from."""
+    """Returns the measured sources and the origin of the velocity."""
 
     def vectors(names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:
         return np.column_stack([numbers[name] for name in names]) if set(names) <= numbers.keys() else None
@@ -129,7 +128,7 @@ def _sources(
 def _linear_sources(
     numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
 ) -> Iterator[Source]:
-    """Yields positions and velocities; a map of two columns has no heights."""
+    """Yields positions and velocities; a two-column map has no heights."""
     for names, start in ((POSITION, ""), (VELOCITY, "velocity_")):
         if set(names[:2]) <= numbers.keys():
             high = names[2] in numbers
@@ -140,10 +139,10 @@ def _linear_sources(
 
 
 def _controls(numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"]) -> Series | None:
-    held = [name for name in CONTROLS if name in numbers]
-    if not held:
+    present = [name for name in CONTROLS if name in numbers]
+    if not present:
         return None
-    values = np.column_stack([numbers[name] for name in held])
-    kept = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
-    names = [f"control_{name[1:]}" for name in held]
-    return Series(ACTUATORS.only(names), time[kept], values[kept])
+    values = np.column_stack([numbers[name] for name in present])
+    valid = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
+    names = [f"control_{name[1:]}" for name in present]
+    return Series(ACTUATORS.only(names), time[valid], values[valid])

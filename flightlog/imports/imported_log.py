@@ -1,4 +1,4 @@
-"""Flights that other programs logged, as logs of ours."""
+"""Flight logs made of other programs' logs."""
 
 import hashlib
 import json
@@ -20,7 +20,7 @@ UNKNOWN = "not known"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExternalLog:
-    """A file of another program: its path and its bytes."""
+    """File of another program: path and bytes."""
 
     path: Path
     content: bytes
@@ -30,7 +30,7 @@ class ExternalLog:
         """Reads a file.
 
         Raises:
-            BadFileError: it cannot be read.
+            BadFileError: the file cannot be read.
         """
         try:
             return cls(path, path.read_bytes())
@@ -46,23 +46,25 @@ class ExternalLog:
         provenance: Mapping[str, object],
         autopilot_messages: Sequence[AutopilotMessage] = (),
     ) -> FlightLog:
-        """Returns the flight log, its times from the first state on.
+        """Returns the flight log, with times from the first state.
 
         Args:
-            series: on one clock; what was before the first state or after the last is left out.
-            vehicle: what flew.
-            outcome: of the flight, or of reading it.
-            provenance: what is known of where the numbers come from, for the attachment.
-            autopilot_messages: the autopilot's messages, on the clock of the series.
+            series: series on one clock; samples before the first state or after the last are dropped.
+            vehicle: name of the vehicle.
+            outcome: outcome of the flight or of the import.
+            provenance: origin of the numbers, for the attachment.
+            autopilot_messages: autopilot messages on the clock of the series.
 
         Raises:
-            BadFileError: there is no motion in it.
+            BadFileError: the series hold no motion.
         """
         try:
             cut, start = _start_at_first_state({part.topic.name: part for part in series})
         except FlightError as error:
             raise BadFileError(self.path, str(error)) from None
-        messages = [asdict(replace(one, time=round(one.time - start, 6))) for one in autopilot_messages]
+        messages = [
+            asdict(replace(message, time=round(message.time - start, 6))) for message in autopilot_messages
+        ]
         source = {"file": self.path.name, "sha256": hashlib.sha256(self.content).hexdigest(), **provenance}
         if messages:
             source["messages"] = messages
@@ -86,7 +88,7 @@ def _printable(text: str) -> str:
 
 
 def _start_at_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float]:
-    """Returns the series on a clock that begins with the first state, and when that was."""
+    """Returns the series with time 0 at the first state."""
     whole = FlightLog(FlightHeader("import", "", "", "", 0, "", "", ""), series, {})
     start, end = float(whole.motion.time[0]), whole.duration
     cut = {}

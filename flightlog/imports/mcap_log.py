@@ -1,4 +1,4 @@
-"""MCAP files of other programs as flight logs of ours: the topics named, in the axes stated."""
+"""Import of MCAP files as flight logs."""
 
 import io
 import struct
@@ -49,21 +49,21 @@ _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
     *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError),
 )
-# What ROS 2 topics of PX4 are described by; they keep PX4's axes.
+# Package of PX4's ROS 2 messages, which use PX4's axes.
 _PX4 = "px4_msgs/"
 _IN_BODY = ("Odometry",)
 
 
 @dataclass(frozen=True, slots=True)
 class McapImportSettings:
-    """What the user says of a file; None leaves it to what the messages say of themselves.
+    """Topics and axes of an import; None for those of the messages.
 
     Attributes:
         pose: topic of positions and attitudes.
-        velocity: topic of velocities; the pose's own, or the slope of the position where None.
+        velocity: topic of velocities; if None those of the pose topic, or the derivative of the position.
         world: axes of the world.
         body: axes of the body.
-        velocity_in: whether velocities are along the world's axes or the body's.
+        velocity_in: axes of the velocities: world or body.
     """
 
     pose: str
@@ -75,7 +75,7 @@ class McapImportSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Table:
-    """A topic's messages: schema, frame of the first, log times and stamps in nanoseconds, the messages."""
+    """Messages of a topic with schema, frame, and times in nanoseconds."""
 
     schema: str
     frame: str
@@ -88,18 +88,18 @@ class _Table:
 
 
 def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic) -> FlightLog:
-    """Reads pose and velocity topics of an MCAP file: ROS 2, protobuf or JSON.
+    """Reads pose and velocity topics in ROS 2, protobuf or JSON.
 
-    Times are those that the messages carry, or those of logging where one topic's carry none. Without any
-    velocity the slope of the position stands for it. The attachment says what was taken for what.
+    Times are the stamps of the messages, or the log times if a topic has no stamps. Without velocities the
+    position is differentiated. The attachment records these choices.
 
     Args:
-        path: of the file.
+        path: file to read.
         settings: topics and axes.
-        topic: what the motion is to be: the estimate, or the truth.
+        topic: topic of the motion: estimate or truth.
 
     Raises:
-        BadFileError: the file is damaged, or has no such topics, or they say nothing of a motion.
+        BadFileError: the file is damaged, lacks the topics, or they hold no motion.
     """
     file = ExternalLog.read(path)
     if len(file.content) > LARGEST_LOG:
@@ -113,7 +113,9 @@ def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:
         text = " ".join(str(error).split()) or type(error).__name__
-        raise BadFileError(path, f"cannot be read: {text}; `maneuver recover` saves what is whole") from None
+        raise BadFileError(
+            path, f"cannot be read: {text}; `maneuver recover` saves the undamaged part"
+        ) from None
     if states is None:
         raise BadFileError(path, f"expected a motion in {names}, got fewer than two usable messages")
     return file.log([states], provenance=provenance)
@@ -132,7 +134,7 @@ def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
         rows[channel.topic].append((message.log_time, decoders[channel.id](message.data)))
     empty = [name for name, part in rows.items() if not part]
     if empty:
-        raise FlightError(f"{empty} hold no message")
+        raise FlightError(f"expected messages in {empty}, got none")
     return {
         name: _Table(
             schema=schemas[name],
@@ -146,7 +148,7 @@ def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
 
 
 def _check_topics_exist(reader: McapReader, names: Sequence[str]) -> None:
-    """Refuses topics that the file does not have, and says which ones it has."""
+    """Refuses topics that the file does not have, and lists its own."""
     summary = reader.get_summary()
     if summary is None:
         raise ValueError("it has no summary of its topics")
@@ -166,7 +168,7 @@ def _check_topics_exist(reader: McapReader, names: Sequence[str]) -> None:
 def _sources(
     tables: Mapping[str, _Table], settings: McapImportSettings
 ) -> tuple[list[Source], dict[str, object]]:
-    """Returns what the topics say, and in words what was taken for what."""
+    """Returns the measured sources and their provenance."""
     stamped = all((table.stamped > 0).all() for table in tables.values())
     start = min((table.stamped if stamped else table.logged).min() for table in tables.values())
     pose = tables[settings.pose]
@@ -201,7 +203,7 @@ def _sources(
 
 
 def _velocity_axes(pose: _Table, moving: _Table) -> VelocityAxes:
-    """Returns what a velocity's own words say: odometry is along the body, the pose's frame the world's."""
+    """Returns the axes of a velocity: body for odometry, else by frame."""
     if moving.schema.endswith(_IN_BODY):
         return "body"
     return "world" if moving.frame == pose.frame else "body"
@@ -229,7 +231,7 @@ def _velocity_sources(
         forward, right, down = axes.in_body(table.vectors(linear)).T
         yield Source(time, {"body_forward": forward, "body_right": right, "body_down": down})
     if angular is not None:
-        # A twist's two parts share their axes; an angular velocity of that name is about the body's.
+        # Both parts of a twist share their axes; a field `angular_velocity` is in body axes.
         twist_in_world = angular.path[-1] == "angular" and velocity_in == "world"
         turning = table.vectors(angular)
         about = axes.in_world(turning) if twist_in_world else axes.in_body(turning)

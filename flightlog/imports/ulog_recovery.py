@@ -1,8 +1,8 @@
-"""What is whole in a damaged ULog of PX4: the messages that hang together, and how much is between them.
+"""Recovery of the intact messages of a damaged PX4 ULog.
 
-A ULog has no checksums. A message counts as whole where its kind is known and, if it carries data, where it
-belongs to a topic that was announced and has that topic's size; after damage the next place is looked for
-from which several such messages follow one another. What was altered inside a message is not seen.
+A ULog has no checksums. A message counts as intact if its kind is known and, for data, if its topic is
+announced and has that size. After damage the search resumes where several such messages follow one another.
+Changes inside a message are not detected.
 """
 
 import struct
@@ -18,15 +18,15 @@ _ID = struct.Struct("<H")
 _TIME = struct.Struct("<HQ")
 _KINDS = frozenset(b"BFIMPQARDLCSO")
 _DATA, _ANNOUNCED, _FORMAT = ord("D"), ord("A"), ord("F")
-# Messages that must follow one another before a place is trusted again.
+# Consecutive messages required to resume after damage.
 _MIN_CONSECUTIVE = 8
-# Microseconds that data may be later than what came before.
+# Largest step of time between messages, microseconds.
 _LATEST = 3_600_000_000
 
 
 @dataclass(frozen=True, slots=True)
 class IntactMessages:
-    """A ULog of whole messages alone: its bytes, and the bytes of the damaged one that were left out."""
+    """Intact messages of a ULog, and the number of bytes lost."""
 
     content: bytes
     lost: int
@@ -34,14 +34,14 @@ class IntactMessages:
 
 @dataclass(slots=True)
 class _ScanState:
-    """What was learnt of a log so far: size by number of a topic (0 before its first data), latest time."""
+    """State of the scan: message size by topic, and latest time."""
 
     sizes: dict[int, int] = field(default_factory=dict)
     latest: int = 0
 
 
 def intact_messages(content: bytes) -> IntactMessages:
-    """Returns what is whole in the bytes of a ULog; all of an undamaged one."""
+    """Returns the intact messages of a ULog's bytes."""
     known, parts = _ScanState(), [content[:HEADER]]
     position = begun = HEADER
     while position < len(content):
@@ -58,14 +58,14 @@ def intact_messages(content: bytes) -> IntactMessages:
 
 
 def _message_end(content: bytes, position: int, known: _ScanState) -> int:
-    """Returns where the message ends that begins at a place; 0 where none does."""
+    """Returns the end of a message at a position; 0 if none."""
     if position + _HEAD.size > len(content):
         return 0
     size, kind = _HEAD.unpack_from(content, position)
     end: int = position + _HEAD.size + size
     if end > len(content) or kind not in _KINDS:
         return 0
-    # A format is text; one that swallowed what follows a gap is not.
+    # A format is text; one that spans damaged bytes is not.
     if kind == _FORMAT and not content[position + _HEAD.size : end].isascii():
         return 0
     if kind == _DATA:
@@ -84,13 +84,13 @@ def _update_scan_state(content: bytes, position: int, end: int, known: _ScanStat
         known.sizes[number] = size
         known.latest = max(known.latest, time)
     elif kind == _ANNOUNCED and size > 3:
-        # One byte says which of several alike it is.
+        # The first byte is the instance of the topic.
         (number,) = _ID.unpack_from(content, position + _HEAD.size + 1)
         known.sizes.setdefault(number, 0)
 
 
 def _find_next_intact(content: bytes, position: int, known: _ScanState) -> int:
-    """Returns the next place from which whole messages follow one another; the end without one."""
+    """Returns the next position followed by several intact messages."""
     while position < len(content):
         ends = list(_consecutive_ends(content, position, known))
         if len(ends) == _MIN_CONSECUTIVE or (ends and ends[-1] == len(content)):

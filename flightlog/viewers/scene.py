@@ -1,4 +1,4 @@
-"""The scene that viewers draw: goal, track flown, track planned with its tube, all in `z_up.WORLD`."""
+"""Scene for viewers: goal, flown track, planned track and tube."""
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
@@ -31,20 +31,20 @@ from .z_up_frames import WORLD, positions
 Points = Float[np.ndarray, "n 3"]
 
 SCENE_RATE = 10.0
-"""Points a second of the track flown."""
+"""Points of the flown track for each second."""
 
 _GREEN, _GREY, _INK = "#009E73", "#8a8a8a", "#222222"
 _GOAL_POST = 0.1
 _NO_TURN = Pose(orientation=Quaternion(w=1.0))
-# A nominal plan is shown with what all of the library's errors would make of it.
+# A nominal plan is drawn with the tube of all the library's errors.
 _TUBE_OF_NOMINAL = 1.0
 
 
 def scene_entities(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
-    """Yields entities with the times from which they are drawn; one of the same id replaces the former.
+    """Yields entities and their start times; equal ids replace earlier ones.
 
     Raises:
-        FlightError: an attachment is broken.
+        FlightError: an attachment is invalid.
     """
     yield 0.0, _flown_track(log)
     goal = logged_goal(log)
@@ -58,7 +58,7 @@ def scene_entities(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
 
 
 def estimated_pose(log: FlightLog, time: float) -> SE2:
-    """Returns where the vehicle believed to be, between samples by straight lines.
+    """Returns the estimated pose, interpolated linearly.
 
     Raises:
         MissingTopicError: the log has no estimate.
@@ -76,13 +76,13 @@ def tube_gamma(plan: Plan) -> float:
 
 
 def color(hexadecimal: str, opacity: float = 1.0) -> Color:
-    """Returns a colour given as #rrggbb."""
+    """Returns the colour of a #rrggbb string."""
     r, g, b = (int(hexadecimal[place : place + 2], 16) / 255.0 for place in (1, 3, 5))
     return Color(r=r, g=g, b=b, a=opacity)
 
 
 def _flown_track(log: FlightLog) -> SceneEntity:
-    """Draws the track flown, a line for each primitive; a maneuver's in ink."""
+    """Draws the flown track, one line for each primitive."""
     entity = SceneEntity(frame_id=WORLD, id="flown")
     motion = log.motion
     places = positions(motion)
@@ -101,7 +101,7 @@ def _flown_track(log: FlightLog) -> SceneEntity:
 
 
 def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -> SceneEntity:
-    """Draws the disc that counts as there, at the height flown, and a post below it."""
+    """Draws the goal's tolerance disc at flight height, on a post."""
     north, east = position
     entity = SceneEntity(frame_id=WORLD, id="goal")
     for diameter, length, middle, opacity in (
@@ -142,7 +142,7 @@ def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> Sc
 
 
 def _tube_triangles(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, "m 2"]:
-    """Returns the corners of the triangles between neighbouring lines."""
+    """Returns the corners of triangles between neighbouring lines."""
     triangles = []
     for one, other in pairwise(tube):
         a, b, c, d = one[:-1], one[1:], other[:-1], other[1:]
@@ -151,15 +151,15 @@ def _tube_triangles(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, 
 
 
 def _points_at_height(line: Float[np.ndarray, "n 2"], height: float) -> Points:
-    """Returns points of north and east as points of viewers at a height."""
+    """Returns north-east points in viewer axes at a height."""
     return np.column_stack([line[:, 1], line[:, 0], np.full(len(line), height)])
 
 
 def _decimate_points(time: Float[np.ndarray, "n"], points: Points) -> Points:
-    """Keeps about `SCENE_RATE` points a second, and both ends."""
+    """Returns about `SCENE_RATE` points a second, both ends included."""
     step = max(1, round((len(time) - 1) / max((time[-1] - time[0]) * SCENE_RATE, 1.0)))
-    kept = np.unique([*range(0, len(time), step), len(time) - 1])
-    return np.asarray(points[kept])
+    rows = np.unique([*range(0, len(time), step), len(time) - 1])
+    return np.asarray(points[rows])
 
 
 def _line(points: Points, shade: Color, thickness: float) -> LinePrimitive:

@@ -1,4 +1,4 @@
-"""What viewers draw, made from what programs read: the well-known `foxglove` messages, z-up.
+"""Viewer channels: `foxglove` messages in z-up axes, made from topics.
 
 World x east, y north, z up; vehicle x forward, y left, z up (`flightlog.viewers.z_up_frames`).
 """
@@ -32,12 +32,12 @@ from .shape import vehicle_shape
 from .z_up_frames import ESTIMATED_VEHICLE, POSE, VEHICLE, WORLD, attitudes, positions
 
 TRANSFORM_RATE, PATH_RATE = 25.0, 5.0
-"""Transforms and poses of the path, a second of flight."""
+"""Transforms, and poses of the path, for each second of flight."""
 
 
 @dataclass(frozen=True, slots=True)
 class ViewerTopic:
-    """A channel for viewers: its name, the well-known message, and what is to be seen."""
+    """Channel for viewers: name, `foxglove` message and meaning."""
 
     name: str
     message: type[Message]
@@ -47,7 +47,7 @@ class ViewerTopic:
 TRANSFORMS = ViewerTopic(
     "/viewer_z_up/transforms",
     FrameTransforms,
-    f"where the vehicle is and believes to be, {TRANSFORM_RATE:.0f} Hz",
+    f"true and estimated pose of the vehicle, {TRANSFORM_RATE:.0f} Hz",
 )
 PATH = ViewerTopic(
     "/viewer_z_up/path", PosesInFrame, f"all poses of the flight at {PATH_RATE:.0f} Hz, once, at its start"
@@ -55,10 +55,10 @@ PATH = ViewerTopic(
 SCENE = ViewerTopic(
     "/viewer_z_up/scene",
     SceneUpdate,
-    "vehicle, goal and track flown, coloured by trim, at the start; each plan with its tube when it is made",
+    "vehicle, goal and flown track, coloured by trim, at the start; each plan with its tube at its time",
 )
 EVENTS = ViewerTopic(
-    "/events", Log, "primitives, plannings, time-outs, the goal and the end, as one sentence each"
+    "/events", Log, "primitives, replans, time-outs, faults, alarms, goal and end, one line each"
 )
 
 VIEWER_TOPICS = (TRANSFORMS, PATH, SCENE, EVENTS)
@@ -66,7 +66,10 @@ VIEWER_TOPICS = (TRANSFORMS, PATH, SCENE, EVENTS)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ViewerChannel:
-    """The messages of one topic: times in nanoseconds, not decreasing, and bytes, in blocks of one size."""
+    """Messages of one viewer topic in blocks of one size.
+
+    Times are in nanoseconds, not decreasing.
+    """
 
     topic: ViewerTopic
     blocks: tuple[tuple[Int[np.ndarray, "n"], UInt8[np.ndarray, "n size"]], ...]
@@ -85,7 +88,10 @@ class ViewerChannel:
 
 
 def viewer_channels(log: FlightLog) -> Iterator[ViewerChannel]:
-    """Yields the channels that a log has the topics for; a broken attachment becomes an event."""
+    """Yields the channels that a log's topics allow.
+
+    An invalid attachment becomes an event.
+    """
     events = list(flight_events(log))
     if _has_pose(log):
         yield _transforms(log)
@@ -99,7 +105,7 @@ def viewer_channels(log: FlightLog) -> Iterator[ViewerChannel]:
 
 
 def _has_pose(log: FlightLog) -> bool:
-    """Whether the log knows where the vehicle was and how it stood."""
+    """Returns True if the log has position and attitude."""
     return (TRUTH.name in log.series or ESTIMATE.name in log.series) and log.motion.has_fields(*POSE)
 
 
@@ -143,7 +149,7 @@ def _path(states: Series) -> ViewerChannel:
 
 
 def _scene(log: FlightLog) -> ViewerChannel:
-    """Makes one update at the start and one for each plan after it."""
+    """Returns one update at the start and one for each plan."""
     updates: dict[int, list[SceneEntity]] = {0: [vehicle_shape(log)]}
     for time, entity in scene_entities(log):
         updates.setdefault(int(_nanoseconds(np.array([time]))[0]), []).append(entity)
@@ -165,7 +171,7 @@ def _events(events: list[Event]) -> ViewerChannel:
 
 
 def _decimated_rows(time: np.ndarray, rate: float) -> Int[np.ndarray, "m"]:
-    """Returns the rows that are nearest to a steady rate, both ends among them."""
+    """Returns rows at a steady rate, both ends included."""
     ticks = np.floor((time - time[0]) * rate + 1e-6)
     first = np.flatnonzero(np.diff(ticks, prepend=-1.0) > 0)
     return np.unique([*first, len(time) - 1])

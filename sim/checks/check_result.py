@@ -1,4 +1,4 @@
-"""One measured number beside its bar: what `maneuver verify` prints and what the tests hold."""
+"""Result of one check of `maneuver verify`: measured value and limits."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -6,16 +6,16 @@ from math import isfinite
 
 @dataclass(frozen=True, slots=True)
 class CheckResult:
-    """A number with the range that it must lie in.
+    """Measured value and its limits.
 
     Attributes:
-        topic: what it belongs to, such as `trim` or `margins`.
-        name: of the number, with its conditions.
-        value: as measured.
-        unit: of value and bars; `-` where it has none.
-        low: least value that holds; None where there is no such bar.
-        high: largest value that holds; None where there is no such bar.
-        beside: a figure of other origin to read it against, in words.
+        topic: topic of the check, such as `trim` or `margins`.
+        name: name of the value, with its conditions.
+        value: measured value.
+        unit: unit of value and limits; `-` if dimensionless.
+        low: lower limit; None without one.
+        high: upper limit; None without one.
+        beside: reference figure or conditions, in words.
     """
 
     topic: str
@@ -28,7 +28,7 @@ class CheckResult:
 
     @property
     def passed(self) -> bool:
-        """Whether the value is a number within its bars; a figure without bars is shown only."""
+        """True if the value is within its limits, or has none."""
         if self.low is None and self.high is None:
             return True
         above = self.low is None or self.value >= self.low
@@ -37,6 +37,6 @@ class CheckResult:
 
     @property
     def limit_text(self) -> str:
-        """The bars in words; empty where there are none."""
-        bars = ((">=", self.low), ("<=", self.high))
-        return ", ".join(f"{sign} {limit:.4g}" for sign, limit in bars if limit is not None)
+        """Limits as text; empty without limits."""
+        limits = ((">=", self.low), ("<=", self.high))
+        return ", ".join(f"{sign} {limit:.4g}" for sign, limit in limits if limit is not None)

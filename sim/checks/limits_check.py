@@ -1,4 +1,4 @@
-"""Whether the library's maneuvers, in its own air, ever meet a limit of attitude or of a servo's rate."""
+"""Check that the library's maneuvers reach no attitude or servo-rate limit."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -19,7 +19,7 @@ from sim.vehicle.parameters import Parameters
 
 from .check_result import CheckResult
 
-# Times its size a limit is none.
+# Factor that removes a limit in effect.
 _WITHOUT_LIMITS = 1000.0
 
 
@@ -30,15 +30,15 @@ def check_limits(
     *,
     gains: Gains | None = None,
 ) -> Iterator[CheckResult]:
-    """Yields what flights use of the limits, and what they would be without any.
+    """Yields the use of the limits, and the effect of removing them.
 
-    A limit that is never met changes no bit of a flight.
+    Removing a limit that is never reached changes no bit of a flight.
 
     Args:
-        flights: of sequences.
-        library: flown with.
-        parameters: the vehicle.
-        gains: of the controller.
+        flights: specified sequences.
+        library: library flown with.
+        parameters: vehicle.
+        gains: gains of the controller.
     """
     gains = gains or Gains()
     servos = parameters.servos
@@ -55,7 +55,7 @@ def check_limits(
     beside = f"{maneuvers} maneuvers, {len(flights)} flights in wind class {flights[0].wind}"
     off = max(_largest_distance(one, other) for one, other in zip(logs, lifted, strict=True))
     yield CheckResult(
-        "limits", "motion with limits of tilt and servo rate lifted, off by", off, "m", None, 0.0, beside
+        "limits", "change of motion without tilt and servo-rate limits", off, "m", None, 0.0, beside
     )
     lost = sum(log.header.outcome != "completed" for log in logs)
     yield CheckResult("limits", "flights lost", float(lost), "-", None, 0.0, beside)
@@ -64,10 +64,8 @@ def check_limits(
     for name in Controls._fields:
         limit = servos.pedal_rate if name == "pedal" else servos.rate
         rates = (float(np.abs(np.diff(log[CONTROLS][name])).max()) * CONTROL_RATE for log in logs)
-        share = max(rates) / limit
-        yield CheckResult(
-            "limits", f"fastest {name} servo, share of its rate", share, "-", None, 0.99, beside
-        )
+        ratio = max(rates) / limit
+        yield CheckResult("limits", f"largest {name} servo rate / limit", ratio, "-", None, 0.99, beside)
 
 
 def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, gains: Gains) -> FlightLog:
@@ -77,13 +75,13 @@ def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, 
     try:
         fly_sequence(helicopter, flight.sequence, library=library)
     except FlightLostError:
-        # The log's header says so.
+        # The outcome is in the log's header.
         return helicopter.log()
     return helicopter.log()
 
 
 def _largest_distance(log: FlightLog, other: FlightLog) -> float:
-    """Returns how far two flights are from one another at most, in m; infinite where one is longer."""
+    """Returns the largest distance between two flights in m."""
     if len(log[TRUTH]) != len(other[TRUTH]):
         return np.inf
     differences = (log[TRUTH][name] - other[TRUTH][name] for name in ("north", "east", "down"))

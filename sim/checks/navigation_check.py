@@ -1,4 +1,4 @@
-"""Whether the navigation filter's claims about its own error are true, and what it bears."""
+"""Checks of the navigation filter: consistency and loss of GPS."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
@@ -25,27 +25,27 @@ from .check_result import CheckResult
 FLIGHTS = 50
 SECONDS = 200.0
 SAMPLE_INTERVAL = 20.0
-"""Seconds between two looks at the filter; its error is another by then."""
-# An error's memory is taken as lost where its correlation is below this.
+"""Seconds between two samples of the filter's error, long enough to be uncorrelated."""
+# Errors with a correlation below this count as independent.
 _CORRELATION_LIMIT = exp(-1.0)
-# One foot: a third of the tolerance with which the thesis's missions are judged, m and m/s.
+# One foot: a third of the tolerance of the thesis's missions, m and m/s.
 POSITION_LIMIT = FOOT
 _BEFORE, _LOSS, _AFTER = 10.0, 2.0, 15.0
 _ALTITUDE = 30.0
 _WINDS = ("calm", "gtmax", "light")
 _COASTS = (2.0, 8.0)
-# Keeps the chance of the walks apart from that of the flights.
+# Random stream of the walks, separate from those of the flights.
 _WALK_STREAM = 7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FilterErrors:
-    """What the filter of one flight was worth.
+    """Errors of the navigation filter in one flight.
 
     Attributes:
-        normalised: squared errors in units of the claimed covariance, every `SAMPLE_INTERVAL` seconds.
-        position: largest distance between belief and truth, horizontally, m.
-        velocity: largest difference of forward velocities, m/s.
+        normalised: normalised squared errors (NEES), every `SAMPLE_INTERVAL` seconds.
+        position: largest horizontal position error, m.
+        velocity: largest error of the forward velocity, m/s.
     """
 
     normalised: Float[np.ndarray, "n"]
@@ -54,17 +54,17 @@ class FilterErrors:
 
 
 class _FilterMonitor:
-    """Stands where a flight has its navigation, and compares belief and truth."""
+    """Navigation wrapper that compares estimate and truth."""
 
-    def __init__(self, navigation: Navigation, *, apart: float) -> None:
-        self._navigation, self._every = navigation, round(apart * CONTROL_RATE)
+    def __init__(self, navigation: Navigation, *, interval: float) -> None:
+        self._navigation, self._every = navigation, round(interval * CONTROL_RATE)
         self._truth, self._estimate = navigation.signals.truth, navigation.signals.estimate
         self._periods = 0
         self._position = self._velocity = 0.0
         self._normalised: list[float] = []
 
     def run(self) -> None:
-        """Believes, and looks."""
+        """Runs the navigation and compares estimate and truth."""
         self._navigation.run()
         self._periods += 1
         off = self._estimate[:4] - self._truth[:4]
@@ -75,24 +75,24 @@ class _FilterMonitor:
             self._normalised.append(self._navigation.normalised_error(truth))
 
     def standard_deviation(self) -> tuple[float, ...]:
-        """Returns what the filter claims of its error."""
+        """Returns the standard deviations that the filter claims."""
         return self._navigation.standard_deviation()
 
     def move_world(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
+        """Applies a displacement of the whole world."""
         self._navigation.move_world(displacement)
 
     def filter_errors(self) -> FilterErrors:
-        """Returns what was seen."""
+        """Returns the errors so far."""
         return FilterErrors(np.array(self._normalised), self._position, self._velocity)
 
 
 def check_navigation(library: Library, *, executor: Executor) -> Iterator[CheckResult]:
-    """Yields how honest the filter is over many flights, and what a loss of GPS in every trim does.
+    """Yields the filter's consistency and its errors after GPS loss.
 
     Args:
-        library: trims, maneuvers and the rule by which they end.
-        executor: flies.
+        library: trims, maneuvers and the maneuver-end rule.
+        executor: executor of the flights.
     """
     yield from check_filter_consistency(list(executor.map(_fly_random_walk, repeat(library), range(FLIGHTS))))
     yield from check_gps_outages(
@@ -101,20 +101,20 @@ def check_navigation(library: Library, *, executor: Executor) -> Iterator[CheckR
 
 
 def check_filter_consistency(flights: Sequence[FilterErrors]) -> Iterator[CheckResult]:
-    """Yields whether normalised errors are as the filter claims, at times that are not correlated."""
+    """Yields consistency of the claimed errors at uncorrelated times."""
     normalised = np.array([flight.normalised for flight in flights])
     number, times = normalised.shape
     mean = normalised.mean(axis=0)
     low, high = (chi2.ppf(share, ESTIMATED * number) / number for share in (0.025, 0.975))
     inside = float(((mean >= low) & (mean <= high)).mean())
-    beside = f"{number} flights, {times} times {SAMPLE_INTERVAL:g} s apart, band {low:.2f} to {high:.2f}"
+    beside = f"{number} flights, {times} samples every {SAMPLE_INTERVAL:g} s, band {low:.2f} to {high:.2f}"
     yield CheckResult(
-        "navigation", "share of times with the mean NEES in its 95 % band", inside, "-", 0.9, None, beside
+        "navigation", "share of samples with mean NEES in its 95 % band", inside, "-", 0.9, None, beside
     )
     yield CheckResult("navigation", "mean NEES", float(mean.mean()), "-", beside=f"{ESTIMATED} expected")
-    apart = normalised - ESTIMATED
-    correlation = float((apart[:, 1:] * apart[:, :-1]).mean() / (apart**2).mean())
-    beside = f"of one time with the next, {SAMPLE_INTERVAL:g} s later"
+    excess = normalised - ESTIMATED
+    correlation = float((excess[:, 1:] * excess[:, :-1]).mean() / (excess**2).mean())
+    beside = f"of consecutive samples, {SAMPLE_INTERVAL:g} s apart"
     yield CheckResult("navigation", "NEES, correlation", correlation, "-", None, _CORRELATION_LIMIT, beside)
     position = max(flight.position for flight in flights)
     beside = f"{number} flights of {times * SAMPLE_INTERVAL:g} s"
@@ -122,24 +122,24 @@ def check_filter_consistency(flights: Sequence[FilterErrors]) -> Iterator[CheckR
 
 
 def check_gps_outages(flights: Sequence[FilterErrors], what: str) -> Iterator[CheckResult]:
-    """Yields the worst of flights, one a trim, that lost their GPS for a while."""
+    """Yields the largest errors of flights with a GPS outage."""
     beside = f"{what} in each of {len(flights)} trims in wind class gtmax"
     worst = max(flight.position for flight in flights)
     yield CheckResult(
-        "navigation", "GPS lost: largest position error", worst, "m", None, POSITION_LIMIT, beside
+        "navigation", "GPS outage: largest position error", worst, "m", None, POSITION_LIMIT, beside
     )
     worst = max(flight.velocity for flight in flights)
     yield CheckResult(
-        "navigation", "GPS lost: largest error of speed", worst, "m/s", None, POSITION_LIMIT, beside
+        "navigation", "GPS outage: largest speed error", worst, "m/s", None, POSITION_LIMIT, beside
     )
     after = max(float(flight.normalised[-1]) for flight in flights)
     likely = float(chi2.ppf(1.0 - 0.01 / len(flights), ESTIMATED))
-    beside = f"{_AFTER:g} s later, largest of {len(flights)}; bar: 99 % of honest filters"
-    yield CheckResult("navigation", "GPS lost: normalised error after", after, "-", None, likely, beside)
+    beside = f"{_AFTER:g} s later, largest of {len(flights)}; limit: 99 % of consistent filters"
+    yield CheckResult("navigation", "GPS outage: NEES afterwards", after, "-", None, likely, beside)
 
 
 def fly_gps_outages(library: Library, seconds: float, *, executor: Executor) -> list[FilterErrors]:
-    """Flies every trim, each with a loss of GPS."""
+    """Flies every trim with a GPS outage."""
     return list(executor.map(_fly_gps_outage, repeat(library), range(len(library.trims)), repeat(seconds)))
 
 
@@ -149,13 +149,13 @@ def _fly_gps_outage(library: Library, place: int, seconds: float) -> FilterError
         seed=place, start_trim=library.trims[place].id, wind="gtmax", faults=(loss,), altitude=_ALTITUDE
     )
     duration = _BEFORE + seconds + _AFTER
-    helicopter, watch = _monitored_helicopter(flight, library, apart=duration)
+    helicopter, monitor = _monitored_helicopter(flight, library, interval=duration)
     helicopter.coast(duration)
-    return watch.filter_errors()
+    return monitor.filter_errors()
 
 
 def _fly_random_walk(library: Library, number: int) -> FilterErrors:
-    """Flies one walk of chance along the maneuvers, in air and with sensors of its own."""
+    """Flies one random walk along the maneuvers."""
     rng = np.random.default_rng([number, _WALK_STREAM])
     flight = FlightSpecification(
         seed=number,
@@ -164,20 +164,20 @@ def _fly_random_walk(library: Library, number: int) -> FilterErrors:
         altitude=float(rng.uniform(20.0, 60.0)),
         start=specified_pose(SE2(0.0, 0.0, float(rng.uniform(-pi, pi)))),
     )
-    helicopter, watch = _monitored_helicopter(flight, library, apart=SAMPLE_INTERVAL)
+    helicopter, monitor = _monitored_helicopter(flight, library, interval=SAMPLE_INTERVAL)
     while helicopter.time < SECONDS:
         helicopter.coast(float(rng.uniform(*_COASTS)))
         onward = [maneuver for maneuver in library.maneuvers if maneuver.from_trim == helicopter.trim]
         helicopter.perform(onward[rng.integers(len(onward))])
-    watched = watch.filter_errors()
-    return replace(watched, normalised=watched.normalised[: round(SECONDS / SAMPLE_INTERVAL)])
+    errors = monitor.filter_errors()
+    return replace(errors, normalised=errors.normalised[: round(SECONDS / SAMPLE_INTERVAL)])
 
 
 def _monitored_helicopter(
-    flight: FlightSpecification, library: Library, *, apart: float
+    flight: FlightSpecification, library: Library, *, interval: float
 ) -> tuple[SimulatedHelicopter, _FilterMonitor]:
     helicopter = SimulatedHelicopter(flight, library)
     navigation = helicopter.navigation
     assert isinstance(navigation, Navigation), flight
-    helicopter.navigation = watch = _FilterMonitor(navigation, apart=apart)
-    return helicopter, watch
+    helicopter.navigation = monitor = _FilterMonitor(navigation, interval=interval)
+    return helicopter, monitor

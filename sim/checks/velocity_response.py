@@ -1,4 +1,4 @@
-"""Vehicle and controller alone, with ideal sensors: where response, adaptation and delay are shown."""
+"""Velocity response of vehicle and controller with ideal sensors."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,14 +24,14 @@ _HEIGHT = 30.0
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Response:
-    """What was flown, a row every 10 ms.
+    """Response, one row every 10 ms.
 
     Attributes:
         motion: columns as in `Motion`.
         reference: forward, side (m/s), yaw rate (rad/s).
-        servos: where they are, rad, columns as in `Controls`.
-        lost: whether the flight ended early.
-        controller: as it was left.
+        servos: servo positions, rad, columns as in `Controls`.
+        lost: whether the flight was lost.
+        controller: controller after the flight.
     """
 
     motion: Float[np.ndarray, "n 13"]
@@ -46,7 +46,7 @@ class Response:
 
     @property
     def velocity_error(self) -> float:
-        """Root mean square of the velocity's error, all three axes, m/s."""
+        """Root mean square velocity error over all axes, m/s."""
         flown = np.stack([self.column(name) for name in ("forward", "side", "descent")], axis=1)
         wanted = np.column_stack([self.reference[:, :2], np.zeros(len(flown))])
         return float(np.sqrt(((wanted - flown) ** 2).sum(axis=1).mean()))
@@ -67,16 +67,16 @@ def simulate_response(
     """Flies a list of velocities, the first held from the start.
 
     Args:
-        targets: velocities and how long each is asked for, s.
-        vehicle: what flies.
-        controller_model: vehicle that the controller is designed for; the flown one where None. It starts in
-            the equilibrium of that one.
-        gains: of the controller.
-        adaptive: whether its adaptive element learns.
+        targets: velocities and their durations, s.
+        vehicle: vehicle flown.
+        controller_model: vehicle that the controller is designed for, whose equilibrium is the start; the
+            flown one if None.
+        gains: gains of the controller.
+        adaptive: whether the adaptive element learns.
         wind: wind class.
-        seed: of the wind.
-        skip: rows left off at the start.
-        plant_step: s; a whole number of them makes 10 ms.
+        seed: seed of the wind.
+        skip: rows dropped at the start.
+        plant_step: plant step, s, a divisor of 10 ms.
     """
     controller_model, start = controller_model or vehicle, targets[0][0]
     helicopter = Helicopter(vehicle, step=plant_step)
@@ -98,12 +98,12 @@ def simulate_response(
         wanted = (reference.forward.value, reference.side.value, reference.yaw_rate.value)
         rows.append((*motion, *wanted, *helicopter.servo_positions()))
         c, s = cos(motion.heading), sin(motion.heading)
-        blowing = air.step(
+        wind_now = air.step(
             velocity_north=c * motion.forward - s * motion.side,
             velocity_east=s * motion.forward + c * motion.side,
         )
         try:
-            helicopter.advance(controller.step(motion, reference), blowing, steps=steps)
+            helicopter.advance(controller.step(motion, reference), wind_now, steps=steps)
         except FlightLostError:
             lost = True
             break

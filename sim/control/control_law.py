@@ -1,10 +1,10 @@
-"""The control law of one period as one CasADi expression, for flying and for margins.
+"""Control law of one period as a CasADi expression.
 
 Architecture of the GT-Max (thesis, 3.2.2; Johnson and Kannan 2005): an outer loop for velocity and height
-asks for attitude; a reference model shapes it; the inner loop adds feedback and takes off what the adaptive
-element has learnt; approximate dynamic inversion of the model linearised in hover turns the angular
-acceleration into servo commands. Pseudo-control hedging takes from the reference model what the servos'
-limits take from the vehicle, so that the element does not learn them.
+commands attitude; a reference model shapes it; the inner loop adds feedback and subtracts the output of the
+adaptive element; approximate dynamic inversion of the model linearised in hover converts angular acceleration
+to servo commands. Pseudo-control hedging subtracts from the reference model the acceleration lost to the
+servos' limits, so that the element does not learn them.
 """
 
 from typing import NamedTuple
@@ -21,9 +21,10 @@ from .gains import Gains
 
 
 class TrackingErrors(NamedTuple):
-    """Attitude of the reference model less the vehicle's, the rate of that, the heading's error in rad.
+    """Tracking errors of attitude, attitude rate and heading.
 
-    `free` is 1 where the tilt asked for is within its limit, else 0.
+    Attitude and rate are those of the reference model minus those of the vehicle. `free` is 1 if the
+    commanded tilt is within its limit, else 0.
     """
 
     attitude: ca.SX
@@ -33,13 +34,13 @@ class TrackingErrors(NamedTuple):
 
 
 class ControlLaw:
-    """Writes down one period of the control law.
+    """Expression of one period of the control law.
 
     Args:
-        parameters: the vehicle as the controller takes it to be.
+        parameters: vehicle that the controller is designed for.
         model: its inversion model.
         gains: all gains.
-        height: to be held, m.
+        height: height to hold, m.
         step: control period, s.
     """
 
@@ -57,7 +58,7 @@ class ControlLaw:
         self._learning_rates = ca.DM([velocity, velocity, descent, attitude, attitude, yaw])
 
     def function(self) -> ca.Function:
-        """Returns (estimate, wanted, learning, memory) -> (controls, memory)."""
+        """Returns (estimate, reference, learning, state) -> (controls, state)."""
         estimate, reference = (
             ca.SX.sym("estimate", len(Estimate._fields)),
             ca.SX.sym("wanted", len(ControlReference._fields)),
@@ -123,14 +124,14 @@ class ControlLaw:
     def _tilt(
         self, estimate: Estimate, reference: ControlReference, learnt: ca.SX, turn: ca.SX
     ) -> tuple[ca.SX, ca.SX]:
-        """Returns roll and pitch beyond the trim's, and whether they are within their limit (1 or 0).
+        """Returns roll and pitch beyond the trim's, and if within limits.
 
-        `turn` is the yaw rate of the turn that is believed to be flown.
+        The second value is 1 within the limit and 0 at it. `turn` is the yaw rate of the turn being flown.
         """
         gains, gravity = self._gains, self._parameters.environment.gravity
         c, s = ca.cos(estimate.heading), ca.sin(estimate.heading)
         learnt_forward, learnt_side = c * learnt[0] + s * learnt[1], -s * learnt[0] + c * learnt[1]
-        # The trim holds the reference's own turn; what the vehicle flies differs by this.
+        # The trim holds the reference's own turn; the flown turn differs by this.
         forward = reference.forward_rate + gains.velocity * (reference.forward - estimate.forward)
         forward -= turn * estimate.side + learnt_forward
         side = reference.side_rate + gains.velocity * (reference.side - estimate.side)
@@ -140,16 +141,16 @@ class ControlLaw:
         return limited, ca.if_else(ca.norm_1(tilt - limited) > 0, 0, 1)
 
     def _excess_yaw(self, estimate: Estimate, reference: ControlReference, state: ControllerState) -> ca.SX:
-        """Returns the yaw rate past the reference's that is believed to be a turn.
+        """Returns the filtered yaw rate beyond the reference, for banking.
 
-        Banking at once for all of it closes a loop through roll and tail whose gain is speed over gravity:
-        0.3 rad of bank for each rad/s at 10 ft/s, 2.5 rad at 80 ft/s, where it swings.
+        Unfiltered banking closes a loop through roll and tail with the gain speed over gravity: 0.3 rad of
+        bank for each rad/s at 10 ft/s, but 2.5 rad at 80 ft/s, where it oscillates.
         """
         keep = ca.exp(-self._step / self._gains.turn_time)
         return keep * state.excess_yaw + (1.0 - keep) * (estimate.yaw_rate - reference.yaw)
 
     def _reference_model(self, reference: ControlReference, tilt: ca.SX, state: ControllerState) -> ca.SX:
-        """Returns the angular accelerations in roll and pitch that the reference model asks for."""
+        """Returns roll and pitch accelerations of the reference model."""
         gains, gravity = self._gains, self._parameters.environment.gravity
         turning = reference.yaw_rate * reference.forward + reference.yaw * reference.forward_rate
         ahead = ca.vertcat(reference.side_acceleration + turning, -reference.forward_acceleration) / gravity
@@ -159,9 +160,10 @@ class ControlLaw:
         return frequency**2 * (command - attitude) + 2.0 * gains.model_damping * frequency * (ahead - rate)
 
     def _invert(self, pseudo: ca.SX, body_rates: ca.SX, state: ControllerState) -> ca.SX:
-        """Returns cyclic beyond the trim's, lateral and longitudinal, for angular accelerations.
+        """Returns cyclic beyond the trim's for angular accelerations.
 
-        What rotor and bar do against the asked rates is inverted; their damping of errors is left to help.
+        Lateral, then longitudinal. The response of rotor and bar to the commanded rates is inverted; their
+        damping of rate errors is kept.
         """
         rotor, bar, model = self._parameters.main_rotor, self._parameters.stabiliser_bar, self._model
         right, back = pseudo[0] / model.roll, pseudo[1] / model.pitch
@@ -173,7 +175,7 @@ class ControlLaw:
     def _predict_stabiliser_bar(
         self, cyclic: ca.SX, rates: ca.SX, state: ControllerState
     ) -> tuple[ca.SX, ca.SX]:
-        """Returns the bar's angles beyond the trim's after the period, as reckoned."""
+        """Returns the predicted bar angles beyond the trim's."""
         bar = self._parameters.stabiliser_bar
         keep = ca.exp(-self._step / bar.time)
         right = -bar.time * rates[0] + bar.gain_right * cyclic[0]
@@ -189,7 +191,7 @@ class ControlLaw:
     def _heading_error(
         self, estimate: Estimate, reference: ControlReference, state: ControllerState
     ) -> ca.SX:
-        """Returns the integral of the yaw rate's error, slowly forgotten."""
+        """Returns the leaky integral of the yaw rate error."""
         keep = ca.exp(-self._step / self._gains.heading_error_time)
         return keep * state.heading_error + self._step * (reference.yaw - estimate.yaw_rate)
 
@@ -219,7 +221,7 @@ class ControlLaw:
         forward, side = reference.forward - estimate.forward, reference.side - estimate.side
         low, sinking = -(self._height + estimate.down), -estimate.descent
         training = ca.vertcat(
-            # What the wind does stays put in the world, so the element learns it there.
+            # Wind disturbances are constant in world axes, so the element learns there.
             errors.free / (2.0 * gains.velocity) * (c * forward - s * side),
             errors.free / (2.0 * gains.velocity) * (s * forward + c * side),
             _training_signal(low, sinking, gains.descent * gains.height, gains.descent),
@@ -234,7 +236,7 @@ class ControlLaw:
 
 
 def predict_servos(servos: Servos, position: ca.SX, command: ca.SX, *, step: float) -> tuple[ca.SX, ca.SX]:
-    """Returns where servos within their limits will be, and the command that unlimited ones would need."""
+    """Returns limited servo positions, and the equivalent command without limits."""
     share = 1.0 - ca.exp(-servos.bandwidth * step)
     cyclic = servos.cyclic_limit
     low = ca.DM([-cyclic, -cyclic, servos.collective_low, servos.pedal_low])
@@ -246,7 +248,10 @@ def predict_servos(servos: Servos, position: ca.SX, command: ca.SX, *, step: flo
 
 
 def _training_signal(error: ca.SX, rate: ca.SX, stiffness: ca.DM | float, damping: ca.DM | float) -> ca.SX:
-    """Returns e^T P B with P of the Lyapunov equation of e'' = -damping e' - stiffness e, unit weights."""
+    """Returns the training signal e^T P B.
+
+    P solves the Lyapunov equation of e'' = -damping e' - stiffness e with unit weights.
+    """
     return error / (2.0 * stiffness) + rate * (1.0 + 1.0 / stiffness) / (2.0 * damping)
 
 
@@ -259,7 +264,7 @@ def _euler_rates(estimate: Estimate) -> ca.SX:
 
 
 def _body_rates(attitude: ca.SX, rates: ca.SX, yaw_rate: ca.SX) -> ca.SX:
-    """Returns the rates about the body's first two axes from roll, pitch, their rates and the heading's."""
+    """Returns roll and pitch body rates from Euler angles and rates."""
     roll, pitch = attitude[0], attitude[1]
     return ca.vertcat(
         rates[0] - yaw_rate * ca.sin(pitch),
@@ -268,9 +273,10 @@ def _body_rates(attitude: ca.SX, rates: ca.SX, yaw_rate: ca.SX) -> ca.SX:
 
 
 def _commanded_body_rates(estimate: Estimate, reference: ControlReference, state: ControllerState) -> ca.SX:
-    """Returns the rates about the body's first two axes, beyond the trim's, that the model asks for.
+    """Returns the reference model's body rates beyond the trim's.
 
-    In a turn a bank that differs from the trim's is a pitch rate that differs, which the bar answers.
+    About the first two axes. In a turn a bank other than the trim's implies another pitch rate, to which the
+    bar responds.
     """
     trim = ca.vertcat(reference.trim_roll, reference.trim_pitch)
     return _body_rates(*_model(state), estimate.yaw_rate) - _body_rates(trim, ca.SX(2, 1), reference.yaw)
@@ -282,7 +288,7 @@ def _model(state: ControllerState) -> tuple[ca.SX, ca.SX]:
 
 
 def _network_inputs(estimate: Estimate) -> ca.SX:
-    """Returns what the network sees, each of order one."""
+    """Returns the network's inputs, scaled to order one."""
     return ca.vertcat(
         1.0,
         *(estimate.forward / 5.0, estimate.side / 5.0, estimate.descent / 2.0),

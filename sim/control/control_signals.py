@@ -1,4 +1,4 @@
-"""What goes in and out of one period of the control law, field by field, in the order of its columns."""
+"""Inputs, outputs and state of the control law, in column order."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from . import adaptive_element as element
 
 
 class InversionModel(NamedTuple):
-    """The model that is inverted: the vehicle linearised in hover.
+    """Inversion model: the vehicle linearised in hover.
 
     Attributes:
         roll: angular acceleration per disc angle to the right, 1/s2.
@@ -26,9 +26,10 @@ class InversionModel(NamedTuple):
 
 
 class ControllerState(NamedTuple):
-    """What the controller remembers: reference model, bar and servos as reckoned, yaw, weights.
+    """State of the controller.
 
-    `excess_yaw` is the yaw rate past the reference's that is believed to be a turn, rad/s.
+    Reference model, predicted bar and servos, integrated heading error in rad, filtered yaw rate beyond the
+    reference's in rad/s (`excess_yaw`), weights.
     """
 
     roll: ca.SX
@@ -45,11 +46,11 @@ class ControllerState(NamedTuple):
 
 
 STATE_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
-"""Entries of each part, in the order in which they are laid out."""
+"""Number of entries of each part, in order."""
 
 
 class ControlReference(NamedTuple):
-    """The reference, value, rate and acceleration of each channel, and the trim at its values."""
+    """Reference of each channel with derivatives, and the trim there."""
 
     forward: ca.SX
     forward_rate: ca.SX
@@ -69,7 +70,7 @@ class ControlReference(NamedTuple):
 
 
 def split_state(state: ca.SX) -> ControllerState:
-    """Returns the parts of a memory laid out in one column."""
+    """Returns the parts of a state column."""
     places = [0]
     for size in STATE_SIZES:
         places.append(places[-1] + size)

@@ -1,4 +1,4 @@
-"""The flight controller: it turns an estimate and a reference into servo commands, period by period."""
+"""Flight controller: servo commands from estimate and reference."""
 
 from functools import cache
 from itertools import chain
@@ -29,19 +29,19 @@ _CHANNEL = len(ReferenceChannel._fields)
 
 
 class Controller:
-    """Follows a reference at a height, from an estimate alone.
+    """Controller of velocity, yaw rate and height.
 
     Args:
-        parameters: the vehicle as the controller takes it to be.
-        height: above ground, m.
-        step: control period in s.
-        gains: all feedback and learning gains.
-        adaptive: whether the adaptive element learns; its output stays 0 where not.
-        signals: where it finds estimate and reference, and leaves the controls; its own where None.
-        backend: what evaluates the control law.
+        parameters: vehicle that the controller is designed for.
+        height: height above ground to hold, m.
+        step: control period, s.
+        gains: feedback and learning gains.
+        adaptive: whether the adaptive element learns; otherwise its output is 0.
+        signals: inputs estimate and reference, output controls; its own if None.
+        backend: numeric back-end.
 
     Attributes:
-        function: (estimate, wanted, learning, memory) -> (controls, memory), for margins.
+        function: (estimate, reference, learning, state) -> (controls, state), for margins.
     """
 
     def __init__(
@@ -70,23 +70,23 @@ class Controller:
 
     @property
     def state(self) -> np.ndarray:
-        """What is remembered now, laid out as in `control_law.Memory`."""
+        """Controller state, laid out as `control_signals.ControllerState`."""
         return self._state.copy()
 
     def restore(self, state: np.ndarray) -> None:
-        """Goes on from a memory."""
+        """Sets the controller state."""
         self._state[:] = state
         self._begun = True
 
     def rotate_world(self, angle: float) -> None:
-        """Follows a turn of the whole world about the vertical, in rad."""
+        """Applies a rotation of the world about the vertical, in rad."""
         outer = self._state[_OUTER:].reshape(element.OUTPUTS, _ROWS)
         north, east = outer[0].copy(), outer[1].copy()
         outer[0] = cos(angle) * north - sin(angle) * east
         outer[1] = sin(angle) * north + cos(angle) * east
 
     def run(self) -> None:
-        """Gives the controls of the next control period."""
+        """Computes the controls of the next control period."""
         if not self._begun:
             forward, _, yaw_rate = self.signals.reference[::_CHANNEL].tolist()
             self.restore(initial_controller_state(self._trims.at(forward, yaw_rate)))
@@ -100,7 +100,7 @@ class Controller:
 
 
 def initial_controller_state(trim: TrimPoint) -> np.ndarray:
-    """Returns the memory of a controller that has always held a trim."""
+    """Returns the state of a controller settled in a trim."""
     parts = (
         *(trim.roll, 0.0, trim.pitch, 0.0),
         *(0.0, 0.0, 0.0, 0.0),
@@ -113,7 +113,7 @@ def initial_controller_state(trim: TrimPoint) -> np.ndarray:
 
 @cache
 def inversion_model(parameters: Parameters) -> InversionModel:
-    """Returns the model that the controller inverts: the vehicle linearised in hover."""
+    """Returns the inversion model: the vehicle linearised in hover."""
     hover = find_equilibrium(parameters, Twist(0.0, 0.0, 0.0))
     state = linearise(parameters, hover).state
     return InversionModel(
@@ -127,7 +127,7 @@ def inversion_model(parameters: Parameters) -> InversionModel:
 
 @cache
 def _with_trims(law: ca.Function, trims: ca.Function) -> ca.Function:
-    """Builds (estimate, reference, learning, memory) -> (controls, memory) of a law and a trim table."""
+    """Builds (estimate, reference, learning, state) -> (controls, state) with trim table."""
     estimate, reference, learning, state = (
         ca.MX.sym(name, size)
         for name, size in zip(

@@ -1,4 +1,4 @@
-"""A flight computer that is late: its commands come later, or some of its periods are missed."""
+"""Flight computer with late commands or missed periods."""
 
 from collections import deque
 from collections.abc import Callable
@@ -10,11 +10,11 @@ from flight.mission.fault import Fault
 
 
 class DelayedComputer:
-    """Runs maneuver generator and controller, and hands on what they command when it is due.
+    """Maneuver generator and controller with delayed or missed periods.
 
     Args:
-        compute: one period of each; the controller leaves the commands in `controls`.
-        controls: servo commands in force; altered in place.
+        compute: one period of each; the controller writes `controls`.
+        controls: servo commands in force, changed in place.
         step: control period, s.
     """
 
@@ -28,16 +28,16 @@ class DelayedComputer:
         self._in_force = controls.copy()
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from the next period on; returns what tells its effect."""
+        """Starts a fault at the next period; returns its effect function."""
         self._faults[number] = (fault, self._now)
         return lambda: (self._now - 1 - self._computed) * self._step
 
     def end(self, number: int, fault: Fault) -> None:
-        """Takes a fault away."""
+        """Ends a fault."""
         del self._faults[number]
 
     def run(self) -> None:
-        """Computes, unless this period is missed, and puts the newest command that is due in force."""
+        """Computes unless missed, and applies the newest command due."""
         if not any(self._is_missed(fault, begun) for fault, begun in self._faults.values()):
             for run in self._compute:
                 run()
@@ -51,5 +51,5 @@ class DelayedComputer:
         self._now += 1
 
     def _is_missed(self, fault: Fault, begun: int) -> bool:
-        """Whether this period is not the first of as many as the fault says."""
+        """Returns True if a fault skips this period."""
         return fault.what == "misses" and (self._now - begun) % round(fault.size[0]) != 0

@@ -1,4 +1,4 @@
-"""When faults begin and end, to the nearest control period."""
+"""Schedule of faults in control periods."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -9,25 +9,28 @@ from sim.loop.specification import CONTROL_PERIOD
 
 
 class FaultTarget(Protocol):
-    """A part of the flight loop that can fail."""
+    """Part of the flight loop that can fail."""
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from now on; returns what tells its effect."""
+        """Starts a fault; returns its effect function."""
 
     def end(self, number: int, fault: Fault) -> None:
-        """Takes a fault away."""
+        """Ends a fault."""
 
 
 @dataclass(frozen=True, slots=True)
 class FaultWindow:
-    """The control periods in which a fault acts: from the first until before the last."""
+    """Control periods of a fault: first, and the one after the last."""
 
     first: int
     last: int | None
 
 
 def fault_window(fault: Fault) -> FaultWindow:
-    """Returns when a fault acts: for one control period at least, for good where it has no duration."""
+    """Returns the control periods of a fault, at least one.
+
+    Without a duration it lasts to the end of the flight.
+    """
     first = round(fault.start / CONTROL_PERIOD)
     if fault.duration is None:
         return FaultWindow(first, None)
@@ -35,14 +38,14 @@ def fault_window(fault: Fault) -> FaultWindow:
 
 
 class FaultSchedule:
-    """Begins and ends faults, period by period.
+    """Schedule that starts and ends faults, period by period.
 
     Args:
-        faults: by their numbers.
-        places: what fails, by the name that faults have for it.
+        faults: faults by number.
+        places: failing parts by the place of the faults.
 
     Attributes:
-        active: what tells the effects of the faults that act now, by their numbers.
+        active: effect functions of the active faults by number.
     """
 
     def __init__(self, faults: Mapping[int, Fault], places: Mapping[str, FaultTarget]) -> None:
@@ -51,7 +54,7 @@ class FaultSchedule:
         self.active: dict[int, Callable[[], float]] = {}
 
     def begin(self, period: int) -> list[tuple[int, bool]]:
-        """Ends and begins what is due at the start of a control period; returns which, and whether begun."""
+        """Ends and starts the faults due; returns numbers and if started."""
         ended = [number for number, at in self._windows.items() if at.last == period]
         begun = [number for number, at in self._windows.items() if at.first == period]
         for number in ended:

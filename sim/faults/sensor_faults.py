@@ -1,4 +1,4 @@
-"""Sensors that fail: what they read is altered on its way to the filter, which is not told."""
+"""Sensor faults: readings changed before the filter."""
 
 from collections import deque
 from collections.abc import Callable
@@ -14,12 +14,17 @@ _INERTIAL = ("gyro", "accelerometer")
 
 
 class _SensorFault(Protocol):
-    """One fault on the way of one sensor's readings."""
+    """Fault of one sensor."""
 
     effect: float
 
     def apply(self, values: Values, *, fresh: bool) -> bool:
-        """Alters values in place; takes and gives whether they are a new reading."""
+        """Changes a reading in place; returns True if it is new.
+
+        Args:
+            values: the reading.
+            fresh: whether it is a new reading.
+        """
 
 
 class _Dropout:
@@ -75,15 +80,15 @@ class _Delay:
 
 
 def _reading_distance(values: Values, sound: Values) -> float:
-    """Returns how far a reading is from another; of fixes, how far their positions are."""
+    """Returns the distance of two readings; of positions for fixes."""
     return float(np.linalg.norm((values - sound)[:3]))
 
 
 class FaultySensors:
-    """Sensors of which some fail.
+    """Sensors with faults.
 
     Args:
-        sensors: sound ones; what they read is altered in place, right after they have read it.
+        sensors: sensors without faults; their readings are changed in place.
         step: control period, s.
     """
 
@@ -97,27 +102,27 @@ class FaultySensors:
             *(self.heading_and_height[:1], self.heading_and_height[1:]),
         )
         self._values = dict(zip(SENSORS, parts, strict=True))
-        # Registers of the inertial unit hold something from the start.
+        # The inertial unit's registers hold values from the start.
         self._last = {sensor: self._values[sensor].copy() for sensor in _INERTIAL}
         self._failures: dict[str, dict[int, _SensorFault]] = {sensor: {} for sensor in SENSORS}
 
     @property
     def biases(self) -> Values:
-        """Errors of accelerometers and gyros that wander, as they are."""
+        """Biases of accelerometers and gyros."""
         return self._sensors.biases
 
     def move_world(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
+        """Applies a displacement of the whole world."""
         self._sensors.move_world(displacement)
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from the next reading on; returns what tells its effect."""
+        """Starts a fault at the next reading; returns its effect function."""
         failure = self._sensor_fault(fault)
         self._failures[fault.where][number] = failure
         return lambda: failure.effect
 
     def end(self, number: int, fault: Fault) -> None:
-        """Makes a sensor sound again, but for its other faults."""
+        """Ends one fault of a sensor."""
         del self._failures[fault.where][number]
 
     def _sensor_fault(self, fault: Fault) -> _SensorFault:
@@ -132,7 +137,7 @@ class FaultySensors:
                 return _Delay(round(fault.size[0] / self._step))
 
     def run(self) -> None:
-        """Reads at the end of a control period."""
+        """Reads the sensors at the end of a control period."""
         self._sensors.run()
         fix, slow = self._sensors.has_fix, self._sensors.has_heading_and_height
         fresh = dict(zip(SENSORS, (True, True, fix, slow, slow), strict=True))
@@ -144,7 +149,7 @@ class FaultySensors:
             elif sensor in _INERTIAL:
                 values[:] = self._last[sensor]
             elif sensor != "gps":
-                # The filter does not believe what is no number.
+                # The filter rejects not-a-number.
                 values[:] = np.nan
         self.has_fix = fresh["gps"]
         self.has_heading_and_height = fresh["magnetometer"] or fresh["altimeter"]

@@ -1,4 +1,4 @@
-"""A vehicle that fails: servos that jam, tire or lag, a mass or a lift that is another one."""
+"""Vehicle faults: jammed, slow or lagging servos, changed mass or lift."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -12,11 +12,11 @@ from .fault_schedule import FaultSchedule
 
 
 class FaultyVehicle:
-    """Makes a helicopter another one while faults last.
+    """Helicopter whose parameters change with its faults.
 
     Args:
-        helicopter: what flies.
-        parameters: the sound vehicle.
+        helicopter: helicopter flown.
+        parameters: vehicle without faults.
     """
 
     def __init__(self, helicopter: Helicopter, parameters: Parameters) -> None:
@@ -24,7 +24,7 @@ class FaultyVehicle:
         self._faults: dict[int, Fault] = {}
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from the next plant step on; returns what tells its effect."""
+        """Starts a fault at the next plant step; returns its effect function."""
         self._faults[number] = fault
         self._refit()
         if fault.where in SERVOS:
@@ -35,12 +35,12 @@ class FaultyVehicle:
         return lambda: change
 
     def end(self, number: int, fault: Fault) -> None:
-        """Takes a fault away."""
+        """Ends a fault."""
         del self._faults[number]
         self._refit()
 
     def _refit(self) -> None:
-        """Gives the helicopter the numbers that all its faults together leave."""
+        """Applies the parameters under all active faults."""
         vehicle, servo_dynamics = self._sound, list(nominal_servo_dynamics(self._sound.servos))
         for fault in self._faults.values():
             if fault.where in SERVOS:
@@ -55,7 +55,7 @@ class FaultyVehicle:
 def vehicle_fault_schedule(
     faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters
 ) -> FaultSchedule:
-    """Returns when a helicopter alone fails: its servos, its mass and its lift."""
+    """Returns the schedule of servo, mass and lift faults."""
     vehicle = FaultyVehicle(helicopter, parameters)
     own = {number: fault for number, fault in enumerate(faults) if fault.where in (*SERVOS, "vehicle")}
     return FaultSchedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))

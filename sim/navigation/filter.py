@@ -1,9 +1,9 @@
-"""The navigation filter's equations as CasADi expressions: strapdown mechanisation and covariance.
+"""Equations of the navigation filter: strapdown mechanisation and covariance.
 
-Error-state Kalman filter. The nominal state is position, velocity (world), attitude quaternion (body to
-world), biases of accelerometers and gyros. Its error has 15 entries, position, velocity, rotation in body
-axes, the two biases, and 4 that are considered but never corrected (Schmidt): the wandering errors of fixes
-and heading.
+Error-state Kalman filter in CasADi. The nominal state is position, velocity (world), attitude quaternion
+(body to world), biases of accelerometers and gyros. Its error has 15 estimated entries, position, velocity,
+rotation in body axes, the two biases, and 4 considered ones (Schmidt): the Gauss-Markov errors of fixes and
+heading.
 """
 
 from collections.abc import Callable
@@ -14,13 +14,13 @@ import casadi as ca
 from .sensor_errors import GaussMarkovError
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
-# Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
+# Position, velocity in the heading frame, roll, pitch, heading.
 OUTPUTS = 9
 ERRORS = ESTIMATED + CONSIDERED
 _UPPER = ca.Sparsity.upper(ERRORS)
 STATE = NOMINAL + _UPPER.nnz() + 1
-"""What the filter remembers: nominal state, upper half of the covariance column by column, heading in rad."""
-# An innovation of more than this many standard deviations is not believed.
+"""Size of the filter's state: nominal state, upper half of the covariance by columns, heading in rad."""
+# Innovations above this many standard deviations are rejected.
 GATE = 5.0
 
 
@@ -30,10 +30,10 @@ def prediction_function(
     """Returns (inertial reading, state) -> (motion, state) one period later.
 
     Args:
-        step: s.
-        gravity: m/s2.
+        step: period, s.
+        gravity: gravity, m/s2.
         noise: standard deviations of accelerometers and gyros over a period.
-        drifts: of the biases (6) and of the considered errors (4).
+        drifts: Gauss-Markov errors: biases (6) and considered errors (4).
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
     nominal, covariance, heading = split_filter_state(state)
@@ -65,8 +65,8 @@ def prediction_function(
         added[place, place] = 0.0
         added[3 + place, 3 + place] = step**2 * noise[place] ** 2
         added[6 + place, 6 + place] = step**2 * noise[3 + place] ** 2
-    standard_deviation_function = transition @ covariance @ transition.T + added
-    results = _estimate_and_state(after, standard_deviation_function, heading, reading)
+    predicted = transition @ covariance @ transition.T + added
+    results = _estimate_and_state(after, predicted, heading, reading)
     return ca.Function("predict", [reading, state], ca.cse(results))
 
 
@@ -75,13 +75,13 @@ def fix_correction_function(
 ) -> ca.Function:
     """Returns (past, fix, inertial reading, state) -> (motion, tests, state).
 
-    Tests are the innovations in standard deviations, each after those before it were taken in, believed or
-    not. The fix is `age` seconds old. It is compared with the antenna of the nominal state and the inertial
-    reading of then, `past`; what the error of now says of the error of then enters the slopes.
+    Tests are the innovations in standard deviations, processed in sequence, rejected ones included. The fix
+    is `age` seconds old and is compared with the antenna position of the nominal state and inertial reading
+    of that time, `past`; the slopes relate the present error to the error of that time.
 
     Args:
-        antenna: forward, right, down of the centre of mass, m.
-        age: s.
+        antenna: position of the antenna from the centre of mass, forward, right, down, m.
+        age: age of the fix, s.
         sigmas: standard deviations of the fix's noise.
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
@@ -114,7 +114,9 @@ def fix_correction_function(
 def heading_height_correction_function(
     heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]
 ) -> ca.Function:
-    """Returns (heading and height, inertial, state) -> (motion, tests, state); see `fix_correction_function`.
+    """Returns (heading and height, inertial, state) -> (motion, tests, state).
+
+    See `fix_correction_function` for the tests.
 
     Args:
         heading_sigma: standard deviation of the heading's noise, rad.
@@ -145,25 +147,24 @@ def heading_height_correction_function(
 def _correct(
     error: ca.SX, covariance: ca.SX, slopes: ca.SX, innovation: ca.SX, variance: ca.SX | float
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Takes one number in, with Schmidt's gain; nothing where the innovation is past the gate.
+    """Processes one scalar innovation with Schmidt's gain and a gate.
 
-    Returns error, covariance, and the innovation in standard deviations.
-
-    Between estimated errors, and between them and the considered, Joseph's form comes to a difference; the
-    covariance of the considered stays.
+    Innovations beyond the gate change nothing. Returns error, covariance, and the innovation in standard
+    deviations. For the estimated errors and their covariance with the considered ones Joseph's form reduces
+    to a difference; the covariance of the considered errors is unchanged.
     """
     reach = covariance @ slopes.T
-    standard_deviation_function = slopes @ reach + variance
+    innovation_variance = slopes @ reach + variance
     left = innovation - slopes[:ESTIMATED] @ error
-    # False too where the innovation is no number, because a sensor is silent.
-    believed = left**2 <= GATE**2 * standard_deviation_function
-    gain = ca.if_else(believed, reach[:ESTIMATED] / standard_deviation_function, ca.SX.zeros(ESTIMATED))
+    # Also false for not-a-number, the innovation of a sensor without reading.
+    accepted = left**2 <= GATE**2 * innovation_variance
+    gain = ca.if_else(accepted, reach[:ESTIMATED] / innovation_variance, ca.SX.zeros(ESTIMATED))
     smaller = covariance
     smaller[:ESTIMATED, :] -= gain @ reach.T
     return (
-        error + gain * ca.if_else(believed, left, 0.0),
+        error + gain * ca.if_else(accepted, left, 0.0),
         _symmetric(smaller),
-        left / ca.sqrt(standard_deviation_function),
+        left / ca.sqrt(innovation_variance),
     )
 
 
@@ -174,17 +175,20 @@ def split_filter_state(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
 
 
 def _symmetric(matrix: ca.SX) -> ca.SX:
-    """Returns a symmetric matrix from its upper half, so that the other half costs nothing."""
+    """Returns a symmetric matrix from its upper half.
+
+    The lower half is never evaluated.
+    """
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
 def estimated_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
-    """Returns the motion that a nominal state stands for, laid out as `Motion`.
+    """Returns the motion of a nominal state, laid out as `Motion`.
 
     Args:
-        nominal: state.
-        rates: of the body, rad/s.
-        before: a heading that this one goes on from without jumps, rad.
+        nominal: nominal state.
+        rates: body rates, rad/s.
+        before: previous heading, for unwrapping, rad.
     """
     turn, velocity = rotation(nominal[6:10]), nominal[3:6]
     roll, heading = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(turn[1, 0], turn[0, 0])
@@ -197,16 +201,16 @@ def estimated_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
 
 
 def _estimate_and_state(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
-    """Returns the motion that is believed, and the filter's state."""
+    """Returns the estimated motion and the filter's state."""
     motion = estimated_motion(nominal, reading[3:] - nominal[13:16], before)
     upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
     return [motion, ca.vertcat(nominal, upper, motion[OUTPUTS - 1])]
 
 
 def standard_deviation_function() -> ca.Function:
-    """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
+    """Returns state -> standard deviations of the estimate.
 
-    First order: the slopes of what is believed over the error, around no error.
+    The first nine entries of the motion, to first order about zero error.
     """
     state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
     nominal, covariance, heading = split_filter_state(state)
@@ -231,7 +235,7 @@ def injection_function() -> ca.Function:
 
 
 def error_function() -> ca.Function:
-    """Returns (nominal, motion) -> error of position, velocity and attitude, shape (9, 1)."""
+    """Returns (nominal, motion) -> error of position, velocity and attitude."""
     nominal, motion = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("motion", 13)
     left = product(conjugate(nominal[6:10]), euler_quaternion(motion[6:9]))
     turned = 2.0 * ca.sign(left[0]) * left[1:]
@@ -240,19 +244,19 @@ def error_function() -> ca.Function:
 
 
 def inject(nominal: ca.SX, error: ca.SX) -> ca.SX:
-    """Returns the nominal state with an error taken up."""
+    """Returns the nominal state corrected by an error."""
     turned = product(nominal[6:10], rotation_vector(error[6:9]))
     return ca.vertcat(nominal[:6] + error[:6], turned / ca.norm_2(turned), nominal[10:] + error[9:15])
 
 
 def world_velocity(motion: ca.SX) -> ca.SX:
-    """Returns the velocity in the world of a motion laid out as `Motion`."""
+    """Returns the world velocity of a motion laid out as `Motion`."""
     c, s = ca.cos(motion[8]), ca.sin(motion[8])
     return ca.vertcat(c * motion[3] - s * motion[4], s * motion[3] + c * motion[4], motion[5])
 
 
 def euler_quaternion(angles: ca.SX) -> ca.SX:
-    """Returns the quaternion, body to world, of roll, pitch and heading."""
+    """Returns the body-to-world quaternion of roll, pitch and heading."""
     (cr, cp, ch), (sr, sp, sh) = ca.vertsplit(ca.cos(angles / 2)), ca.vertsplit(ca.sin(angles / 2))
     return ca.vertcat(
         cr * cp * ch + sr * sp * sh,
@@ -269,12 +273,12 @@ def rotation_vector(angles: ca.SX) -> ca.SX:
 
 
 def conjugate(quaternion: ca.SX) -> ca.SX:
-    """Returns the opposite rotation."""
+    """Returns the inverse rotation."""
     return ca.vertcat(quaternion[0], -quaternion[1:])
 
 
 def product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Returns the quaternion that rotates by b first, then by a."""
+    """Returns the quaternion of rotation b followed by a."""
     return ca.vertcat(
         a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
     )

@@ -1,7 +1,7 @@
-"""What the sensors read: inertial unit, GPS with an antenna on the boom, magnetometer and altimeter.
+"""Sensors: inertial unit, GPS with boom antenna, magnetometer and altimeter.
 
-Every reading is the truth with white noise and, where stated, an error that wanders (Gauss-Markov: standard
-deviation and correlation time). The inertial unit gives the mean over a control period.
+Every reading is the truth with white noise and, for some, a Gauss-Markov error. The inertial unit gives the
+mean over a control period.
 """
 
 from functools import cache
@@ -32,7 +32,7 @@ from .filter import (
 from .sensor_errors import SensorErrors
 
 _MOTION, _DRIFTS, _WHITE_NOISES = len(Motion._fields), 10, 14
-# What is remembered of the motion before: velocity and attitude.
+# Stored motion of the previous period: velocity and attitude.
 _BEFORE = 7
 _NOISE, _STATE = _DRIFTS + _WHITE_NOISES, _BEFORE + _DRIFTS
 
@@ -41,7 +41,7 @@ Values = Float[np.ndarray, "n"]
 
 
 class SensorReadings(Protocol):
-    """What a filter reads: arrays that change, as `Sensors` has them."""
+    """Readings for the filter, as arrays changed in place."""
 
     inertial: Values
     fix: Values
@@ -51,24 +51,24 @@ class SensorReadings(Protocol):
 
     @property
     def biases(self) -> Values:
-        """Errors of accelerometers and gyros that wander."""
+        """Biases of accelerometers and gyros."""
 
     def run(self) -> None:
-        """Reads at the end of a control period."""
+        """Reads the sensors at the end of a control period."""
 
     def move_world(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
+        """Applies a displacement of the whole world."""
 
 
 @cache
 def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Function:
-    """Builds what the sensors make of a motion, without latency.
+    """Builds the sensor readings of a motion, without latency.
 
     Returns:
         (motion now, noise, state) -> (inertial reading, antenna position and velocity, heading and height,
-        state). The noise is what drives the wandering errors and what is white, in the units of what it
-        spoils but for the height; the state is velocity (world) and attitude quaternion of the period before,
-        and the wandering errors.
+        state). The noise drives the Gauss-Markov errors and adds white noise, in the units of the readings
+        except for the height; the state is velocity (world) and attitude quaternion of the previous period,
+        and the Gauss-Markov errors.
     """
     now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
     velocity_before, first, drifts = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _DRIFTS))
@@ -93,22 +93,22 @@ def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Fun
 
 
 class Sensors:
-    """Reads a vehicle's motion, period by period.
+    """Sensors of a vehicle's motion, period by period.
 
     Args:
-        errors: their sizes.
-        step: control period in s.
-        gravity: m/s2.
-        rng: source of all their chance.
-        signals: where they find the true motion, that of the start already now.
-        backend: what evaluates the readings.
+        errors: sizes of the errors.
+        step: control period, s.
+        gravity: gravity, m/s2.
+        rng: random generator.
+        signals: input truth, already set to the start.
+        backend: numeric back-end.
 
     Attributes:
-        inertial: specific force (m/s2) and body rates (rad/s), mean over the period that ends.
-        fix: antenna position (m) and velocity (m/s) in the world, as they were a latency ago.
-        heading_and_height: rad, not wrapped, and m above ground.
-        has_fix: whether there is a fix in this period.
-        has_heading_and_height: likewise.
+        inertial: specific force (m/s2) and body rates (rad/s), mean over the last period.
+        fix: antenna position (m) and velocity (m/s) in the world, delayed by the latency.
+        heading_and_height: heading in rad, not wrapped, and height above ground in m.
+        has_fix: whether this period has a fix.
+        has_heading_and_height: whether this period has heading and height.
     """
 
     def __init__(
@@ -145,11 +145,11 @@ class Sensors:
 
     @property
     def biases(self) -> np.ndarray:
-        """Errors of accelerometers and gyros that wander, as they are: what a filter looks for."""
+        """Biases of accelerometers and gyros."""
         return np.asarray(self._drift[:6])
 
     def move_world(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world, after which the truth is that of the signals."""
+        """Applies a displacement of the world, with the signals' new truth."""
         self._remember()
         self._turned += displacement.heading
         for fix in self._fixes.rows:
@@ -158,12 +158,12 @@ class Sensors:
             fix[:2], fix[3:5] = (pose.x, pose.y), (velocity.x, velocity.y)
 
     def _remember(self) -> None:
-        """Takes the truth as what was so a period ago."""
+        """Stores the truth as that of the previous period."""
         nominal = initial_nominal_function()(self._truth)
         self._state[:_BEFORE] = nominal.elements()[3:10]
 
     def run(self) -> None:
-        """Reads at the end of a control period."""
+        """Reads the sensors at the end of a control period."""
         self._noise.next()
         self._sense.step()
         self._fixes.push()
@@ -175,14 +175,14 @@ class Sensors:
             self._receive()
 
     def _receive(self) -> None:
-        """Takes the oldest fix, with the error that wanders."""
+        """Outputs the delayed fix with its drift."""
         north, east, down = self._drift[6:9].tolist()
         drift = SE2(0.0, 0.0, self._turned) @ SE2(north, east, 0.0)
         self.fix[:] = self._fixes.oldest
         self.fix[:3] += (drift.x, drift.y, down)
 
     def _draw(self, periods: int) -> Float[np.ndarray, "n 24"]:
-        """Draws what spoils the readings of many periods."""
+        """Draws the noise of many periods."""
         driven = self._drive * self._rng.standard_normal((periods, _DRIFTS))
         white = self._white * self._rng.standard_normal((periods, _WHITE_NOISES))
         return np.hstack([driven, white])

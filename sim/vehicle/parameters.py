@@ -1,4 +1,4 @@
-"""The numbers of the vehicle, read once from `models/gtmax.toml` and checked there."""
+"""Vehicle parameters, read from `models/gtmax.toml` and checked."""
 
 import hashlib
 import json
@@ -13,7 +13,7 @@ from flight.file_value import FileValue, Share
 from flight.schema import check_schema_name, parse_json, refusing, toml_table
 
 SCHEMA = "maneuver-vehicle/1"
-"""What a vehicle's file may name itself; one that does not is of this version."""
+"""Schema name of a vehicle file, assumed for files that name none."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +134,7 @@ def change_vehicle(
     hub_forward: float = 0.0,
     extra_delay: float = 0.0,
 ) -> Parameters:
-    """Returns a vehicle that is not the one its controller was made for.
+    """Returns a vehicle that differs from the controller's model.
 
     Args:
         parameters: the vehicle to change.
@@ -155,13 +155,13 @@ def change_vehicle(
 
 
 def read_parameters(path: Path | None = None) -> Parameters:
-    """Reads and checks the vehicle's numbers.
+    """Reads and checks the vehicle's parameters.
 
     Args:
-        path: a file in the form of `models/gtmax.toml`, which is the default.
+        path: file in the format of `models/gtmax.toml`, the default.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
     path = path or models.FOLDER / "gtmax.toml"
     content = toml_table(path)
@@ -171,17 +171,17 @@ def read_parameters(path: Path | None = None) -> Parameters:
 
 
 def parse_parameters(text: bytes, source: str) -> Parameters:
-    """Reads the vehicle's numbers back from a flight log.
+    """Reads the vehicle's parameters from a flight log.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
     return parse_json(text, source, Parameters)
 
 
 @cache
 def model_hash() -> str:
-    """Returns the SHA-256 of the vehicle's numbers and shape, in hexadecimal."""
+    """Returns the SHA-256 of the vehicle's parameters and shape."""
     files = (models.FOLDER / name for name in ("gtmax.toml", "gtmax.xml"))
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 

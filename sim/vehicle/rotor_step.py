@@ -1,4 +1,4 @@
-"""One step of servos and rotors, each part exactly for what is held through the step."""
+"""Exact discrete step of servos and rotors."""
 
 from dataclasses import dataclass
 
@@ -10,18 +10,18 @@ from .rotor import Air, RotorState, flapping_targets, settle_inflow
 
 @dataclass(frozen=True, slots=True)
 class ServoDynamics:
-    """What one servo can do: largest rate in rad/s, bandwidth in rad/s."""
+    """Largest rate and bandwidth of a servo, rad/s."""
 
     rate: float
     bandwidth: float
 
 
 AllServoDynamics = tuple[ServoDynamics, ServoDynamics, ServoDynamics, ServoDynamics]
-"""Of lateral, longitudinal, collective and pedal servo."""
+"""Lateral, longitudinal, collective and pedal servo."""
 
 
 def nominal_servo_dynamics(servos: Servos) -> AllServoDynamics:
-    """Returns the servos as they should be."""
+    """Returns the servos without faults."""
     cyclic = ServoDynamics(servos.rate, servos.bandwidth)
     return cyclic, cyclic, cyclic, ServoDynamics(servos.pedal_rate, servos.bandwidth)
 
@@ -39,13 +39,13 @@ def advance(
     """Steps servos, then flapping, bar and gyro, then inflow.
 
     Args:
-        parameters: the vehicle.
-        state: the rotor state before the step.
+        parameters: vehicle.
+        state: rotor state before the step.
         air: motion through the air, held through the step.
         command: lateral, longitudinal, collective, pedal in rad of blade pitch, shape (4, 1).
-        step: length of the step in s.
+        step: length of the step, s.
         iterations: relaxed inflow iterations, warm started.
-        servo_dynamics: what the servos can do; sound ones where None.
+        servo_dynamics: rates and bandwidths of the servos; nominal ones if None.
     """
     servo_dynamics = servo_dynamics or nominal_servo_dynamics(parameters.servos)
     state = follow_commands(parameters.servos, state, command, step=step, servo_dynamics=servo_dynamics)
@@ -66,7 +66,10 @@ def advance(
 def follow_commands(
     servos: Servos, state: RotorState, command: ca.SX, *, step: float, servo_dynamics: AllServoDynamics
 ) -> RotorState:
-    """Steps first-order servos within their rates and travels; the gyro works against the pedal."""
+    """Steps first-order servos within their rates and travels.
+
+    The gyro is subtracted from the pedal command.
+    """
 
     def follow(drive: ServoDynamics, position: ca.SX, wanted: ca.SX, low: float, high: float) -> ca.SX:
         share, reach = 1.0 - ca.exp(-drive.bandwidth * step), drive.rate * step

@@ -78,10 +78,10 @@ def test_a_log_whose_checksums_are_right_may_still_contradict_itself() -> None:
     backwards[10] = 0.0
     broken[7, 2] = float("nan")
     for wrong, words in (
-        (Series(TRUTH, backwards, truth.values), "time goes back"),
+        (Series(TRUTH, backwards, truth.values), "expected increasing times"),
         (Series(TRUTH, truth.time, broken), "got nan"),
-        (Series(TRUTH, truth.time + 500.0, truth.values), "has no state in the primitive"),
-        (Series(TRUTH, truth.time[:0], truth.values[:0]), "has no message"),
+        (Series(TRUTH, truth.time + 500.0, truth.values), "expected a state in the primitive"),
+        (Series(TRUTH, truth.time[:0], truth.values[:0]), "expected at least one message"),
     ):
         with pytest.raises(ValueError, match=words):
             check_log_consistency(changed(log, wrong))

@@ -1,4 +1,4 @@
-"""Flight logs on disk: nothing lost, nothing changed unseen, half a file never read as a whole one."""
+"""Tests of flight logs on disk: complete and unchanged, or refused."""
 
 import io
 from pathlib import Path
@@ -49,7 +49,7 @@ def test_equal_logs_give_equal_bytes(log: FlightLog, content: bytes) -> None:
 
 
 def test_the_stock_decoder_reads_the_same_numbers(log: FlightLog, content: bytes) -> None:
-    """Messages are written in blocks past the library's own writer; its reader must not notice."""
+    """Compares blocks, written past the MCAP library's writer, with its reader."""
     reader = make_reader(io.BytesIO(content), validate_crcs=True)
     classes = {}
     rows: dict[str, list[list[float]]] = {name: [] for name in log.series}

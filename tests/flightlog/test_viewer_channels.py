@@ -1,4 +1,4 @@
-"""What viewers draw is what was flown, in their own frames."""
+"""Tests of the viewer channels against the flight."""
 
 import io
 from collections.abc import Iterator
@@ -55,7 +55,7 @@ def flight() -> FlightLog:
 
 
 def messages(log: FlightLog, topic: ViewerTopic) -> Iterator[tuple[float, Message]]:
-    """Yields times in seconds and messages of a topic, read from the file by the stock reader."""
+    """Yields times and messages of a topic by the MCAP library."""
     reader = make_reader(io.BytesIO(log_bytes(log)), validate_crcs=True)
     for _, _, message in reader.iter_messages(topics=[topic.name]):
         yield message.log_time * 1e-9, topic.message.FromString(message.data)
@@ -89,7 +89,7 @@ def test_a_transform_puts_the_vehicle_where_it_was(flight: FlightLog) -> None:
 def test_the_attitude_of_viewers_turns_the_body_as_ours_does(
     roll: float, pitch: float, heading: float, axis: int
 ) -> None:
-    """Forward, right and down of the body, by Euler's rotations, against the quaternion."""
+    """Compares body axes by Euler rotations with the quaternion."""
     state = np.zeros((1, len(TRUTH.fields)))
     for name, value in (("roll", roll), ("pitch", pitch), ("heading", heading)):
         state[0, TRUTH.field_names.index(name)] = value

@@ -1,4 +1,4 @@
-"""Logs as other programs see them: the layout shipped, Rerun's converter, an independent doctor."""
+"""Tests of logs in other programs: layout, Rerun and doctor."""
 
 import json
 import os
@@ -40,7 +40,7 @@ RERUN, DOCTOR = shutil.which("rerun", path=SEARCHED), shutil.which("pymcap-cli",
 
 
 def values_of(content: Any, key: str) -> Iterator[Any]:
-    """Yields what stands under a key, anywhere in nested JSON."""
+    """Yields the values of a key anywhere in nested JSON."""
     if isinstance(content, dict):
         if key in content:
             yield content[key]
@@ -74,7 +74,7 @@ def _leaves(node: Any) -> Iterator[str]:
 
 @pytest.fixture(scope="module", params=["sequence", "mission", "fault", "imported", "bare"])
 def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Each kind of log on disk: flown sequences, a mission, another program's, and one with little in it."""
+    """Returns each kind of log on disk."""
     library = find_library("gtmax-sim")
     path = tmp_path_factory.mktemp(request.param) / "flight.mcap"
     log: FlightLog
@@ -126,17 +126,17 @@ def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path,
 
 
 @pytest.mark.skipif(DOCTOR is None, reason="no pymcap-cli in this environment")
-def test_an_independent_doctor_has_nothing_to_say(path: Path) -> None:
-    said = subprocess.run([str(DOCTOR), "doctor", path], check=True, capture_output=True, text=True)
-    words = " ".join((said.stdout + said.stderr).split())
-    # Of a log without attachments it remarks that there are none.
+def test_an_independent_doctor_finds_no_defect(path: Path) -> None:
+    done = subprocess.run([str(DOCTOR), "doctor", path], check=True, capture_output=True, text=True)
+    words = " ".join((done.stdout + done.stderr).split())
+    # It reports missing attachments as information.
     bare = not read_log(path).attachments
     assert ("passed MCAP doctor checks with 2 info (" if bare else "passed MCAP doctor checks (") in words
     assert not {"warning", "error"} & set(words.lower().split())
 
 
 def test_messages_of_a_chunk_stand_in_the_order_of_their_times(tmp_path: Path) -> None:
-    """What the doctor would say otherwise, without one: read in the file's order, times never fall."""
+    """Checks increasing times in file order, as the doctor does."""
     log = synthetic_log(synthetic_library(), (1, 2), (8.0, 8.0), seed=1)
     times = log[TRUTH].time
     more = {

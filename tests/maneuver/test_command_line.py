@@ -25,10 +25,10 @@ def test_a_truncated_log_is_one_line_and_code_2(
     capsys: pytest.CaptureFixture[str], log_path: Path, tmp_path: Path
 ) -> None:
     log_path.write_bytes(log_path.read_bytes()[:5000])
-    assert "is cut short after 5000 bytes" in refusal(
+    assert "is truncated after 5000 bytes" in refusal(
         capsys, "review", str(log_path), "--png", "--out", str(tmp_path / "r")
     )
-    assert "is cut short after 5000 bytes" in refusal(
+    assert "is truncated after 5000 bytes" in refusal(
         capsys, "identify", str(log_path), "--out", str(tmp_path / "library.json")
     )
     assert not (tmp_path / "library.json").exists()

@@ -23,7 +23,7 @@ def test_the_vehicle_holds_every_bar() -> None:
 def test_a_corrupt_parameter_is_found() -> None:
     """The negative control: a vehicle 1 % heavier than its shape, and one with a limp hub."""
     heavy = replace(PARAMETERS, body=replace(PARAMETERS.body, mass=1.01 * PARAMETERS.body.mass))
-    assert [figure.name for figure in check_shape(heavy) if not figure.passed] == ["mass, off by"]
+    assert [figure.name for figure in check_shape(heavy) if not figure.passed] == ["mass, difference"]
     limp = replace(PARAMETERS, main_rotor=replace(PARAMETERS.main_rotor, hub_spring=0.01))
     missed = {figure.name for figure in check_modes(limp) if not figure.passed}
     assert {"roll, frequency", "pitch, damping"} <= missed

@@ -1,4 +1,4 @@
-"""A campaign on a cluster: a real scheduler, two worker processes, and one of them killed on the way."""
+"""Tests of campaigns on a Dask cluster with two workers."""
 
 import signal
 import socket
@@ -72,17 +72,17 @@ def test_without_the_extra_a_cluster_is_refused_by_name(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--shared-folder"], "--shared-folder is for a cluster"),
         (["--cluster", "tcp://127.0.0.1:1", "--workers", "2"], "a cluster has its own"),
     ],
 )
 def test_options_that_contradict_each_other_are_refused(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["fly", "--campaign", "gtmax", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_workers_that_share_the_folder_write_into_it_themselves(cluster: Cluster, tmp_path: Path) -> None:
@@ -129,10 +129,10 @@ def test_a_campaign_whose_scheduler_dies_ends_in_one_line_and_goes_on_here(
         while process.poll() is None and not list(tmp_path.glob("out/[!.]*")):
             time.sleep(0.02)
         scheduler.kill()
-        said = process.communicate()[1]
+        message = process.communicate()[1]
     assert process.returncode == 2
-    assert len(said.splitlines()) == 1
-    assert "the same command goes on from there" in said
+    assert len(message.splitlines()) == 1
+    assert "repeat the command to resume" in message
     assert len(contents(tmp_path / "out")) < 8
     assert run([*words, "--workers", "1"]) == 0
     assert len(contents(tmp_path / "out")) == 8

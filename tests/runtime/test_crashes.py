@@ -1,4 +1,4 @@
-"""Campaigns that crash at any step: nothing lost, doubled or half there; a careless writer is found out."""
+"""Tests of campaigns after a crash at any step."""
 
 from collections import Counter
 from pathlib import Path
@@ -28,7 +28,7 @@ def sweep(tmp_path_factory: pytest.TempPathFactory) -> Sweep:
     return Sweep.of(tmp_path_factory.mktemp("sweep"), flights=1)
 
 
-def test_after_a_crash_at_any_step_nothing_is_lost_doubled_or_half_there(sweep: Sweep) -> None:
+def test_after_a_crash_at_any_step_nothing_is_lost_doubled_or_incomplete(sweep: Sweep) -> None:
     counts = crash_everywhere(sweep, whole_writer, piece=PIECE, seed=1)
     assert counts.keys() == {*Loss}
     steps, _ = note(sweep, whole_writer, piece=PIECE)

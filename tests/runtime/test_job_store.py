@@ -1,4 +1,4 @@
-"""Campaigns that are stopped: what is whole is kept, what is missing is flown, nothing else is touched."""
+"""Tests of interrupted campaigns and of the job store."""
 
 import fcntl
 import os
@@ -67,9 +67,9 @@ def test_a_campaign_that_was_stopped_flies_only_what_is_missing(
     flown = fly_campaign(order, folder, job_executor=job_executor)
     assert {path: path.stat().st_mtime_ns for path in before} == before
     assert contents(folder) == undisturbed
-    assert capsys.readouterr().err == "2 of 3 are there already\n"
+    assert capsys.readouterr().err == "2 of 3 already done\n"
     assert [flight.path.name for flight in flown.flights] == list(undisturbed)
-    # What is kept says the same as what was flown.
+    # Stored results equal flown ones.
     assert fly_campaign(order, folder, job_executor=job_executor) == flown
 
 
@@ -98,9 +98,9 @@ def test_a_damaged_log_is_flown_again_and_a_half_written_one_is_cleared_away(
     damaged = folder / "small-0001.mcap"
     damaged.write_bytes(damaged.read_bytes()[:-5000])
     (folder / ".small-0002.mcap.12345678.partial").write_bytes(b"half")
-    seen = inspect_jobs(order.jobs(folder), folder)
-    assert seen.paths(JobState.DAMAGED) == (damaged,)
-    assert [path.name for path in seen.partial_files] == [".small-0002.mcap.12345678.partial"]
+    store = inspect_jobs(order.jobs(folder), folder)
+    assert store.paths(JobState.DAMAGED) == (damaged,)
+    assert [path.name for path in store.partial_files] == [".small-0002.mcap.12345678.partial"]
     fly_campaign(order, folder, job_executor=job_executor)
     assert contents(folder) == undisturbed
 
@@ -115,25 +115,25 @@ def test_the_log_of_another_flight_is_not_taken_for_ours(
 ) -> None:
     folder, job_executor = tmp_path / "flights", JobExecutor(ThreadPoolExecutor(1))
     begin(folder, undisturbed, 1)
-    asked = order
+    wanted = order
     match change:
         case "seed":
-            asked = replace(order, seed=2)
+            wanted = replace(order, seed=2)
         case "wind from":
-            asked = replace(order, flight_options=replace(order.flight_options, adaptive=False))
+            wanted = replace(order, flight_options=replace(order.flight_options, adaptive=False))
         case "library":
-            asked = replace(order, campaign=replace(order.campaign, coasting_range=(0.5, 1.6)))
+            wanted = replace(order, campaign=replace(order.campaign, coasting_range=(0.5, 1.6)))
         case "code":
             monkeypatch.setattr("sim.flight_header.code_version", lambda: "0.1.0+000000000000")
     with pytest.raises(FlightError, match=r"small-0000\.mcap is of another flight: expected"):
-        fly_campaign(asked, folder, job_executor=job_executor)
+        fly_campaign(wanted, folder, job_executor=job_executor)
     assert contents(folder) == dict(list(undisturbed.items())[:1])
     if change == "seed":
-        fly_campaign(asked, folder, job_executor=job_executor, force=True)
-        assert inspect_jobs(asked.jobs(folder), folder).complete
+        fly_campaign(wanted, folder, job_executor=job_executor, force=True)
+        assert inspect_jobs(wanted.jobs(folder), folder).complete
 
 
-def test_a_folder_with_something_else_in_it_is_let_alone(
+def test_a_folder_with_other_files_is_not_changed(
     order: CampaignOrder, job_executor: JobExecutor, tmp_path: Path
 ) -> None:
     (tmp_path / "letter.txt").write_text("dear")
@@ -162,7 +162,7 @@ def test_a_worker_with_other_code_refuses_to_fly(order: CampaignOrder, tmp_path:
 
 
 class _FullFileSystem(FileSystem):
-    """Takes a few bytes more, then none."""
+    """File system with room for a few more bytes."""
 
     def __init__(self, free: int) -> None:
         self.free = free
@@ -190,7 +190,7 @@ def test_a_full_disk_ends_a_campaign_in_one_line_and_it_goes_on_with_room(
     assert contents(folder) == undisturbed
 
 
-def test_a_file_that_is_called_published_is_on_the_disk_with_its_name_and_its_folders(
+def test_a_written_file_is_on_the_disk_with_its_name_and_its_folders(
     tmp_path: Path,
 ) -> None:
     steps: list[str] = []
@@ -226,18 +226,20 @@ def test_a_validation_keeps_whole_flights_of_its_own_and_no_others(
         find_mission("gtmax-2"), library, "nominal", 0.0, "gtmax", 1, log=logs / "one.mcap", force=True
     )
 
-    def fly(asked: MissionTask) -> float:
-        return fly_tasks([asked], folder=out, logs=logs, job_executor=job_executor, force=False)[0].flown_time
+    def fly(wanted: MissionTask) -> float:
+        return fly_tasks([wanted], folder=out, logs=logs, job_executor=job_executor, force=False)[
+            0
+        ].flown_time
 
     first, log = fly(task), (logs / "one.mcap").read_bytes()
     (result,) = (out / FLIGHTS).iterdir()
     text = result.read_text()
-    # A digit that is another is noticed though it is still a number.
+    # A changed digit is detected although it is still a number.
     assert f'"flown_time":{first}' in text
     result.write_text(text.replace(f'"flown_time":{first}', '"flown_time":1.25'))
     assert stored_tasks([task], out / FLIGHTS)[0].status().state is JobState.DAMAGED
     assert fly(task) == first
-    # Without its log a flight is not there; flown again it is the same.
+    # Without its log a flight is missing; flown again it is the same.
     (logs / "one.mcap").unlink()
     assert fly(task) == first
     assert (logs / "one.mcap").read_bytes() == log
@@ -246,7 +248,7 @@ def test_a_validation_keeps_whole_flights_of_its_own_and_no_others(
     assert (logs / "one.mcap").read_bytes() == log
 
 
-def test_flown_campaigns_tell_what_became_of_their_flights(
+def test_a_campaigns_result_has_duration_and_outcomes_of_its_flights(
     order: CampaignOrder, job_executor: JobExecutor, tmp_path: Path
 ) -> None:
     flown: CampaignResult = fly_campaign(order, tmp_path / "flights", job_executor=job_executor)

@@ -1,4 +1,4 @@
-"""Files that a command writes: whole, where they were asked for, and never in place of something else."""
+"""Tests of output files: complete, in place, never over others."""
 
 import os
 import shutil

@@ -1,4 +1,4 @@
-"""Interpreted or compiled: the same bits, named in the log, and a flight that does not depend on which."""
+"""Tests of the numeric back-ends: same bits interpreted and compiled."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -95,7 +95,7 @@ def test_a_compiled_flight_is_replayed_by_its_own_backend_and_refused_without_it
         replay(log)
 
 
-def test_without_a_compiler_the_best_is_interpreted_and_said_so(
+def test_without_a_compiler_the_back_end_is_interpreted_and_named_so(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
@@ -115,14 +115,16 @@ def test_without_a_compiler_the_best_is_interpreted_and_said_so(
 
 @needs_compiler
 def test_machine_code_of_other_bits_is_not_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The negative control: one last bit of one constant, and the compiled function is refused."""
+    """Negative control: one changed bit of a constant is refused."""
     x = ca.SX.sym("x", 3)
     function = ca.Function("linear", [x], [0.1 * x[0] + 0.2 * x[1] * x[2]])
     assert same_bits(function, prepare_function(function, Backend.COMPILED))
     off = ca.Function("linear", [x], [np.nextafter(0.1, 1.0) * x[0] + 0.2 * x[1] * x[2]])
     assert not same_bits(function, off)
     monkeypatch.setattr(backends, "same_bits", lambda *_: False)
-    with pytest.raises(BitMismatchError, match="the machine code of 'other' gives other bits"):
+    with pytest.raises(
+        BitMismatchError, match="machine code of 'other' with the interpreter's bits, got other"
+    ):
         prepare_function(ca.Function("other", [x], [x[0] * x[1]]), Backend.COMPILED)
 
 

@@ -1,4 +1,4 @@
-"""One campaign in several ways: the logs and the library are the same to the last bit."""
+"""Tests of bit identity of one campaign flown in several ways."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Closed loop, on the second look: latency, hysteresis, learnt levels, ways to rest, what is written down."""
+"""Tests of the closed loop: latency, hysteresis, gamma estimation, safe stops."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -51,8 +51,8 @@ def flown(
     return fly_closed_loop(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
 
 
-def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_plans_for() -> None:
-    """It promises to whoever knows the level before flying; the loop learns it on the way, sometimes late."""
+def test_the_worst_case_mostly_meets_its_predicted_time_at_the_gammas_planned_for() -> None:
+    """The bound assumes a known gamma; the loop estimates it in flight."""
     results = [
         flown(shipped(name), gamma, planner=worst_case_planner(LIBRARY, 1.0))
         for name in THESIS_MISSIONS
@@ -62,8 +62,8 @@ def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_pla
     assert sum(result.flown_time <= result.predicted_time for result in results) >= 12
 
 
-def test_a_loop_that_neither_learns_nor_keeps_breaks_the_promise() -> None:
-    """The negative control: the same flights, every plan taken as it comes, for a tolerance by distance."""
+def test_a_loop_without_estimation_and_hysteresis_misses_the_predicted_time() -> None:
+    """Negative control: no gamma estimate, no hysteresis, tolerance by distance."""
     careless = Settings(learn_level=False, hysteresis=0.0, tolerance_share=0.1, aim=1.0, max_activations=120)
     late = [
         not result.reached or result.flown_time > result.predicted_time
@@ -96,7 +96,7 @@ def test_a_plan_begins_where_the_vehicle_is_when_it_is_there(
         assert one.time >= result.times[one.activation - 1] + latency - 1e-9
 
 
-def test_the_vehicle_pays_for_thinking() -> None:
+def test_latency_is_charged_to_the_flight() -> None:
     mission = shipped("gtmax-2")
     prompt, slow = (flown(mission, settings=Settings(latency=Latency(time))) for time in (0.0, 1.5))
     assert prompt.legs[0].duration != slow.legs[0].duration == pytest.approx(1.5)
@@ -105,13 +105,13 @@ def test_the_vehicle_pays_for_thinking() -> None:
 
 @dataclass
 class Slow:
-    """A planner whose clock says how long it took."""
+    """Planner with given planning times."""
 
     planner: Planner
     times: Iterator[float]
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the plan."""
+        """Returns the plan with the next planning time."""
         return replace(self.planner.plan(mission), solve_time=next(self.times))
 
 
@@ -131,25 +131,25 @@ def test_a_late_plan_is_not_flown_and_a_record_of_times_repeats_the_flight() -> 
         flown(mission, settings=Settings(latency=replace(recorded, recorded=measured.latencies[:1])))
 
 
-class Liar:
-    """A planner that promises to be there at once, and calls that verified; its first plan is honest."""
+class WrongPlanner:
+    """Planner with wrong verified plans from the fourth replan on."""
 
     def __init__(self) -> None:
-        self._honest, self._asked = nominal_planner(LIBRARY), 0
+        self._nominal, self._replans = nominal_planner(LIBRARY), 0
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns a plan that ends where it says, but says where it does not end."""
-        self._asked += 1
-        plan = self._honest.plan(mission)
-        if self._asked <= 3 or not plan.found:
+        """Returns a plan whose claimed end and time are wrong."""
+        self._replans += 1
+        plan = self._nominal.plan(mission)
+        if self._replans <= 3 or not plan.found:
             return plan
         end = SE2(*mission.goal, 0.0)
         times = (0.0,) * len(plan.sequence)
         return replace(plan, scenarios=(Scenario(0.0, 0.1, times, end),), verified=True)
 
 
-def test_a_plan_that_lies_is_refused_whatever_it_says_of_itself() -> None:
-    result = flown(shipped("gtmax-2"), planner=Liar(), settings=Settings(max_activations=60))
+def test_a_wrong_plan_is_refused_although_it_claims_to_be_verified() -> None:
+    result = flown(shipped("gtmax-2"), planner=WrongPlanner(), settings=Settings(max_activations=60))
     kinds = {one.kind for one in result.decisions}
     assert DecisionKind.REFUSED in kinds
     assert DecisionKind.FALLBACK in kinds
@@ -182,23 +182,23 @@ def test_planning_in_a_maneuver_has_the_plan_ready_at_its_end() -> None:
 
 
 @pytest.mark.parametrize("gamma", [-1.0, 0.0, 1.0])
-def test_the_level_shows_itself_in_one_primitive(gamma: float) -> None:
+def test_gamma_is_estimated_from_one_primitive(gamma: float) -> None:
     levels = GammaEstimator(LIBRARY, (30.0, 10.0))
     assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
     begin = SE2(1.0, 2.0, 0.3)
     step = PlanStep(2, 0.0, 3)
     levels.update(step, begin, step.exit(begin, LIBRARY, gamma))
     assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
-    # Levels that are asked for later are judged by all that was seen.
+    # Later candidates are compared with all observations.
     assert levels.estimate((0.5 * gamma, gamma), otherwise=-1.0) == gamma
 
 
 @pytest.mark.parametrize("trim", [trim.id for trim in LIBRARY.trims])
-def test_every_trim_has_a_way_to_rest(trim: int) -> None:
-    way = (trim, *safe_stop_path(LIBRARY, trim))
-    LIBRARY.maneuvers_along(way)
-    assert way[-1] == rest_trim(LIBRARY) == 1
-    assert LIBRARY.trim(way[-1]).velocity.forward == 0
+def test_every_trim_has_a_safe_stop(trim: int) -> None:
+    path = (trim, *safe_stop_path(LIBRARY, trim))
+    LIBRARY.maneuvers_along(path)
+    assert path[-1] == rest_trim(LIBRARY) == 1
+    assert LIBRARY.trim(path[-1]).velocity.forward == 0
 
 
 def test_without_a_hover_rest_is_the_slowest_straight_trim() -> None:
@@ -212,7 +212,7 @@ def test_every_plan_says_how_it_comes_to_rest() -> None:
     LIBRARY.maneuvers_along((plan.sequence[-1], *plan.tail))
 
 
-def test_what_is_left_of_a_plan_leads_where_the_plan_does() -> None:
+def test_the_remaining_plan_ends_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
     plan = worst_case_planner(LIBRARY, 1.0).plan(mission)
     for scenario in plan.scenarios:
@@ -241,7 +241,7 @@ def test_a_trim_keeps_its_error_as_long_as_it_is_held() -> None:
 
 
 class Falling(AutomatonVehicle):
-    """Meets the ground in its first maneuver, half a second on."""
+    """Vehicle that hits the ground half a second into its first maneuver."""
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Loses the vehicle."""
@@ -269,14 +269,14 @@ def test_decisions_are_a_topic_of_the_log_in_the_order_of_time() -> None:
     assert series["activation"][0] == 1
 
 
-def test_a_way_to_rest_needs_maneuvers() -> None:
+def test_a_safe_stop_needs_maneuvers() -> None:
     library: Library = thesis_gtmax()
     stranded = replace(library, maneuvers=library.maneuvers[:1])
     assert safe_stop_path(stranded, 3) == ()
     assert safe_stop_path(stranded, 2) == (1,)
 
 
-def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_helicopter_returns_its_track_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     mission = shipped("gtmax-2")
     specification = FlightSpecification(
         seed=1, start=specified_pose(mission.start), start_trim=2, settling_time=1.0

@@ -1,4 +1,4 @@
-"""The controller in still air with ideal sensors: responses as in the thesis, section 2.6.2, and beyond."""
+"""Tests of the controller in still air with ideal sensors (thesis, 2.6.2)."""
 
 from dataclasses import replace
 from itertools import islice
@@ -45,7 +45,7 @@ def test_turns_settle_in_the_same_time_without_slipping(start: float, end: float
 
 
 def test_without_running_ahead_the_turn_slips() -> None:
-    """The negative control of the feed-forward."""
+    """Negative control of the feed-forward."""
     start, end = Twist(10.0 * FOOT, 0.0, 0.0), Twist(10.0 * FOOT, 0.0, 0.6)
     assert np.abs(change(start, end, gains=replace(Gains(), lead=-0.2)).column("side")).max() > 0.1
 
@@ -58,13 +58,16 @@ def test_every_margin_holds_at_every_trim_and_mass() -> None:
     ("gains", "extra_delay"), [(replace(Gains(), attitude=(8.0, 7.0)), 0.02), (Gains(), 0.5)]
 )
 def test_margins_are_missed_by_gains_too_high_or_delay_too_long(gains: Gains, extra_delay: float) -> None:
-    """The negative control."""
+    """Negative control of the margins."""
     figures = list(check_margins(PARAMETERS, gains=gains, extra_delay=extra_delay))
     assert not all(figure.passed for figure in figures)
 
 
 def nudged(velocity: Twist, *, gains: Gains | None = None, adaptive: bool = True) -> Response:
-    """Flies on for 30 s after a second of something else: 1 m/s slower, 0.5 m/s sideways, 0.1 rad/s."""
+    """Flies 30 s after a second at another velocity.
+
+    That is 1 m/s slower, with 0.5 m/s sideways and 0.1 rad/s.
+    """
     nudge = Twist(velocity.forward - 1.0, 0.5, 0.1)
     return simulate_response(
         [(nudge, 1.0), (velocity, 30.0)], vehicle=PARAMETERS, gains=gains, adaptive=adaptive
@@ -72,11 +75,11 @@ def nudged(velocity: Twist, *, gains: Gains | None = None, adaptive: bool = True
 
 
 def swing(flown: Response, name: str) -> float:
-    """Returns the breadth of an angle's swing in the last 5 s, in degrees."""
+    """Returns an angle's peak-to-peak in the last 5 s, degrees."""
     return float(np.degrees(np.ptp(flown.column(name)[-500:])))
 
 
-# The vehicle banks at once for all of a yaw rate.
+# Banking without lag for the whole yaw rate.
 AT_ONCE = replace(Gains(), turn_time=1e-6)
 
 
@@ -92,7 +95,7 @@ def test_in_straight_flight_up_to_80_ft_s_nose_and_wings_come_to_rest(speed: flo
 @pytest.mark.parametrize("adaptive", [True, False])
 @pytest.mark.parametrize("speed", [56, 64, 72, 80])
 def test_banking_at_once_for_a_swing_of_the_tail_keeps_it_swinging(speed: float, adaptive: bool) -> None:
-    """The negative control: a turn that is believed without its lag."""
+    """Negative control: banking without the lag of the turn."""
     flown = nudged(Twist(speed * FOOT, 0.0, 0.0), gains=AT_ONCE, adaptive=adaptive)
     assert swing(flown, "roll") > 5.0
     assert swing(flown, "pitch") > 0.5
@@ -101,12 +104,12 @@ def test_banking_at_once_for_a_swing_of_the_tail_keeps_it_swinging(speed: float,
 def test_banking_at_once_has_its_margins_at_the_slow_trims_only() -> None:
     missed = {figure.name for figure in check_margins(PARAMETERS, gains=AT_ONCE) if not figure.passed}
     assert "fast, gain at lateral" in missed
-    assert "fast, loops that settle, share" in missed
+    assert "fast, share of stable loops" in missed
     assert all(name.startswith("fast, ") for name in missed)
 
 
 @pytest.mark.parametrize(("gains", "calm"), [(Gains(), True), (AT_ONCE, False)])
-def test_who_has_flown_fast_in_turbulence_hovers_as_before(gains: Gains, calm: bool) -> None:
+def test_fast_flight_in_turbulence_does_not_change_the_hover_after_it(gains: Gains, calm: bool) -> None:
     speeds = (0, 16, 32, 48, 64, 80, 64, 48, 32, 16, 0)
     legs = [(Twist(speed * FOOT, 0.0, 0.0), 8.0) for speed in speeds]
     flown = simulate_response(legs, vehicle=PARAMETERS, gains=gains, wind="gtmax")
@@ -152,24 +155,24 @@ def test_without_the_element_a_shifted_centre_stays_an_error() -> None:
 
 
 def test_the_halved_error_is_missed_by_an_element_that_does_not_learn() -> None:
-    """The negative control of the adaptation: mass +20 %, every learning rate 0."""
+    """Negative control of the adaptation: mass +20 %, learning rates 0."""
     blunt = Gains(learning_velocity=0.0, learning_descent=0.0, learning_attitude=0.0, learning_yaw=0.0)
-    as_believed, heavy = islice(check_adaptation(PARAMETERS, gains=blunt), 2)
-    assert as_believed.value == heavy.value == 1.0
+    nominal, heavy = islice(check_adaptation(PARAMETERS, gains=blunt), 2)
+    assert nominal.value == heavy.value == 1.0
     assert not heavy.passed
 
 
-def test_twice_the_delay_that_is_borne_is_not_borne() -> None:
-    """The negative control of the delay margin."""
-    borne = flown_delay_margin(PARAMETERS, adaptive=True)
+def test_twice_the_delay_margin_is_unstable() -> None:
+    """Negative control of the delay margin."""
+    margin = flown_delay_margin(PARAMETERS, adaptive=True)
     nudged, fast = Twist(3.148, 0.1, 0.02), Twist(3.048, 0.0, 0.0)
-    late = change_vehicle(PARAMETERS, extra_delay=2.0 * borne)
+    late = change_vehicle(PARAMETERS, extra_delay=2.0 * margin)
     flown = simulate_response([(nudged, 1.0), (fast, 29.0)], vehicle=late)
     assert flown.lost or np.abs(flown.column("pitch_rate")[-500:]).max() > 0.3
 
 
 def test_the_element_does_not_learn_the_servos_limits() -> None:
-    """The negative control of hedging: without it, lame servos teach the element nonsense."""
+    """Negative control of hedging: slow servos spoil the weights without it."""
     servos = replace(PARAMETERS.servos, rate=0.06, cyclic_limit=0.06)
     lame = replace(PARAMETERS, servos=servos)
     learnt = []

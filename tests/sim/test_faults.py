@@ -1,4 +1,4 @@
-"""Faults in flight: each acts when and where it was asked to, and the log shows it."""
+"""Tests of faults in flight and in the log."""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -30,7 +30,7 @@ from sim.vehicle.parameters import read_parameters
 
 LIBRARY: Library = campaign_library(find_campaign("gtmax"), "gtmax")
 SERVO_RATE = read_parameters().servos.rate
-# Sizes with which each kind does something in the flight below.
+# Sizes with an effect in the flight below.
 SIZES = {
     "gyro bias": "0.01 0 0.01",
     "accelerometer bias": "0.3 0 0",
@@ -64,7 +64,7 @@ def fly(*words: str, ideal: bool = False, wind: str = "gtmax") -> FlightLog:
 
 @cache
 def flown(kind: str) -> FlightLog:
-    """A flight in which something goes wrong from 2.5 s to 3.5 s."""
+    """Flies with a fault from 2.5 s to 3.5 s."""
     return fly(f"{kind} 2.5 1 {SIZES.get(kind, '')}")
 
 
@@ -106,43 +106,43 @@ def test_a_flight_with_a_fault_is_repeated_to_the_bit(kind: str) -> None:
 
 
 def test_a_replay_without_the_fault_is_another_motion() -> None:
-    """The negative control of the replay."""
+    """Negative control of the replay."""
     log = flown("pedal jam")
     specification = parse_specification(log.attachments["specification.json"], "test")
-    forgotten = specification.with_options(FlightOptions()).to_json()
+    faultless = specification.with_options(FlightOptions()).to_json()
     with_it, without = (
         replay(replace(log, attachments={**log.attachments, "specification.json": text}))
-        for text in (specification.to_json(), forgotten)
+        for text in (specification.to_json(), faultless)
     )
     assert np.array_equal(with_it[:251], without[:251])
     assert np.abs(with_it[-1, :3] - without[-1, :3]).max() > 1e-3
 
 
-def test_a_fault_is_told_in_a_sentence() -> None:
-    told = [event.text for event in flight_events(flown("gps bias")) if event.source == "fault"]
-    assert told == [
+def test_a_fault_is_an_event_with_its_sizes_and_effect() -> None:
+    texts = [event.text for event in flight_events(flown("gps bias")) if event.source == "fault"]
+    assert texts == [
         "fault 1: gps bias (0.3 m -0.4 m 0 m) until 3.50 s; "
         "how far the reading is from that of the sound gps: 0.5 m"
     ]
-    assert summarise(flown("gps bias")).faults == (f"2.50 s: {told[0].removeprefix('fault 1: ')}",)
+    assert summarise(flown("gps bias")).faults == (f"2.50 s: {texts[0].removeprefix('fault 1: ')}",)
     assert summarise(sound()).faults == ()
     assert not [event for event in flight_events(sound()) if event.source == "fault"]
 
 
-def test_a_log_that_does_not_say_which_fault_began_is_refused() -> None:
+def test_a_log_without_the_fault_that_began_is_refused() -> None:
     log = flown("gps bias")
     with pytest.raises(FlightError, match=r"faults.json: expected fault 1, got 0 faults"):
         fault_occurrences(replace(log, attachments={**log.attachments, "faults.json": b"[]"}))
 
 
-def test_without_a_fault_its_channels_are_silent() -> None:
+def test_without_a_fault_its_topics_are_absent() -> None:
     assert FAULT.name not in sound().series
     assert FAULT_EFFECT.name not in sound().series
     assert logged_faults(sound()) == ()
 
 
 def test_a_fault_that_changes_nothing_has_no_effect() -> None:
-    """The negative control of the effects: a servo at its whole rate, a mass times one, no gust."""
+    """Negative control of the effects: faults without change."""
     log = fly("lateral slow 2 1 1", "vehicle mass 2 1 1", "wind gust 2 1 0 0 0", "gyro bias 2 1 0 0 0")
     assert not log[FAULT_EFFECT]["effect"].any()
     assert np.array_equal(log[TRUTH].values, sound()[TRUTH].values)
@@ -157,7 +157,7 @@ def test_a_jammed_servo_stays_and_then_goes_on() -> None:
     assert np.ptp(servo[time > 3.51]) > 0.0
 
 
-def test_a_tired_servo_keeps_its_rate() -> None:
+def test_a_slow_servo_keeps_within_its_rate() -> None:
     log = flown("lateral slow")
     time, servo = log[CONTROLS].time, log[CONTROLS]["lateral"]
     steps = np.abs(np.diff(servo))[(time[1:] > 2.505) & (time[1:] < 3.505)]
@@ -188,7 +188,7 @@ def test_a_gust_is_in_the_wind_and_moves_the_vehicle() -> None:
     assert np.abs(blown[TRUTH]["north"][:rows] - still[TRUTH]["north"][:rows]).max() > 0.01
 
 
-def test_a_heavier_vehicle_sinks_as_its_weight_says() -> None:
+def test_a_heavier_vehicle_sinks_by_its_weight() -> None:
     log, plain = (fly(*words, ideal=True, wind="calm") for words in (("vehicle mass 1 inf 1.25",), ()))
     row = int(np.searchsorted(log[TRUTH].time, 1.06 - 1e-9))
     gained = log[TRUTH]["descent"][row] - plain[TRUTH]["descent"][row]
@@ -230,7 +230,7 @@ def test_a_fault_may_begin_with_the_flight_and_last() -> None:
         assert len(effect(log)) == len(log[CONTROLS]) - (log.header.outcome != "completed")
 
 
-def test_the_log_file_tells_of_the_faults(tmp_path: Path) -> None:
+def test_faults_survive_the_log_file(tmp_path: Path) -> None:
     log = flown("pedal lag")
     write_log(log, tmp_path / "faulty.mcap")
     back = read_log(tmp_path / "faulty.mcap")
@@ -247,7 +247,7 @@ def test_words_come_back(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         ("", "no place ''; faults have \\['gyro'"),
         ("rudder jam 1 2", "no place 'rudder'"),
@@ -262,8 +262,8 @@ def test_words_come_back(kind: str) -> None:
         ("wind gust 1 inf 1 2 3", "expected a duration"),
     ],
 )
-def test_words_that_are_no_fault_are_refused(words: str, said: str) -> None:
-    with pytest.raises(BadFaultError, match=said):
+def test_words_that_are_no_fault_are_refused(words: str, message: str) -> None:
+    with pytest.raises(BadFaultError, match=message):
         parse_fault(words)
 
 

@@ -1,4 +1,4 @@
-"""The reference model: smooth, of constant settling time, without memory of where it is."""
+"""Tests of the reference model: settling time, closed form, derivatives."""
 
 from math import cos, exp, sin, sqrt
 

@@ -1,4 +1,4 @@
-"""Whether the integration matters, and whether a coarse one would be found."""
+"""Tests of the integration step."""
 
 from sim.checks.numerics_check import (
     check_numerics,
@@ -19,7 +19,7 @@ def test_the_step_is_fine_enough_and_converges_with_its_order() -> None:
 
 
 def test_a_coarse_step_is_found() -> None:
-    """The negative control: ten times the step is further off the closed forms than the bars allow."""
+    """Negative control: ten times the step exceeds the limits."""
     assert tumbling_error(PARAMETERS, 0.05) > 0.02
     assert falling_error(PARAMETERS, 0.05) > 0.02
 

@@ -1,4 +1,4 @@
-"""Flights flown again: nothing but the log is needed, and no byte differs."""
+"""Tests of replay: a flight repeated from its log to the byte."""
 
 import json
 from dataclasses import replace
@@ -60,9 +60,9 @@ def test_flights_of_every_kind_flown_again_from_their_logs_differ_in_no_byte(
 ) -> None:
     capsys.readouterr()
     assert run(["replay", *map(str, flown.values())]) == 0
-    said = capsys.readouterr().out.splitlines()
+    printed = capsys.readouterr().out.splitlines()
     sizes = [path.stat().st_size for path in flown.values()]
-    assert said == [
+    assert printed == [
         f"{path}: 0 of {size} bytes differ" for path, size in zip(flown.values(), sizes, strict=True)
     ]
 
@@ -73,16 +73,16 @@ def test_planning_times_of_the_clock_are_an_input_of_the_flight_flown_again(
     log = read_log(flown["a mission on the clock, with faults"])
     plans = json.loads(log.attachments["plans.json"])
     assert len({plan["latency"] for plan in plans}) > 1
-    # The same flight by its command, told the log's latencies, has the same bytes.
+    # The same command with the log's latencies gives the same bytes.
     words = FLIGHTS["a mission on the clock, with faults"]
     again = tmp_path / "again.mcap"
     place = words.index("measured")
-    told = [*words[:place], str(flown["a mission on the clock, with faults"]), *words[place + 1 :]]
-    run([*told, "--out", str(again)])
+    command = [*words[:place], str(flown["a mission on the clock, with faults"]), *words[place + 1 :]]
+    run([*command, "--out", str(again)])
     assert log_bytes(read_log(again)) == log_bytes(log)
 
 
-def test_a_log_that_was_altered_is_told_from_its_flight(
+def test_an_altered_log_differs_from_its_replay(
     walk: FlightLog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     estimate = walk[ESTIMATE]
@@ -150,19 +150,19 @@ def test_a_mission_planned_by_another_search_is_refused(
     assert f"expected the search for plans of the log, {other}, got {here}" in capsys.readouterr().err
 
 
-def test_a_flight_of_another_code_is_flown_again_and_that_is_said(
+def test_a_flight_of_another_code_version_is_replayed_with_a_notice(
     walk: FlightLog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "other.mcap"
     write_log(replace(walk, header=replace(walk.header, code_version="0.1.0+000000000000")), path)
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
-    said = capsys.readouterr().out
-    assert ": 0 of " in said
-    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in said
+    printed = capsys.readouterr().out
+    assert ": 0 of " in printed
+    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in printed
     assert read_log(tmp_path / "again.mcap").header == walk.header
 
 
-def test_what_no_simulator_of_ours_flew_is_not_flown_again(
+def test_a_log_without_specification_is_not_replayed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)

@@ -1,4 +1,4 @@
-"""The response in still air with ideal sensors: settling times, and the rows of the thesis's Table 10."""
+"""Tests of settling times and of the thesis's Table 10."""
 
 from dataclasses import replace
 
@@ -34,7 +34,7 @@ def test_every_row_of_table_10_is_met() -> None:
 
 
 def test_a_slower_response_misses_settling_times_and_table(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The negative control."""
+    """Negative control of the response."""
     monkeypatch.setattr(
         maneuver_generator, "VELOCITY_RESPONSE", SecondOrderResponse(frequency=0.6, damping=0.76)
     )
@@ -68,7 +68,7 @@ def test_no_limit_is_met_in_the_librarys_maneuvers() -> None:
 
 
 def test_limits_that_are_met_are_found() -> None:
-    """The negative control: servos with a thirtieth of their rate, and little tilt."""
+    """Negative control: servos at a thirtieth of their rate, small tilt."""
     parameters = read_parameters()
     lame = replace(parameters, servos=replace(parameters.servos, rate=parameters.servos.rate / 30.0))
     tame = replace(Gains(), tilt_limit=0.05)

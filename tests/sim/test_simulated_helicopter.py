@@ -1,4 +1,4 @@
-"""Whole flights: repeatable, honest in their logs, and stable through every trim and maneuver."""
+"""Tests of whole flights: repeatability, logs, stability in all maneuvers."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -78,7 +78,7 @@ def test_the_logged_commands_and_wind_alone_reproduce_the_flight() -> None:
     again = replay(log)
     truth = log[TRUTH]
     assert again[::2].tobytes() == truth.values[: len(again[::2])].tobytes()
-    # Without the wind it is another flight: the wind in the log is the wind that blew.
+    # Negative control: without the logged wind the motion differs.
     still = replace(log, series={**log.series, "/wind": replace(log[WIND], values=0.0 * log[WIND].values)})
     assert np.abs(replay(still)[::2, :2] - truth.values[: len(again[::2]), :2]).max() > 0.1
 
@@ -105,7 +105,7 @@ def test_a_flight_begins_settled_at_its_start_pose(trim: int) -> None:
     assert truth.heading == pytest.approx(start.heading, abs=1e-9)
     assert helicopter.time == 0.0
     assert BANDS[trim].contains(truth.velocity, LIBRARY.trim(trim).velocity)
-    # It believes to be near, not exactly there.
+    # The estimate is near the truth, not equal to it.
     assert 0.0 < helicopter.pose.distance_to(start.position) < 0.5
 
 
@@ -141,7 +141,7 @@ def test_legs_join_without_a_gap() -> None:
     assert vehicle.trim == 2
 
 
-def test_the_log_keeps_its_rates_and_joins_truth_with_belief() -> None:
+def test_the_log_has_its_rates_and_an_estimate_near_the_truth() -> None:
     log = fly_specification(specify(2, 3), LIBRARY)
     assert np.allclose(np.diff(log[TRUTH].time)[:-1], 0.02)
     assert np.allclose(np.diff(log[CONTROLS].time), 0.01)
@@ -150,7 +150,7 @@ def test_the_log_keeps_its_rates_and_joins_truth_with_belief() -> None:
     assert 0.0 < np.abs(errors[:, 3:5]).max() < 0.4
 
 
-def test_a_maneuver_that_does_not_settle_times_out_and_says_so() -> None:
+def test_a_maneuver_that_does_not_settle_times_out() -> None:
     strict = ManeuverEnd(dict.fromkeys(BANDS, Band(1e-4, 1e-4, 1e-4)), dwell=1.0, timeout=3.0)
     library = replace(BARE, conditions=Conditions(maneuver_end=strict))
     helicopter = SimulatedHelicopter(specify(2), library)
@@ -161,7 +161,7 @@ def test_a_maneuver_that_does_not_settle_times_out_and_says_so() -> None:
     assert [primitive.timed_out for primitive in flown_primitives(helicopter.log())] == [True, False]
 
 
-def test_a_lost_flight_ends_its_log_and_says_why() -> None:
+def test_a_lost_flight_has_its_reason_in_the_log() -> None:
     low = specify(1).model_copy(update={"altitude": 0.7, "wind": "severe", "settling_time": 0.0})
     helicopter = SimulatedHelicopter(low, LIBRARY)
     with pytest.raises(FlightLostError, match="met the ground"):
@@ -203,7 +203,7 @@ def test_every_command_change_has_a_true_pose_of_its_time() -> None:
     assert set(log[PRIMITIVE].time) <= set(log[TRUTH].time)
 
 
-def test_a_vehicle_lost_before_its_flight_has_a_log_that_says_so() -> None:
+def test_a_vehicle_lost_before_its_flight_has_a_log_with_that_outcome() -> None:
     low = specify(1, 3, wind="severe").model_copy(update={"altitude": 0.05})
     log = fly_specification(low, LIBRARY)
     assert log.header.outcome.startswith("flight lost")

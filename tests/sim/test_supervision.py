@@ -1,4 +1,4 @@
-"""A vehicle that watches itself: it says when something is wrong, and is silent when nothing is."""
+"""Tests of supervision: alarms, safe stops and fault outcomes."""
 
 import json
 from contextlib import suppress
@@ -43,7 +43,7 @@ LIBRARY = find_library("gtmax-sim")
 
 
 def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightLog:
-    """Flies 4 s of slow flight, the change to fast flight, and 3 s of that."""
+    """Flies 4 s slowly, a maneuver, and 3 s fast."""
     flight_options = FlightOptions(faults=tuple(map(parse_fault, words)), supervised=supervised)
     helicopter = SimulatedHelicopter(
         FlightSpecification(seed=8, start_trim=2, wind=wind).with_options(flight_options), LIBRARY
@@ -60,9 +60,9 @@ def alarms(log: FlightLog) -> tuple[Alarm, ...]:
 
 
 @pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
-def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
-    said = {alarm.kind for alarm in alarms(flight(wind=wind))}
-    assert said <= (ADVICE if wind == "moderate" else set())
+def test_flights_without_faults_raise_no_alarm(wind: str) -> None:
+    raised = {alarm.kind for alarm in alarms(flight(wind=wind))}
+    assert raised <= (ADVICE if wind == "moderate" else set())
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
         ("controller misses 1 inf 60", AlarmKind.TILT, 13.0),
     ],
 )
-def test_each_kind_of_trouble_is_noticed_in_time(words: str, kind: AlarmKind, within: float) -> None:
+def test_each_kind_of_fault_raises_its_alarm_in_time(words: str, kind: AlarmKind, within: float) -> None:
     log = flight(words)
     found = {alarm.kind: alarm for alarm in alarms(log)}
     assert kind in found, found
@@ -95,13 +95,13 @@ def test_each_kind_of_trouble_is_noticed_in_time(words: str, kind: AlarmKind, wi
     assert alarms(flight(words, supervised=False)) == ()
 
 
-def test_a_flight_is_the_same_whether_it_is_watched_or_not() -> None:
-    watched, unwatched = flight(), flight(supervised=False)
-    for name, series in unwatched.series.items():
-        assert (watched.series[name].values == series.values).all(), name
-    # Campaigns are not watched; their logs are as they were before there was a supervisor.
-    assert "supervised" not in unwatched.attachments["specification.json"].decode()
-    assert json.loads(watched.attachments["specification.json"])["supervised"] is True
+def test_supervision_does_not_change_the_flight() -> None:
+    supervised, unsupervised = flight(), flight(supervised=False)
+    for name, series in unsupervised.series.items():
+        assert (supervised.series[name].values == series.values).all(), name
+    # Campaigns are unsupervised; their specifications do not mention it.
+    assert "supervised" not in unsupervised.attachments["specification.json"].decode()
+    assert json.loads(supervised.attachments["specification.json"])["supervised"] is True
 
 
 def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
@@ -109,17 +109,17 @@ def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
     write_log(log, tmp_path / "flight.mcap")
     again = read_log(tmp_path / "flight.mcap")
     assert alarms(again) == alarms(log)
-    said = [event.text for event in flight_events(again) if event.source == "alarm"]
-    assert said[0].startswith("fixes are the same to the bit: 0.4 s, allowed 0.35 s")
+    texts = [event.text for event in flight_events(again) if event.source == "alarm"]
+    assert texts[0].startswith("fixes bitwise unchanged: 0.4 s, limit 0.35 s")
 
 
 class Doubting(AutomatonVehicle):
-    """Finds something wrong with itself in its third leg, and again in every leg after it."""
+    """Vehicle with an alarm in its third and every later leg."""
 
     legs = 0
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim, and doubts itself."""
+        """Holds the trim, with an alarm from the third leg on."""
         self.legs += 1
         return replace(super().coast(duration), alarm="doubt" if self.legs >= 3 else "")
 
@@ -138,13 +138,13 @@ def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
 
 
 class Mistaken(AutomatonVehicle):
-    """Believes to be east of where it is."""
+    """Vehicle with an estimate east of the truth."""
 
     east = 2.0
 
     @property
     def pose(self) -> SE2:
-        """Believed pose."""
+        """Estimated pose."""
         pose = super().pose
         return SE2(pose.x, pose.y + self.east, pose.heading)
 
@@ -161,7 +161,7 @@ class Mistaken(AutomatonVehicle):
 
 
 class Uncertain(AutomatonVehicle):
-    """Knows where it is, to within 2 m."""
+    """Vehicle with a position standard deviation of 2 m."""
 
     def coast(self, duration: float) -> Leg:
         """Holds the trim."""
@@ -172,7 +172,7 @@ class Uncertain(AutomatonVehicle):
         return replace(super().perform(maneuver), standard_deviation=2.0)
 
 
-def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> None:
+def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
     mission = find_mission("gtmax-2")
     vehicle = Mistaken(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
     flown = fly_closed_loop(vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
@@ -182,7 +182,7 @@ def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> 
     assert flown.reason.startswith("took itself to be at the goal")
 
 
-def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal() -> None:
+def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:
     mission = find_mission("gtmax-2")
 
     def flown(certainty: float) -> bool:
@@ -197,7 +197,7 @@ def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal()
 
 
 def altered(log: FlightLog, place: int, **values: float) -> FlightLog:
-    """The log with other true numbers from a row on."""
+    """Returns the log with other true values from a row on."""
     truth = log[TRUTH]
     table = truth.values.copy()
     for name, value in values.items():
@@ -277,7 +277,7 @@ def test_a_fault_that_did_nothing_is_not_seen_to_act() -> None:
     assert not all_faults_acted(result("a", 0))
 
 
-def test_with_protection_a_dead_gyro_is_said_and_without_it_is_not() -> None:
+def test_a_stuck_gyro_is_detected_only_with_supervision() -> None:
     def flown(*, supervised: bool) -> MissionResult:
         flight_options = FlightOptions(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
         return fly_mission(
@@ -293,13 +293,13 @@ def test_with_protection_a_dead_gyro_is_said_and_without_it_is_not() -> None:
     assert outcome_of(without) is Outcome.UNDETECTED_FAILURE
 
 
-def test_missions_are_flown_watched() -> None:
+def test_missions_are_supervised() -> None:
     task = MissionTask(find_mission("gtmax-2"), LIBRARY, "nominal", 0.0, "gtmax", 1)
     flown, log = fly_helicopter(task)
     assert json.loads(log.attachments["specification.json"])["supervised"] is True
     assert flown.claimed
-    believed = log[ESTIMATE]
-    nearest = np.hypot(believed["north"] - task.mission.goal[0], believed["east"] - task.mission.goal[1])
+    estimate = log[ESTIMATE]
+    nearest = np.hypot(estimate["north"] - task.mission.goal[0], estimate["east"] - task.mission.goal[1])
     assert nearest.min() < task.mission.tolerance
 
 

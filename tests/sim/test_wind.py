@@ -1,4 +1,4 @@
-"""The wind: Dryden's statistics, its off switch, and the same air for the same seed."""
+"""Tests of the wind: Dryden statistics, calm air and seeds."""
 
 from math import cos, pi, sin, sqrt
 
@@ -60,7 +60,7 @@ def test_calm_is_still_air() -> None:
     assert (blow(wind_class("calm"), seed=1, periods=100) == np.array(STILL_AIR)).all()
 
 
-def test_the_mean_wind_comes_from_where_it_is_said_to() -> None:
+def test_the_mean_wind_comes_from_the_given_direction() -> None:
     mean = blow(WindClass("test", 0.0, 2.0), seed=1, periods=1, direction=pi / 3)[0]
     np.testing.assert_allclose(mean[:2], [-2.0 * cos(pi / 3), -2.0 * sin(pi / 3)])
 
@@ -123,7 +123,7 @@ def test_ensembles_and_spectra_are_the_standards() -> None:
 
 
 def test_an_euler_step_would_be_found() -> None:
-    """The negative control: the gust that Euler's step makes is too strong."""
+    """Negative control: Euler's step gives too strong a gust."""
     tau, step = 0.5, 0.01
     ratio = step / tau
     variance = 2.0 * ratio / (1.0 - (1.0 - ratio) ** 2)

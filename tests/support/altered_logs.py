@@ -1,4 +1,4 @@
-"""Logs with something changed, added or taken away."""
+"""Logs with topics or attachments changed, added or removed."""
 
 import json
 from collections.abc import Callable, Sequence

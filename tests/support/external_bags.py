@@ -1,6 +1,6 @@
-"""MCAP files as other programs write them: ROS 2, protobuf and JSON, of a motion that is known.
+"""MCAP files of a known motion in ROS 2, protobuf and JSON.
 
-Turned into their axes (east, north, up and forward, left, up) by matrices, which the importer does not use.
+Axes (east, north, up and forward, left, up) are converted by matrices, which the importer does not use.
 """
 
 import io
@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from flightlog.topic import Series
 
 START = 1_700_000_000.0
-"""Date of the bags, seconds."""
+"""Start of the bags, seconds since the epoch."""
 
 _LATE = 0.004
 """Seconds from a measurement to its logging."""
@@ -53,10 +53,10 @@ _HEADS = {
 
 
 class MatrixMotion:
-    """A motion in matrices: places, velocities, attitudes and body rates, north-east-down and in the body.
+    """Motion in matrices, north-east-down and forward-right-down.
 
     Args:
-        states: with all fields of a state.
+        states: states with all fields.
     """
 
     def __init__(self, states: Series) -> None:
@@ -71,7 +71,7 @@ class MatrixMotion:
 
     @property
     def quaternions(self) -> Float[np.ndarray, "n 4"]:
-        """From forward, left, up to east, north, up: x, y, z, w."""
+        """Quaternions x, y, z, w, forward-left-up to east-north-up."""
         return np.asarray(Rotation.from_matrix(_ENU @ self.attitude @ _FLU).as_quat())
 
     @property
@@ -86,11 +86,13 @@ class MatrixMotion:
 
 
 def ros2_bag(states: Series, *, topics: Sequence[str] = ()) -> bytes:
-    """Returns a bag with `/pose`, `/velocity` (of the world), `/odom` (of the body) and PX4's odometry.
+    """Returns a ROS 2 bag of poses, velocities and odometry.
+
+    Topics are `/pose`, `/velocity` (world axes), `/odom` (body axes) and PX4's odometry.
 
     Args:
-        states: with all fields of a state.
-        topics: those wanted; all where none is named.
+        states: states with all fields.
+        topics: topics to write; all if empty.
     """
     motion, stream = MatrixMotion(states), io.BytesIO()
     writer = RosWriter(stream)
@@ -143,7 +145,10 @@ def _in_time(motion: MatrixMotion) -> Iterator[tuple[str, str, Any, float]]:
 
 
 def plain_bag(states: Series) -> bytes:
-    """Returns a file with `/pose` and `/odometry` in protobuf, and `/json_pose`, `/json_velocity` in JSON."""
+    """Returns a file of poses and odometry in protobuf and JSON.
+
+    Topics are `/pose` and `/odometry` in protobuf, `/json_pose` and `/json_velocity` in JSON.
+    """
     motion, stream = MatrixMotion(states), io.BytesIO()
     writer = Writer(stream)
     writer.start()
@@ -179,9 +184,9 @@ def _messages(motion: MatrixMotion, row: int, nanoseconds: int) -> Iterator[tupl
         setattr(odometry.angular_velocity, axis, about)
     yield "/pose", pose.SerializeToString()
     yield "/odometry", odometry.SerializeToString()
-    told = {"position": dict(zip("xyz", place.tolist(), strict=True))}
-    told["orientation"] = dict(zip("xyzw", quaternion.tolist(), strict=True))
-    yield "/json_pose", json.dumps(told).encode()
+    content = {"position": dict(zip("xyz", place.tolist(), strict=True))}
+    content["orientation"] = dict(zip("xyzw", quaternion.tolist(), strict=True))
+    yield "/json_pose", json.dumps(content).encode()
     moving = dict(zip("xyz", (motion.velocity @ _ENU.T)[row].tolist(), strict=True))
     yield "/json_velocity", json.dumps({"velocity": moving}).encode()
 

@@ -1,4 +1,4 @@
-"""Flights with all that a page shows, and their pages."""
+"""Flights with all content of a review page, and their pages."""
 
 from dataclasses import replace
 
@@ -21,7 +21,7 @@ WALK, COASTS = (1, 2, 3, 7), (2.0,) * 4
 
 
 def whole_flight(*, coasts: tuple[float, ...] = COASTS, seed: int = 1, name: str = "synthetic") -> FlightLog:
-    """Returns a mission's log with every topic and attachment that a page shows."""
+    """Returns a mission's log with all topics and attachments reviewed."""
     log = synthetic_log(
         LIBRARY, WALK, coasts, seed=seed, start=SE2(5.0, -3.0, 0.7), kind="mission", name=name
     )

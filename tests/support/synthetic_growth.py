@@ -1,4 +1,4 @@
-"""A flown library of a vehicle whose responses and scatter are known: what growth is held against."""
+"""Library of a vehicle with known responses and standard deviations."""
 
 from dataclasses import replace
 
@@ -18,12 +18,12 @@ TRUTH = Baseline(StepResponse(0.7, 0.75), StepResponse(1.3, 0.7), dwell=1.0, tim
 
 
 def scatter(velocity: Twist) -> float:
-    """How much larger deviations are than in hover: smooth over the range, and not linear."""
+    """Returns the scale of deviations relative to hover: smooth, not linear."""
     return 1 + 0.1 * velocity.forward + velocity.yaw_rate**2
 
 
 def flown_library(*, shrunken: float = 1.0) -> Library:
-    """Returns the turns automaton as a known vehicle flies it, with statistics of 12 flights."""
+    """Returns the turns automaton of a known vehicle, with statistics."""
     automaton = turns_automaton(wind="calm", altitude=30.0)
     rule = automaton.conditions.maneuver_end
     assert rule is not None

@@ -1,9 +1,8 @@
-"""A disk of which every step is noted, and the states that it may be in after a crash at any of them.
+"""Recording file system, and its possible states after a crash.
 
-A process that is killed leaves what it wrote: the system still has it. A machine that stops leaves what was
-synced, and of the rest whatever the disk had got to: pages of 4096 bytes, in any order and some of them in
-part, and names whose folder was not synced. That is the weakest promise that file systems make; some make
-stronger ones.
+Writes of a killed process are kept by the system. After a power failure synced data are kept; of the rest any
+subset of pages of 4096 bytes, some of them in part, and any names in unsynced folders. This is the weakest
+guarantee of file systems; some give stronger ones.
 """
 
 from collections.abc import Sequence
@@ -29,7 +28,7 @@ class Loss(StrEnum):
 
 @dataclass(slots=True)
 class _Content:
-    """A file's content, apart from its names: as written, and as synced."""
+    """Content of a file: as written and as synced."""
 
     written: bytes = b""
     synced: bytes = b""
@@ -37,12 +36,12 @@ class _Content:
 
 @dataclass(slots=True)
 class _State:
-    """Names and contents: as the system has them, and as the disk surely has them.
+    """Names and contents in the system and on the disk.
 
     Attributes:
-        names: of files, as the system has them.
-        kept: names that were synced with their folder.
-        pending: changes of names since their folder was synced, in order: name, content or None.
+        names: names of files in the system.
+        kept: names synced with their folder.
+        pending: later changes of names in order: name, content or None.
     """
 
     names: dict[Path, _Content] = field(default_factory=dict)
@@ -50,7 +49,7 @@ class _State:
     pending: list[tuple[Path, _Content | None]] = field(default_factory=list)
 
     def name(self, path: Path, content: _Content | None) -> None:
-        """Gives or takes a name."""
+        """Adds or removes a name."""
         if content is None:
             self.names.pop(path, None)
         else:
@@ -58,7 +57,7 @@ class _State:
         self.pending.append((path, content))
 
     def sync_names(self, folder: Path) -> None:
-        """Makes the names of a folder last."""
+        """Syncs the names of a folder."""
         for path, content in self.pending:
             if path.parent == folder:
                 _apply(self.kept, path, content)
@@ -79,8 +78,8 @@ class NotingDisk(FileSystem):
     """Does every step, and notes it.
 
     Args:
-        piece: bytes that a write takes at most, so that there are steps within files.
-        full_after: steps after which nothing more can be written; None for never.
+        piece: largest number of bytes of a write, so that files take several steps.
+        full_after: number of steps after which the disk is full; None for never.
     """
 
     def __init__(self, piece: int, *, full_after: int | None = None) -> None:
@@ -88,7 +87,7 @@ class NotingDisk(FileSystem):
         self._piece, self._full_after, self._open = piece, full_after, dict[int, Path]()
 
     def open(self, path: Path) -> int:
-        """Opens a file anew."""
+        """Creates or truncates a file."""
         self._need_room()
         descriptor = super().open(path)
         self._open[descriptor] = path
@@ -96,30 +95,30 @@ class NotingDisk(FileSystem):
         return descriptor
 
     def write(self, descriptor: int, content: bytes) -> int:
-        """Writes a piece at most."""
+        """Writes at most one piece."""
         self._need_room()
         taken = super().write(descriptor, content[: self._piece])
         self.steps.append(Step("write", self._open[descriptor], content=content[:taken]))
         return taken
 
     def sync(self, descriptor: int) -> None:
-        """Makes a content last."""
+        """Syncs a file's content."""
         self._need_room()
         super().sync(descriptor)
         self.steps.append(Step("sync", self._open[descriptor]))
 
     def rename(self, path: Path, target: Path) -> None:
-        """Gives a new name."""
+        """Renames a file."""
         super().rename(path, target)
         self.steps.append(Step("rename", path, target))
 
     def remove(self, path: Path) -> None:
-        """Takes a name."""
+        """Removes a file."""
         super().remove(path)
         self.steps.append(Step("remove", path))
 
     def sync_folder(self, path: Path) -> None:
-        """Makes names last."""
+        """Syncs a folder's names."""
         super().sync_folder(path)
         self.steps.append(Step("sync folder", path))
 
@@ -132,9 +131,9 @@ def after_crash(steps: Sequence[Step], loss: Loss, chance: Random) -> dict[Path,
     """Returns the files, by name, that a disk may hold when all stops after some steps.
 
     Args:
-        steps: that were taken.
-        loss: what is taken away.
-        chance: decides what of it, where that is open.
+        steps: operations before the crash.
+        loss: kind of loss.
+        chance: random generator of the loss.
     """
     state = _State()
     for step in steps:
@@ -164,7 +163,7 @@ def _take(state: _State, step: Step) -> None:
         case "rename":
             assert step.target is not None
             content = state.names[step.path]
-            # After a crash either name may be there, or both, or none.
+            # After a crash either name may exist, or both, or none.
             state.name(step.target, content)
             state.name(step.path, None)
         case "remove":

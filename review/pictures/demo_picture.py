@@ -1,4 +1,4 @@
-"""The whole way in one picture: the library found, the plans made with it, and how flying them went."""
+"""Picture of the workflow: identified library, plans, and their flights."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -36,24 +36,24 @@ POLICY_NAMES = {"nominal": "Nominal plan", "worst-case": "Worst-case plan"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlownPlan:
-    """A plan with the flights that followed it; the flights re-planned on the way."""
+    """A plan with its flights, which replan on the way."""
 
     plan: Plan
     flights: tuple[FlightLog, ...]
 
 
 def demo_picture(library: Library, mission: Mission, outcomes: Sequence[FlownPlan]) -> Figure:
-    """Returns the picture of the whole way.
+    """Returns the picture of library, plans and flights.
 
     Args:
-        library: planned with.
-        mission: of all the plans.
-        outcomes: one for each policy.
+        library: library of the plans.
+        mission: mission of the plans.
+        outcomes: one per policy.
     """
     figure = palette.new_figure(7.0 + 5.0 * len(outcomes), 8.6)
     conditions = library.conditions
     figure.suptitle(
-        f"From flight logs to plans, and back to flight    |    {library.vehicle}, wind {conditions.wind}, "
+        f"Identified library, plans and flights    |    {library.vehicle}, wind {conditions.wind}, "
         f"mission {mission.name}",
         x=0.01,
         ha="left",
@@ -72,7 +72,7 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[FlownPla
     maps = right.subplots(1, len(outcomes), squeeze=False)[0]
     for number, (axes, outcome) in enumerate(zip(maps, outcomes, strict=True), start=2):
         _draw_outcome(axes, library, mission, outcome, number=number)
-    # Equal scales, so that one track may be held against the other.
+    # Equal scales, so that the tracks can be compared.
     everything = Bbox.union([axes.dataLim for axes in maps])
     for axes in maps:
         axes.update_datalim(everything.corners())
@@ -92,9 +92,9 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
     for log, met in zip(outcome.flights, arrivals, strict=True):
         style = MISSED if met.time is None else FLOWN
         truth = log[TRUTH]
-        way = truth.time <= (log.duration if met.time is None else met.time)
-        style.draw(axes, truth["east"][way], truth["north"][way])
-        FLOWN_AFTER_GOAL.draw(axes, truth["east"][~way], truth["north"][~way])
+        until = truth.time <= (log.duration if met.time is None else met.time)
+        style.draw(axes, truth["east"][until], truth["north"][until])
+        FLOWN_AFTER_GOAL.draw(axes, truth["east"][~until], truth["north"][~until])
     _draw_start_and_goal(axes, mission)
     axes.margins(0.15)
     title = POLICY_NAMES.get(plan.policy, f"Plan, {plan.policy}")
@@ -113,12 +113,12 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
 
 
 def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[Arrival]) -> str:
-    """Returns what the plan predicted and what the flights did, in two lines."""
+    """Returns predicted time and flight results, in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
     predicted = f"predicted {plan.cost:.1f} s"
     if len(plan.scenarios) > 1:
-        predicted += f", the slowest of gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
+        predicted += f", maximum over gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
         return f"{predicted}\nnot flown"
     times = sorted(met.time for met in arrivals if met.time is not None)
@@ -148,12 +148,12 @@ def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
 def _entries(plan: Plan, arrivals: Sequence[Arrival]) -> list[Line2D]:
     entries = []
     if plan.found:
-        entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest case"))
+        entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest scenario"))
     if len(plan.scenarios) > 1:
-        entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
+        entries.append(OTHER_SCENARIO.entry("planned, other scenarios"))
     if any(met.time is not None for met in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
-        entries.append(FLOWN_AFTER_GOAL.entry("after the goal, a maneuver begun is finished"))
+        entries.append(FLOWN_AFTER_GOAL.entry("flown after the goal, until the maneuver ends"))
     if any(met.time is None for met in arrivals):
         entries.append(MISSED.entry("flown, goal missed"))
     return entries

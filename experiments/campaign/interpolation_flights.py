@@ -120,7 +120,7 @@ def _print_trials(
         console.print(
             f"  {trial.kept} of {trial.drawn} drawn by chance kept all of {flights} flights "
             f"({trial.kept / trial.drawn:.3f}, 95 %: {trial.low:.3f}-{trial.high:.3f}), {inside} of {shown} "
-            f"samples inside ({inside / shown:.3f}); p {trial.doubt:.2g}: "
+            f"samples inside ({inside / shown:.3f}); p {trial.p_value:.2g}: "
             f"{'REFUTED' if trial.refuted else 'not refuted'}",
             soft_wrap=True,
         )

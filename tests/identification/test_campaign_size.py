@@ -1,4 +1,4 @@
-"""Campaigns before they are flown: how many flights, in what air."""
+"""Tests of campaigns before flight: size, wind and forecast."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -81,7 +81,7 @@ def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
 
 
 def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> None:
-    """The worker here is this thread; each flight of the campaign lasts about as long as the one measured."""
+    """Uses this thread as the worker and flights of equal length."""
     few = replace(CAMPAIGN, coasting_range=(2.0, 2.1))
     with ThreadPoolExecutor(1) as executor:
         ahead = forecast_with_executor(
@@ -95,11 +95,11 @@ def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> No
     assert f"{ahead.minutes:.1f} minutes here (1 flights like these" in ahead.describe()
 
 
-def test_a_long_campaign_is_judged_from_more_flights() -> None:
+def test_a_long_campaign_is_forecast_from_more_flights() -> None:
     with ThreadPoolExecutor(1) as executor:
         ahead = forecast_with_executor(
             executor, CAMPAIGN, wind="gtmax", seed=1, flights=60, workers=1, began=perf_counter() - 6.0
         )
     assert ahead.measured == 3
-    # What was spent on getting workers is spent again.
+    # The time to start workers is part of the forecast.
     assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed + 0.1

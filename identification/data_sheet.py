@@ -75,7 +75,7 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
         ("deviations of", f"the {_MOTIONS.get(motion, motion)} motion" if motion else unknown),
         ("vehicle parameters", unknown if flown is None else f"sha256 {flown[:12]}"),
         ("speeds flown", unknown if speeds is None else f"{speeds[0]:g} to {speeds[1]:g} m/s"),
-        ("entry trims of maneuvers", unknown if entries is None else ", ".join(map(str, entries))),
+        ("maneuvers flown from trims", unknown if entries is None else ", ".join(map(str, entries))),
         ("coasts flown", unknown if coasts is None else f"{coasts[0]:.1f} to {coasts[1]:.1f} s"),
         ("end of a maneuver", unknown if rule is None else f"after {rule.dwell:g} s inside the band"),
         ("time-out", unknown if rule is None else f"{rule.timeout:g} s"),

@@ -48,9 +48,9 @@ LABELS = {
     "flown_time": "flown",
     "predicted_time": "planned",
     "closest": "nearest to goal",
-    "activations": "plannings",
+    "replans": "replans",
     "failures": "without a plan",
-    "fallbacks": "ways to rest",
+    "safe_stops": "safe stops",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }

@@ -201,8 +201,8 @@ def validate(
         library=flown_with.name,
         totals=scorecard_totals(results),
         cells=scorecard_cells(results),
-        promises=time_bound_trials(results, share=BOUND_SHARE, stated=stated, seed=drawn),
-        blamed=_attributions(results, flown_with),
+        time_bounds=time_bound_trials(results, share=BOUND_SHARE, stated=stated, seed=drawn),
+        attributions=_attributions(results, flown_with),
         tubes=tube_trials(results, flown_with),
     )
     if out is not None:
@@ -211,7 +211,7 @@ def validate(
             write_atomically(text.encode(), out / f"scorecard.{name}", force=True)
         write_atomically(scorecard_json(card, results).encode(), out / "results.json", force=True)
         write_validation_pictures(
-            out, results, grid.missions, flown_with, totals=card.totals, promises=card.promises
+            out, results, grid.missions, flown_with, totals=card.totals, time_bounds=card.time_bounds
         )
     _calibrate(calibrate, helicopter, flown_with, seed=seed, force=force)
     if json:

@@ -33,16 +33,16 @@ class _Plan(_Part):
 
 
 def recorded_latency(log: FlightLog, *, source: str) -> Latency:
-    """Returns the latencies of a flight, so that they can be charged again.
+    """Returns the latencies of a logged flight, for a repetition.
 
     Raises:
-        BadFileError: the log carries no mission with settings, or no plans with latencies.
+        BadFileError: the log has no mission with settings, or no plans with latencies.
     """
     try:
         settings = _Mission.model_validate(json.loads(log.attachments[MISSION_ATTACHMENT])).settings
         plans = TypeAdapter(tuple[_Plan, ...]).validate_python(json.loads(log.attachments[PLANS_ATTACHMENT]))
     except KeyError as error:
-        raise BadFileError(source, f"is no flight of a mission: it has no {error.args[0]}") from None
+        raise BadFileError(source, f"expected a log of a mission, it has no {error.args[0]}") from None
     except ValidationError as error:
         raise BadFileError(source, first_problem(error)) from None
     recorded = tuple(plan.latency for plan in plans)

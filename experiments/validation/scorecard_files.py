@@ -45,8 +45,8 @@ HEADS = (
 )
 
 NOTES = """`reached`: the true track entered the tolerance on a plan; flights that end by time-out, by the
-limit of replans, without a plan or on a safe-stop path do not count. `within predicted time`: reached within the
-predicted time of the first plan. Intervals are Wilson's. `flown` and `predicted` are medians; in the
+limit of replans, without a plan or on a safe-stop path do not count. `within predicted time`: reached within
+the predicted time of the first plan. Intervals are Wilson's. `flown` and `predicted` are medians; in the
 `95 % quantile`, flights that did not reach the goal count as infinite. Replan times are CPU times."""
 
 

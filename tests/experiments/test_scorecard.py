@@ -159,7 +159,7 @@ def test_the_time_bound_is_stored_with_the_plan(tmp_path: Path, capsys: pytest.C
     assert run(("plan", "gtmax-2", "--library", str(library))) == 0
     printed = capsys.readouterr()
     assert "of flights are there" not in printed.out
-    assert "mine.times.toml was found with another library: no time is promised" in printed.err
+    assert "mine.times.toml is for another library: no time bound is stated" in printed.err
     file.write_text("promise = 3\n")
     assert run(("plan", "gtmax-2", "--library", str(library))) == 2
     assert capsys.readouterr().err.count("\n") == 1

@@ -44,11 +44,11 @@ def test_the_shipped_campaign_flies_what_95_95_takes() -> None:
     own = campaign_size(CAMPAIGN, coverage=None, confidence=0.95, flights=None, nominal_flights=None)
     asked = campaign_size(CAMPAIGN, coverage=0.95, confidence=0.95, flights=None, nominal_flights=None)
     assert own == asked
-    assert "153 flights give the bounds, 30 others give their values" in own.describe()
+    assert "153 flights for the bounds, 30 others for the values" in own.describe()
 
 
 def test_a_coverage_and_a_number_of_flights_are_not_both_taken() -> None:
-    with pytest.raises(FlightError, match="give it or --flights, not both"):
+    with pytest.raises(FlightError, match="expected one of them, got both"):
         campaign_size(CAMPAIGN, coverage=0.9, confidence=0.95, flights=9, nominal_flights=None)
     with pytest.raises(FlightError, match=r"--coverage must be between 0 and 1, got 95\.0"):
         campaign_size(CAMPAIGN, coverage=95.0, confidence=0.95, flights=None, nominal_flights=None)
@@ -92,7 +92,7 @@ def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> No
     assert ahead.measured == 1
     assert ahead.flight_hours == pytest.approx(20 * lasts / 3600, rel=0.1)
     assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed
-    assert f"{ahead.minutes:.1f} minutes here (1 flights like these" in ahead.describe()
+    assert f"{ahead.minutes:.1f} minutes on this machine (1 test flights" in ahead.describe()
 
 
 def test_a_long_campaign_is_forecast_from_more_flights() -> None:

@@ -348,7 +348,11 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
         ("gps stuck 2 inf", "gps stuck two inf", "fault 'gps stuck two inf': expected 'gps stuck START"),
         ("gps stuck 2 inf", "gps asleep 2 inf", "no 'asleep' of gps"),
         ("tilt = 0.7", "tilt = 0", "envelope.tilt"),
-        ('expected = "alarm"\n', 'expected = "alarm"\n' + SMALL[SMALL.index("[[") :], "is there twice"),
+        (
+            'expected = "alarm"\n',
+            'expected = "alarm"\n' + SMALL[SMALL.index("[[") :],
+            "expected different faults, got",
+        ),
         (SMALL[SMALL.index("[[") :], "fault = []\n", "expected one or more"),
     ],
 )

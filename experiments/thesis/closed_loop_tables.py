@@ -29,8 +29,9 @@ SETTINGS = Settings(
 NOT_REPRODUCED = (
     "Closed loop: the thesis prints neither the replan interval, nor the iteration limit, nor the plant's "
     "errors, so its figures cannot be reproduced, only their pattern. Here: a replan each second, at most "
-    f"{SETTINGS.max_activations} replans, all errors of the plant times -gamma or +gamma, goal "
-    "tolerance 3 units of length, planner tolerance 0.1 of the distance where that is larger; GT-Max missions from trim 2."
+    f"{SETTINGS.max_activations} replans, all errors of the plant times -gamma or +gamma, goal tolerance "
+    "3 units of length, planner tolerance 0.1 of the distance where that is larger; GT-Max missions from "
+    "trim 2."
 )
 
 

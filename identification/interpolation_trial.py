@@ -1,8 +1,8 @@
-"""Whether a grown library keeps its promise: primitives drawn from it, flown, against its claim.
+"""Test of the coverage claims of interpolated primitives with new flights.
 
-The claim is of a kind: a share of at least `coverage` of its grown primitives holds so many flights. A drawn
-primitive is kept when each new flight that shows it, no more of them than claimed, is inside; so the number
-of kept ones among those drawn is binomial with at least that share, if the claim is true.
+The claim is about a kind: for a share of at least `coverage` of its interpolated primitives, the bounds hold
+a number of flights. A drawn primitive passes if each of its new flights, at most as many as claimed, is
+inside; if the claim is true, the number that pass is binomial with at least that share.
 """
 
 from collections.abc import Sequence
@@ -26,12 +26,12 @@ Kind = Literal["trim", "maneuver"]
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveTrial:
-    """What new flights did with one primitive that was drawn.
+    """Result of new flights for one drawn primitive.
 
     Attributes:
-        kind: of the primitive.
-        id: of the trim or maneuver.
-        flights: new flights that show it, lost and unsettled ones included.
+        kind: trim or maneuver.
+        id: id of the trim or maneuver.
+        flights: new flights with this primitive, lost and unsettled ones included.
         inside: flights in which all numbers stayed inside the bounds.
         unsettled: flights in which it did not settle or that were lost; they count as outside.
     """
@@ -44,23 +44,24 @@ class PrimitiveTrial:
 
     @property
     def kept(self) -> bool:
-        """Whether every flight was inside."""
+        """True if every flight was inside the bounds."""
         return self.inside == self.flights
 
 
 @dataclass(frozen=True, slots=True)
 class InterpolationTrial:
-    """The claim of a kind beside what the drawn primitives did.
+    """Claim of a kind and the result of its drawn primitives.
 
     Attributes:
         kind: trims or maneuvers.
-        claim: of the kind.
-        drawn: primitives that flights show.
-        kept: of them, those with every flight inside.
+        claim: coverage claim of the kind.
+        drawn: drawn primitives with flights.
+        kept: primitives among them with every flight inside the bounds.
         low: lower end of the exact (Clopper-Pearson) 95 % interval of the share kept.
         high: upper end.
-        doubt: probability of so few kept if the claim were true, after Holm's correction for both kinds.
-        refuted: whether that is too improbable.
+        p_value: probability of at most this many kept if the claim is true, after Holm's correction for both
+            kinds.
+        refuted: True if the p-value is below the level of the test.
     """
 
     kind: Kind
@@ -69,24 +70,24 @@ class InterpolationTrial:
     kept: int
     low: float
     high: float
-    doubt: float
+    p_value: float
     refuted: bool
 
 
 def interpolation_trials(
     library: Library, drawn: PrimitiveSample, flights: Sequence[FlightEvidence], *, level: float = 0.05
 ) -> tuple[tuple[PrimitiveTrial, ...], tuple[InterpolationTrial, ...]]:
-    """Returns what flights did with each primitive drawn, and a trial for each kind.
+    """Returns the result of each drawn primitive and a trial per kind.
 
     Args:
-        library: grown.
-        drawn: primitives of it, at random.
-        flights: new ones, no more than the claim is for.
-        level: of the test of both kinds together.
+        library: interpolated library.
+        drawn: random sample of its primitives.
+        flights: new flights, at most as many as the claim covers.
+        level: level of the test of both kinds together.
 
     Raises:
-        FlightError: there are more flights than the claim is for.
-        InconsistentLogsError: a flight was flown with other trims, maneuvers or another rule.
+        FlightError: there are more flights than the claim covers.
+        InconsistentLogsError: a flight has other trims, maneuvers or another rule.
     """
     check_consistency(library, flights)
     shown = [
@@ -102,10 +103,11 @@ def interpolation_trials(
             continue
         if max(one.flights for one in own) > claim.flights:
             raise FlightError(
-                f"the claim of grown {kind}s is for {claim.flights} flights each, got {len(flights)} flights"
+                f"claim of interpolated {kind}s: expected at most {claim.flights} flights each, "
+                f"got {len(flights)} flights"
             )
         counted.append((kind, claim, len(own), sum(one.kept for one in own)))
-    doubts = adjust_p_values(
+    p_values = adjust_p_values(
         [float(binom.cdf(kept, count, claim.coverage)) for _, claim, count, kept in counted]
     )
     trials = tuple(
@@ -115,10 +117,10 @@ def interpolation_trials(
             count,
             kept,
             **clopper_pearson_interval(kept, count),
-            doubt=doubt,
-            refuted=doubt < level,
+            p_value=p_value,
+            refuted=p_value < level,
         )
-        for (kind, claim, count, kept), doubt in zip(counted, doubts, strict=True)
+        for (kind, claim, count, kept), p_value in zip(counted, p_values, strict=True)
     )
     return primitives, trials
 

@@ -1,4 +1,4 @@
-"""Trends over speed and yaw rate, as in the thesis (3.3, Figures 7 to 9), read off a flown library."""
+"""Trends over speed and yaw rate (thesis, 3.3, Figures 7 to 9)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 
-# What differs by less than this is the same step, in m/s and rad/s.
+# Tolerance of equal steps, m/s and rad/s.
 SAME = 1e-3
 
 
@@ -18,8 +18,8 @@ class SpeedError:
     Attributes:
         speed: m/s.
         error: largest deviation, m/s.
-        percent: of the speed; None in hover.
-        samples: flights that it is from.
+        percent: error in percent of the speed; None in hover.
+        samples: number of flights.
     """
 
     speed: float
@@ -40,7 +40,7 @@ class SpeedStep:
         percent: of the displacement.
         duration: s.
         duration_percent: largest deviation of the duration in percent of it.
-        samples: flights that it is from.
+        samples: number of flights.
     """
 
     entry_speed: float
@@ -65,7 +65,7 @@ class TurnStep:
         heading_error: largest deviation of it, rad.
         duration: s.
         duration_percent: largest deviation of the duration in percent of it.
-        samples: flights that it is from.
+        samples: number of flights.
     """
 
     speed: float
@@ -80,7 +80,7 @@ class TurnStep:
 
 @dataclass(frozen=True, slots=True)
 class Trends:
-    """The three figures; each empty where the library has nothing for it."""
+    """Data of the three figures; empty where the library has none."""
 
     speed_errors: tuple[SpeedError, ...]
     speed_steps: tuple[SpeedStep, ...]
@@ -88,10 +88,12 @@ class Trends:
 
 
 def trends(library: Library, *, speed_step: float, rate_step: float) -> Trends:
-    """Returns the trends that a library shows; primitives without statistics were not flown and do not count.
+    """Returns the trends of a library's flown primitives.
+
+    Primitives without statistics were not flown and are ignored.
 
     Args:
-        library: flown.
+        library: flown library.
         speed_step: size of the changes of speed, m/s.
         rate_step: size of the changes of yaw rate, rad/s.
     """

@@ -152,7 +152,8 @@ def _fault_report(matrix: FaultMatrix, flown: Sequence[Sequence[MissionResult]])
 def _content(card: FaultReport) -> dict[str, object]:
     def plain(found: Outcomes) -> dict[str, object]:
         alarms = {kind.name.lower(): count for kind, count in found.alarms}
-        return {**asdict(found), "alarms": alarms, "wrong_at_most": found.wrong_at_most}
+        limit = found.undetected_failure_at_most
+        return {**asdict(found), "alarms": alarms, "undetected_failure_at_most": limit}
 
     rows = [
         {
@@ -169,7 +170,7 @@ def _content(card: FaultReport) -> dict[str, object]:
 
 def _print_report(card: FaultReport) -> None:
     """Prints a line for each fault, and all together."""
-    print(f"{'fault':<45} passed  safe  lost  wrong   bare: safe  wrong")
+    print(f"{'fault':<45} passed  safe  detected  undetected   bare: safe  undetected")
     parts: list[tuple[str, Outcomes, Outcomes | None]] = [("nothing", card.sound, None)]
     parts += [
         (case.fault.words, card.protected[place], card.bare[place] if card.bare else None)
@@ -180,12 +181,13 @@ def _print_report(card: FaultReport) -> None:
     )
     for words, found, bare in parts:
         passed = "-" if found.passed is None else str(found.passed)
-        without = "" if bare is None else f"{bare.safe:>13}{bare.wrong:>7}"
-        print(f"{words:<45}{passed:>7}{found.safe:>6}{found.lost:>6}{found.wrong:>7}{without}")
+        without = "" if bare is None else f"{bare.safe:>13}{bare.undetected_failure:>12}"
+        failed = f"{found.detected_loss:>10}{found.undetected_failure:>12}"
+        print(f"{words:<45}{passed:>7}{found.safe:>6}{failed}{without}")
         if found.acted < found.flights and words != "nothing":
             print(f"  seen to act in {found.acted} of {found.flights} flights only")
     whole = merge_outcomes(card.protected)
     print(
-        f"wrong with protection: {whole.wrong} of {whole.flights}; with 95 % confidence at most "
-        f"{whole.wrong_at_most:.3%}"
+        f"undetected failures with protection: {whole.undetected_failure} of {whole.flights}; at most "
+        f"{whole.undetected_failure_at_most:.3%} (95 % confidence)"
     )

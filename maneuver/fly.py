@@ -48,9 +48,8 @@ LABELS = {
     "flown_time": "flown",
     "predicted_time": "planned",
     "closest": "nearest to goal",
-    "activations": "plannings",
     "failures": "without a plan",
-    "fallbacks": "ways to rest",
+    "safe_stops": "safe stops",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }

@@ -87,6 +87,6 @@ def _table(rows: dict[str, EdgeScore]) -> Table:
         table.add_column(heading, justify="right" if place else "left", no_wrap=True)
     for name, row in rows.items():
         counts = (row.commanded, row.found, row.spurious)
-        times = (f"{row.late:+.3f}", f"{row.spread:.3f}", f"{row.furthest:.2f}")
+        times = (f"{row.late:+.3f}", f"{row.standard_deviation:.3f}", f"{row.furthest:.2f}")
         table.add_row(name, *map(str, counts), *times)
     return table

@@ -75,7 +75,7 @@ def validate(
     flights: Count = 5,
     seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
-    activation_interval: PositiveFloat = 0.5,
+    replan_interval: PositiveFloat = 0.5,
     tolerance_share: NonNegativeFloat = 0.0,
     aim: PositiveFloat = 0.5,
     hysteresis: NonNegativeFloat = 1.0,
@@ -83,7 +83,7 @@ def validate(
     replan_in_maneuver: Annotated[bool, Parameter(negative="")] = False,
     latency: str = "0.05",
     max_nodes: Count | None = None,
-    max_activations: Count = 200,
+    max_replans: Count = 200,
     out: Path | None = None,
     logs: Path | None = None,
     calibrate: Path | None = None,
@@ -126,7 +126,7 @@ def validate(
         flights: of each mission and policy, each with a seed of its own.
         seed: of all chance.
         tolerance: metres within which the goal counts as reached; the mission's by default.
-        activation_interval: seconds between two plannings.
+        replan_interval: seconds between two replans.
         tolerance_share: of the distance to go: the tolerance that re-planning is handed, where larger.
         aim: part of the tolerance that the planner is handed: errors need room.
         hysteresis: seconds by which a new plan must be faster than one under way that still reaches the goal.
@@ -135,7 +135,7 @@ def validate(
         latency: charged for each planning: seconds, `measured` (by the clock; what took longer than 0.05 s is
             too late), or a log of a flight to be repeated.
         max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
-        max_activations: plannings after which a flight is given up.
+        max_replans: replans after which a flight is given up.
         out: folder for flights, scorecard and pictures; none by default.
         calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
             NAME.times.toml beside the library NAME.json; for --suite random.
@@ -150,8 +150,8 @@ def validate(
     flown_with = find_library(library)
     try:
         settings = Settings(
-            activation_interval=activation_interval,
-            max_activations=max_activations,
+            activation_interval=replan_interval,
+            max_activations=max_replans,
             final_tolerance=tolerance,
             tolerance_share=tolerance_share,
             aim=aim,
@@ -201,8 +201,8 @@ def validate(
         library=flown_with.name,
         totals=scorecard_totals(results),
         cells=scorecard_cells(results),
-        promises=time_bound_trials(results, share=BOUND_SHARE, stated=stated, seed=drawn),
-        blamed=_attributions(results, flown_with),
+        time_bounds=time_bound_trials(results, share=BOUND_SHARE, stated=stated, seed=drawn),
+        attributions=_attributions(results, flown_with),
         tubes=tube_trials(results, flown_with),
     )
     if out is not None:
@@ -211,7 +211,7 @@ def validate(
             write_atomically(text.encode(), out / f"scorecard.{name}", force=True)
         write_atomically(scorecard_json(card, results).encode(), out / "results.json", force=True)
         write_validation_pictures(
-            out, results, grid.missions, flown_with, totals=card.totals, promises=card.promises
+            out, results, grid.missions, flown_with, totals=card.totals, time_bounds=card.time_bounds
         )
     _calibrate(calibrate, helicopter, flown_with, seed=seed, force=force)
     if json:

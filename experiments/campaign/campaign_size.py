@@ -1,4 +1,4 @@
-"""How many flights a campaign takes, said before the first of them."""
+"""Number of flights of a campaign for a coverage."""
 
 from dataclasses import dataclass
 
@@ -10,12 +10,12 @@ from identification.statistics.samples import MANEUVER_SCALARS, TRIM_SCALARS
 
 @dataclass(frozen=True, slots=True)
 class CampaignSize:
-    """How many flights, and what they may promise when no maneuver fails to settle.
+    """Numbers of flights and their coverage if every maneuver settles.
 
     Attributes:
-        bounding: flights that give the bounds.
-        nominal: others, that give the values of maneuvers; 0 where the same flights give both.
-        confidence: of the coverage.
+        bounding: flights for the bounds.
+        nominal: other flights for the values of maneuvers; 0 where the same flights give both.
+        confidence: confidence of the coverage.
     """
 
     bounding: int
@@ -24,25 +24,25 @@ class CampaignSize:
 
     @property
     def flights(self) -> int:
-        """All flights."""
+        """Total number of flights."""
         return self.bounding + self.nominal
 
     @property
     def maneuver_support(self) -> int:
-        """Numbers fitted to a maneuver's samples."""
+        """Number of values fitted to a maneuver's samples."""
         return len(MANEUVER_SCALARS) * (1 if self.nominal else 2)
 
     def describe(self) -> str:
-        """Returns for people what the flights are for and what they promise."""
+        """Returns the numbers of flights and their coverage in one sentence."""
         claims = [
             joint_coverage(self.bounding, support=support, confidence=self.confidence)
             for support in (len(TRIM_SCALARS), self.maneuver_support)
         ]
-        values = f"{self.nominal} others give their values" if self.nominal else "the same give their values"
+        values = f"{self.nominal} others for the values" if self.nominal else "values from the same flights"
         return (
-            f"{self.bounding} flights give the bounds, {values}: with {self.confidence:.0%} confidence the "
-            f"bounds of a trim hold {claims[0]:.1%} of future flights, of a maneuver {claims[1]:.1%}, "
-            "all numbers at once"
+            f"{self.bounding} flights for the bounds, {values}: the bounds of a trim cover {claims[0]:.1%} "
+            f"of future flights, of a maneuver {claims[1]:.1%}, all numbers at once "
+            f"({self.confidence:.0%} confidence)"
         )
 
 
@@ -54,23 +54,23 @@ def campaign_size(
     flights: int | None,
     nominal_flights: int | None,
 ) -> CampaignSize:
-    """Returns how many flights are flown: as many as asked for, as a coverage takes, or the campaign's.
+    """Returns the number of flights: requested, for a coverage, or default.
 
     Args:
-        campaign: its own numbers stand in where nothing is asked.
-        coverage: share of future flights to be covered, all numbers of a primitive at once.
-        confidence: of that share.
-        flights: number asked for.
-        nominal_flights: number of flights for the values of maneuvers.
+        campaign: campaign with the default numbers.
+        coverage: share of future flights to cover, all numbers of a primitive at once.
+        confidence: confidence of that share.
+        flights: requested number of flights.
+        nominal_flights: requested number of flights for the values of maneuvers.
 
     Raises:
-        FlightError: coverage or confidence is no share, or both a coverage and a number of flights are given.
+        FlightError: coverage or confidence is not between 0 and 1, or both coverage and flights are given.
     """
     for name, value in (("coverage", coverage), ("confidence", confidence)):
         if value is not None and not 0 < value < 1:
             raise FlightError(f"--{name} must be between 0 and 1, got {value}")
     if coverage is not None and flights is not None:
-        raise FlightError("--coverage says how many flights: give it or --flights, not both")
+        raise FlightError("--coverage and --flights: expected one of them, got both")
     own_values = campaign.nominal_flights if flights is None else 0
     nominal = own_values if nominal_flights is None else nominal_flights
     if coverage is None:

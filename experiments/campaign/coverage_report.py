@@ -1,4 +1,4 @@
-"""What `identify` and `regenerate` say of a library's claims, and which flights gave what."""
+"""Report of a library's coverage for `identify` and `regenerate`."""
 
 from collections.abc import Iterable
 
@@ -8,23 +8,23 @@ from flight.plural import plural
 from identification.segmentation.flight_evidence import NOMINAL, FlightEvidence
 
 COVERAGE_TOO_LOW = 1
-"""Exit code where a primitive claims less than was asked for."""
+"""Exit code for a primitive below the requested coverage."""
 
 
 def split_by_kind(
     flights: Iterable[FlightEvidence],
 ) -> tuple[list[FlightEvidence], list[FlightEvidence]]:
-    """Returns the flights that give the bounds, and those that were flown to give the values."""
+    """Returns the flights for the bounds and those for the values."""
     everyone = list(flights)
     nominal = [flight for flight in everyone if flight.header.kind == NOMINAL]
     return [flight for flight in everyone if flight.header.kind != NOMINAL], nominal
 
 
 def weaker_claims(library: Library, coverage: float | None) -> list[str]:
-    """Returns, for people, the primitives that claim less than a coverage asked for.
+    """Returns messages on primitives below the requested coverage.
 
     Raises:
-        FlightError: the coverage is no share.
+        FlightError: the coverage is not between 0 and 1.
     """
     if coverage is None:
         return []
@@ -33,7 +33,7 @@ def weaker_claims(library: Library, coverage: float | None) -> list[str]:
     parts = [("trim", trim.id, trim.statistics) for trim in library.trims]
     parts += [("maneuver", row.id, row.statistics) for row in library.maneuvers]
     return [
-        f"{kind} {number} claims {found.coverage:.3f}, less than {coverage:g}: "
+        f"{kind} {number}: expected coverage >= {coverage:g}, got {found.coverage:.3f} from "
         f"{plural(found.samples, 'flight')}, {found.discarded} of them lost or not settled"
         for kind, number, found in parts
         if found is not None and found.coverage < coverage

@@ -1,4 +1,4 @@
-"""Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
+"""Evidence from logs: reading and segmentation, independent of the simulator."""
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -32,7 +32,7 @@ from runtime.progress import show_progress
 def gather_evidence(
     paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
 ) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives.
+    """Reads and segments logs.
 
     Raises:
         FlightError: a log is broken or lacks something.
@@ -48,38 +48,38 @@ def gather_motion_evidence(
     trims: Library | None = None,
     resolution: Resolution | None = None,
 ) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives by their motion alone.
+    """Reads logs and segments them by their motion alone.
 
     Args:
-        paths: of the logs.
-        executor: that reads them.
-        trims: the automaton and its maneuver-end rule; where None, what the logs carry, and where they carry
-            none, what their motion shows.
-        resolution: the least difference between two trims that the motion is to show.
+        paths: the log files.
+        executor: executor that reads them.
+        trims: automaton and maneuver-end rule; where None, those of the logs, or else those discovered in the
+            motion.
+        resolution: least difference between two discovered trims.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    seen = list(show_progress(executor.map(_motion_of, paths), total=len(paths), what="reading"))
-    motions = [one.motion for one in seen]
-    library = trims or seen[0].library
-    found = library is None
+    records = list(show_progress(executor.map(_motion_of, paths), total=len(paths), what="reading"))
+    motions = [record.motion for record in records]
+    library = trims or records[0].library
+    discovered = library is None
     if library is None:
-        library = discover_automaton(motions, vehicle=seen[0].vehicle, resolution=resolution)
+        library = discover_automaton(motions, vehicle=records[0].vehicle, resolution=resolution)
     walks = walks_of(motions, library)
     cutting = executor.map(_motion_evidence_of, paths, walks, repeat(library))
     flights = list(show_progress(cutting, total=len(paths), what="identifying"))
-    return _drop_unobserved_trims(flights, library) if found else flights
+    return _drop_unobserved_trims(flights, library) if discovered else flights
 
 
 def has_commands(path: Path) -> bool:
-    """Whether a log says when which primitive was commanded."""
+    """Returns True if a log has the commanded primitives."""
     return PRIMITIVE.name in read_log(path).series
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionRecord:
-    """What the walk is found from, and what names it."""
+    """Motion of a log with its vehicle and library."""
 
     vehicle: str
     library: Library | None
@@ -110,11 +110,11 @@ def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> Fli
 
 
 def _drop_unobserved_trims(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
-    """Leaves out discovered trims that no coast shows: passing through a velocity is not holding it."""
+    """Drops discovered trims without a coast, which are only passed through."""
     held = {coast.trim for flight in flights for coast in flight.segments.coasts}
     rule = library.conditions.maneuver_end
     if not held or rule is None:
-        raise FlightError("no trim is held long enough to count as reached; see --resolution and --trims")
+        raise FlightError("expected trims held for the dwell, got none: change --resolution, or give --trims")
     performed = {segment.id for flight in flights for segment in flight.segments.maneuvers}
     bands = {trim: band for trim, band in rule.bands.items() if trim in held}
     kept = replace(
@@ -129,7 +129,7 @@ def _drop_unobserved_trims(flights: list[FlightEvidence], library: Library) -> l
 
 
 def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
-    """Reads one log and cuts it into primitives.
+    """Reads and segments one log.
 
     Raises:
         FlightError: the log is broken or lacks something.
@@ -139,7 +139,7 @@ def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
 
 
 def log_paths(logs: list[Path]) -> list[Path]:
-    """Returns the logs named, and those in the folders named.
+    """Returns the given logs and those in the given folders.
 
     Raises:
         FlightError: there are none.

@@ -1,4 +1,4 @@
-"""Campaigns, flown: what `fly`, `regenerate` and `demo` share."""
+"""Campaign flights for `fly`, `regenerate` and `demo`."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -21,13 +21,13 @@ from sim.loop.specification import DEFAULT_OPTIONS, FlightOptions, FlightSpecifi
 
 @dataclass(frozen=True, slots=True)
 class FlightRole:
-    """What flights are for; each role has air and schedules of its own, whatever the seed.
+    """Purpose of flights, with its own random streams for wind and schedule.
 
     Attributes:
-        kind: in the flights' headers.
-        suffix: of the campaign's name, in the flights' names.
-        schedule_stream: key of the random stream that orders the flights; those of a flight are below ten.
-        flight_stream: key of the streams that the flights' seeds come from.
+        kind: kind in the flights' headers.
+        suffix: suffix of the campaign's name in the flights' names.
+        schedule_stream: key of the schedule's random stream; keys of a flight's own streams are below ten.
+        flight_stream: key of the streams of the flights' seeds.
     """
 
     kind: str
@@ -45,19 +45,19 @@ MEASURING = FlightRole("measured", "-measured", 107, 108)
 
 @dataclass(frozen=True, slots=True)
 class CampaignResult:
-    """What became of a campaign: its flights in the order of their names, and the library flown with."""
+    """A campaign's library and its flights, sorted by name."""
 
     library: Library
     flights: tuple[CampaignFlightResult, ...]
 
     @property
     def duration(self) -> float:
-        """Seconds of flight, all together."""
+        """Total flight time in seconds."""
         return sum(flight.duration for flight in self.flights)
 
 
 def campaign_library(campaign: Campaign, wind: str) -> Library:
-    """Returns the library that the flights carry: trims, maneuvers, and the conditions fixed before."""
+    """Returns the flights' library: trims, maneuvers, prescribed conditions."""
     conditions = Conditions(
         wind=wind,
         altitude=campaign.altitude,
@@ -71,7 +71,7 @@ def campaign_library(campaign: Campaign, wind: str) -> Library:
 def specify_campaign(
     campaign: Campaign, library: Library, *, seed: int, flights: int, wind: str, role: FlightRole = BOUNDING
 ) -> tuple[FlightSpecification, ...]:
-    """Returns what is flown; a flight depends on the seed, its role and its number alone."""
+    """Returns the flights, each determined by seed, role and number alone."""
     tours = schedule(
         library,
         flights=flights,
@@ -85,7 +85,7 @@ def specify_campaign(
 def specify_tours(
     tours: Iterable[Sequence], name: str, *, seed: int, altitude: float, role: FlightRole
 ) -> tuple[FlightSpecification, ...]:
-    """Returns a flight for each tour, in air that depends on the seed, the role and its number alone."""
+    """Returns a flight per tour, determined by seed, role and number alone."""
     return tuple(
         specify_sequence(
             replace(tour, name=f"{name}{role.suffix}-{number:04d}"),
@@ -98,22 +98,22 @@ def specify_tours(
 
 
 def derived_seed(seed: int, *key: int) -> int:
-    """Returns a seed of 63 bits for one flight of many, from the seed of all and the flight's place."""
+    """Returns a 63-bit seed derived from a seed and a key."""
     words = np.random.SeedSequence(seed, spawn_key=key).generate_state(1, np.uint64)
     return int(words[0] >> np.uint64(1))
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignOrder:
-    """A campaign as it is asked for.
+    """Order of a campaign.
 
     Attributes:
-        campaign: what is fixed before.
-        seed: of all chance.
-        flights: how many give the bounds.
-        nominal_flights: how many others give the values of maneuvers.
+        campaign: the campaign's definition.
+        seed: seed of all random numbers.
+        flights: number of flights for the bounds.
+        nominal_flights: number of other flights for the values of maneuvers.
         wind: wind class.
-        flight_options: how the flights differ from plain ones.
+        flight_options: options of the flights.
     """
 
     campaign: Campaign
@@ -124,7 +124,7 @@ class CampaignOrder:
     flight_options: FlightOptions = DEFAULT_OPTIONS
 
     def provenance(self) -> dict[str, object]:
-        """Returns what a library says of the campaign that it was identified from."""
+        """Returns the campaign's entry in a library's provenance."""
         return {
             "name": self.campaign.name,
             "seed": self.seed,
@@ -133,14 +133,14 @@ class CampaignOrder:
         }
 
     def library(self) -> Library:
-        """Returns the library that the flights carry."""
+        """Returns the library attached to the flights."""
         return campaign_library(self.campaign, self.wind)
 
     def jobs(self, folder: Path) -> tuple[CampaignFlight, ...]:
         """Returns the flights with their logs in a folder.
 
         Raises:
-            FlightError: the campaign cannot be flown as asked.
+            FlightError: the campaign cannot be flown as ordered.
         """
         library = self.library()
         return tuple(
@@ -159,16 +159,16 @@ class CampaignOrder:
 def fly_campaign(
     order: CampaignOrder, folder: Path, *, job_executor: JobExecutor, force: bool = False
 ) -> CampaignResult:
-    """Flies what is missing of a campaign, one log a flight in the folder.
+    """Flies the missing flights of a campaign, one log each.
 
     Args:
-        order: what is flown.
-        folder: of the logs.
-        job_executor: what flies.
-        force: replace logs of other flights, and leave what else is there.
+        order: order of the campaign.
+        folder: folder of the logs.
+        job_executor: executor of the flights.
+        force: replace logs of other flights, and keep other files.
 
     Raises:
-        FlightError: the campaign cannot be flown as asked, or the folder holds something else.
+        FlightError: the campaign cannot be flown as ordered, or the folder has other files.
     """
     check = allow_other_files if force else check_own_folder
     done = complete(

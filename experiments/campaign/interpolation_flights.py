@@ -1,4 +1,4 @@
-"""A grown library, tested: a random sample of what was never flown, flown against what it claims."""
+"""Test flights of an interpolated library, and their report."""
 
 import sys
 from dataclasses import asdict
@@ -21,16 +21,19 @@ from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
 from .fly_campaign import INTERPOLATION_TESTING, specify_tours
 
 SAMPLE = 40
-"""Trims, and maneuvers, that are drawn where nothing else is asked for."""
+"""Default number of trims, and of maneuvers, drawn."""
 
 
 EMPTY_SAMPLE = PrimitiveSample((), ())
 
-_KINDS = {"trim": "trims that are grown, or entered by grown maneuvers", "maneuver": "grown maneuvers"}
+_KINDS = {
+    "trim": "trims, interpolated or entered by interpolated maneuvers",
+    "maneuver": "interpolated maneuvers",
+}
 
 
 def claimed_flight_count(library: Library) -> int:
-    """Returns the flights that the claims of a grown library are for."""
+    """Returns the number of flights that the claims cover."""
     return min(claim.flights for claim in library.interpolated)
 
 
@@ -51,14 +54,14 @@ def sampled_flights(
     flights: int,
     wind: str,
 ) -> tuple[PrimitiveSample, tuple[FlightSpecification, ...]]:
-    """Returns a random sample of a grown library, and flights through it in air that no campaign has.
+    """Returns a random sample of primitives and test flights through it.
 
     Args:
-        library: grown.
-        coasting_range: that its flown primitives were flown with, seconds.
-        most: primitives of each kind that are drawn.
-        seed: of all their chance.
-        flights: how many.
+        library: interpolated library.
+        coasting_range: coasting times of its flown primitives, seconds.
+        most: largest number of primitives of each kind.
+        seed: seed of all random numbers.
+        flights: number of flights.
         wind: wind class.
     """
     stream = np.random.SeedSequence(seed, spawn_key=(INTERPOLATION_TESTING.schedule_stream,))
@@ -74,7 +77,7 @@ def sampled_flights(
 def judge_interpolated(
     library: Library, drawn: PrimitiveSample, flights: list[FlightEvidence], *, json: bool
 ) -> bool:
-    """Says what new flights did with the primitives drawn; returns whether a claim is refuted."""
+    """Prints the test of drawn primitives; returns True if refuted."""
     primitives, trials = interpolation_trials(library, drawn, flights)
     refuted = any(trial.refuted for trial in trials)
     if json:
@@ -102,13 +105,13 @@ def _print_trials(
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=110)
-    broken = [one for one in primitives if not one.kept]
-    if broken:
+    outside = [one for one in primitives if not one.kept]
+    if outside:
         table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
         table.add_column("left its bounds", no_wrap=True)
         for name in ("flights", "inside", "unsettled"):
             table.add_column(name, justify="right")
-        for one in broken:
+        for one in outside:
             table.add_row(
                 f"{one.kind} {one.id}", *(str(number) for number in (one.flights, one.inside, one.unsettled))
             )
@@ -118,11 +121,11 @@ def _print_trials(
         inside, shown = sum(one.inside for one in own), sum(one.flights for one in own)
         console.print(f"{_KINDS[trial.kind]}: {describe_claim(trial.claim)}", soft_wrap=True)
         console.print(
-            f"  {trial.kept} of {trial.drawn} drawn by chance kept all of {flights} flights "
+            f"  {trial.kept} of {trial.drawn} drawn primitives have all of {flights} flights inside "
             f"({trial.kept / trial.drawn:.3f}, 95 %: {trial.low:.3f}-{trial.high:.3f}), {inside} of {shown} "
-            f"samples inside ({inside / shown:.3f}); p {trial.doubt:.2g}: "
+            f"samples inside ({inside / shown:.3f}); p = {trial.p_value:.2g}: "
             f"{'REFUTED' if trial.refuted else 'not refuted'}",
             soft_wrap=True,
         )
-    source = library.provenance.get("grown_from", {}).get("name", "the library it is grown from")
-    console.print(f"What was flown in {source} keeps its own claims: test that library.", soft_wrap=True)
+    source = library.provenance.get("grown_from", {}).get("name", "the flown library")
+    console.print(f"Flown primitives are not tested here; test {source} for them.", soft_wrap=True)

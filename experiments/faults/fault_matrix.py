@@ -1,4 +1,4 @@
-"""A fault matrix: what goes wrong, whether it must be survived, and what is expected then."""
+"""Fault matrix: faults, contract and expected behaviour."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,10 +14,10 @@ class FaultCase:
     """One row of a fault matrix.
 
     Attributes:
-        fault: what goes wrong.
-        contract: whether the mission must go on and reach its goal; outside the contract the vehicle may be
-            lost, but must say so.
-        expected: what is expected, for people.
+        fault: the injected fault.
+        contract: True if the mission must reach its goal; outside the contract the vehicle may be lost, but
+            must raise an alarm.
+        expected: expected behaviour, as a text.
     """
 
     fault: Fault
@@ -27,20 +27,20 @@ class FaultCase:
 
 @dataclass(frozen=True, slots=True)
 class FaultMatrix:
-    """Faults that are flown one at a time, and the envelope in which a flight counts as safe."""
+    """Faults to fly one at a time, and the safe envelope."""
 
     name: str
     envelope: SafeEnvelope
     cases: tuple[FaultCase, ...]
 
     def __post_init__(self) -> None:
-        """Refuses a matrix without a fault, or with one twice."""
+        """Checks that there are faults, each once."""
         words = [case.fault.words for case in self.cases]
         if not words:
             raise ValueError("fault: expected one or more, got none")
         twice = next((one for one in words if words.count(one) > 1), None)
         if twice is not None:
-            raise ValueError(f"fault: {twice!r} is there twice")
+            raise ValueError(f"fault: expected different faults, got {twice!r} twice")
 
 
 class _Case(FileModel):
@@ -59,7 +59,7 @@ def read_fault_matrix(path: Path) -> FaultMatrix:
     """Reads `faults/NAME.toml`.
 
     Raises:
-        BadFileError: the file is missing, is no TOML, or names a fault that there is not.
+        BadFileError: the file is missing, is not TOML, or names an unknown fault.
     """
     content = read_toml(path, _MatrixFile)
     with refusing(path):

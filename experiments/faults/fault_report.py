@@ -1,4 +1,4 @@
-"""What the flights of a fault matrix came to, row by row, as a page and as a table to count with."""
+"""Report of a fault matrix as Markdown and CSV."""
 
 import csv
 import io
@@ -20,16 +20,17 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """All flights of one fault, with protection or without.
+    """Outcomes of all flights of one fault, with or without protection.
 
     Attributes:
-        flights: how many.
-        acted: in which the fault was seen to act.
-        passed: that reached their goal, and said so, inside the safe envelope, without an alarm; None outside
-            the contract, where nothing passes.
-        safe: that stayed inside, and were right in what they said.
-        lost: that left it, and said so in time.
-        wrong: that left it and did not say so, or took themselves to be at a goal where they were not.
+        flights: number of flights.
+        acted: flights in which the fault had an effect.
+        passed: flights that reached the goal and declared it, inside the safe envelope, without an alarm;
+            None outside the contract.
+        safe: flights inside the envelope without a false declaration of arrival.
+        detected_loss: flights that left the envelope with an alarm in time.
+        undetected_failure: flights that left it without an alarm in time, or declared arrival and missed the
+            goal.
         alarms: flights by their first alarm.
         delay: median seconds from the fault's start to the first alarm; None without one.
     """
@@ -38,23 +39,23 @@ class Outcomes:
     acted: int
     passed: int | None
     safe: int
-    lost: int
-    wrong: int
+    detected_loss: int
+    undetected_failure: int
     alarms: tuple[tuple[AlarmKind, int], ...]
     delay: float | None
 
     @property
-    def wrong_at_most(self) -> float:
-        """Share of such flights that may be wrong, with 95 % confidence (Clopper, Pearson)."""
+    def undetected_failure_at_most(self) -> float:
+        """Upper 95 % limit of the share of undetected failures (Clopper-Pearson)."""
         if self.flights == 0:
             return 1.0
-        test = binomtest(self.wrong, self.flights, alternative="less")
+        test = binomtest(self.undetected_failure, self.flights, alternative="less")
         return float(test.proportion_ci(CONFIDENCE, method="exact").high)
 
 
 def count_outcomes(case: FaultCase, rows: Sequence[MissionResult]) -> Outcomes:
-    """Returns what the flights of a fault came to."""
-    came_to = Counter(outcome_of(row) for row in rows)
+    """Counts the outcomes of a fault's flights."""
+    outcomes = Counter(outcome_of(row) for row in rows)
     firsts = [min(row.serious_alarms, key=lambda alarm: alarm.time) for row in rows if row.serious_alarms]
     passed = [
         row for row in rows if row.reached and outcome_of(row) is Outcome.SAFE and not row.serious_alarms
@@ -63,16 +64,16 @@ def count_outcomes(case: FaultCase, rows: Sequence[MissionResult]) -> Outcomes:
         flights=len(rows),
         acted=sum(map(all_faults_acted, rows)),
         passed=len(passed) if case.contract else None,
-        safe=came_to[Outcome.SAFE],
-        lost=came_to[Outcome.DETECTED_LOSS],
-        wrong=came_to[Outcome.UNDETECTED_FAILURE],
+        safe=outcomes[Outcome.SAFE],
+        detected_loss=outcomes[Outcome.DETECTED_LOSS],
+        undetected_failure=outcomes[Outcome.UNDETECTED_FAILURE],
         alarms=tuple(Counter(alarm.kind for alarm in firsts).most_common()),
         delay=median(alarm.time - case.fault.start for alarm in firsts) if firsts else None,
     )
 
 
 def merge_outcomes(parts: Sequence[Outcomes]) -> Outcomes:
-    """Returns the outcomes of several faults as those of one."""
+    """Sums the outcomes of several faults."""
     alarms: Counter[AlarmKind] = Counter()
     for part in parts:
         alarms.update(dict(part.alarms))
@@ -82,8 +83,8 @@ def merge_outcomes(parts: Sequence[Outcomes]) -> Outcomes:
         acted=sum(part.acted for part in parts),
         passed=sum(passed) if len(passed) == len(parts) else None,
         safe=sum(part.safe for part in parts),
-        lost=sum(part.lost for part in parts),
-        wrong=sum(part.wrong for part in parts),
+        detected_loss=sum(part.detected_loss for part in parts),
+        undetected_failure=sum(part.undetected_failure for part in parts),
         alarms=tuple(alarms.most_common()),
         delay=None,
     )
@@ -91,14 +92,14 @@ def merge_outcomes(parts: Sequence[Outcomes]) -> Outcomes:
 
 @dataclass(frozen=True, slots=True)
 class FaultReport:
-    """A fault matrix, flown.
+    """Results of a fault matrix.
 
     Attributes:
-        command: that makes it again.
-        matrix: what was flown.
-        protected: outcomes of each of its cases.
-        bare: the same without protection; empty where that was not flown.
-        sound: flights of the same missions in which nothing was wrong.
+        command: command that reproduces it.
+        matrix: the fault matrix.
+        protected: outcomes of each case with protection.
+        bare: outcomes of each case without protection; empty where not flown.
+        sound: outcomes of the same missions without a fault.
     """
 
     command: str
@@ -109,27 +110,31 @@ class FaultReport:
 
     @property
     def acceptable(self) -> bool:
-        """Whether nothing was wrong with protection, every fault acted, and what must be survived was."""
+        """True without undetected failures if every fault acted in every flight."""
         whole = merge_outcomes(self.protected)
-        return whole.wrong == 0 and whole.acted == whole.flights and self.sound.wrong == 0
+        return (
+            whole.undetected_failure == 0
+            and whole.acted == whole.flights
+            and self.sound.undetected_failure == 0
+        )
 
 
 NOTES = """`acted`: flights in which the log's `/fault_effect` shows the fault. `passed`, inside the contract
-only: reached the goal and said so, without an alarm, inside the envelope. `safe`: inside the envelope, and
-right in what the vehicle said of itself, which may be that it gives up. `lost`: left the envelope, and said
-so no later than a second after. `wrong`: left it and did not say so, or took itself to be at a goal where it
-was not. `wrong at most`: upper 95 % limit of the share (Clopper, Pearson). Without protection there are no
-alarms, and a vehicle takes itself to be at the goal wherever its estimate is. No flight outside the contract
-counts as passed, wherever it went."""
+only: reached the goal and declared arrival inside the envelope without an alarm. `safe`: inside the envelope,
+and no arrival declared away from the goal; a flight that gives up is safe. `detected loss`: left the
+envelope, with an alarm at most one second later. `undetected failure`: left the envelope without such an
+alarm, or declared arrival away from the goal. `at most`: upper 95 % limit of the share of undetected failures
+(Clopper-Pearson). Without protection there are no alarms, and arrival is declared by the estimate alone. No
+flight outside the contract counts as passed."""
 
 HEADS = (
-    *("fault", "flights", "acted", "passed", "safe", "lost", "wrong", "wrong at most", "first alarm"),
-    *("after, s", "without protection: safe", "wrong"),
+    *("fault", "flights", "acted", "passed", "safe", "detected loss", "undetected failure", "at most"),
+    *("first alarm", "after, s", "without protection: safe", "undetected failure"),
 )
 
 
 def fault_markdown(card: FaultReport) -> str:
-    """Returns the matrix as a page."""
+    """Returns the results as a Markdown page."""
     inside = [place for place, case in enumerate(card.matrix.cases) if case.contract]
     outside = [place for place, case in enumerate(card.matrix.cases) if not case.contract]
     envelope = card.matrix.envelope
@@ -137,24 +142,27 @@ def fault_markdown(card: FaultReport) -> str:
         f"# Fault matrix, {card.matrix.name}",
         f"    {card.command}",
         f"Safe envelope: roll and pitch within {envelope.tilt:g} rad, height within {envelope.height:g} m, "
-        f"believed position within {envelope.position:g} m and heading within {envelope.heading:g} rad of "
+        f"estimated position within {envelope.position:g} m and heading within {envelope.heading:g} rad of "
         "the true ones.",
         NOTES,
-        "## Nothing wrong",
+        "## No fault",
         _table([_row("no fault", card.sound, None)]),
         *_section("## Inside the contract: the mission goes on", card, inside),
-        *_section("## Outside the contract: whoever is lost says so", card, outside),
-        "## Expected",
+        *_section("## Outside the contract: every loss is detected", card, outside),
+        "## Expected behaviour",
         "\n".join(f"- `{case.fault.words}`: {case.expected}" for case in card.matrix.cases),
     ]
     return "\n\n".join(parts) + "\n"
 
 
 def fault_csv(card: FaultReport) -> str:
-    """Returns the matrix as CSV, a line for each fault with protection and one without."""
+    """Returns the results as CSV, a line per fault and protection."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
-    heads = ("flights", "acted", "passed", "safe", "lost", "wrong", "wrong_at_most", "first_alarm", "delay")
+    heads = (
+        *("flights", "acted", "passed", "safe", "detected_loss", "undetected_failure"),
+        *("undetected_failure_at_most", "first_alarm", "delay"),
+    )
     writer.writerow(("fault", "contract", "expected", "protection", *heads))
     named = [(case.fault.words, case.contract, case.expected) for case in card.matrix.cases]
     lines = [("no fault", True, "the goal is reached", "on", card.sound)]
@@ -165,7 +173,8 @@ def fault_csv(card: FaultReport) -> str:
             (
                 *(words, "inside" if contract else "outside", expected, protection),
                 *(found.flights, found.acted, "" if found.passed is None else found.passed, found.safe),
-                *(found.lost, found.wrong, f"{found.wrong_at_most:.4f}", _first_alarm(found)),
+                *(found.detected_loss, found.undetected_failure),
+                *(f"{found.undetected_failure_at_most:.4f}", _first_alarm(found)),
                 "" if found.delay is None else f"{found.delay:.2f}",
             )
         )
@@ -193,13 +202,13 @@ def _row(name: str, found: Outcomes, bare: Outcomes | None) -> list[str]:
         str(found.acted),
         "-" if found.passed is None else str(found.passed),
         str(found.safe),
-        str(found.lost),
-        str(found.wrong),
-        f"{found.wrong_at_most:.4f}",
+        str(found.detected_loss),
+        str(found.undetected_failure),
+        f"{found.undetected_failure_at_most:.4f}",
         _first_alarm(found),
         "-" if found.delay is None else f"{found.delay:.1f}",
         "-" if bare is None else str(bare.safe),
-        "-" if bare is None else str(bare.wrong),
+        "-" if bare is None else str(bare.undetected_failure),
     ]
 
 

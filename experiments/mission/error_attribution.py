@@ -1,4 +1,4 @@
-"""Which primitive to blame: how far each one flown left what the library says of it."""
+"""Attribution of exceeded errors to primitives."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -14,14 +14,14 @@ from identification.segmentation.segmentation import CoastSegment, ManeuverSegme
 
 @dataclass(frozen=True, slots=True)
 class Performance:
-    """One primitive as it was flown, beside its errors.
+    """Largest deviation of one flown primitive, relative to its errors.
 
     Attributes:
         kind: `trim` or `maneuver`.
-        id: of it.
-        time: seconds since the flight's start at which it was furthest from its value; a maneuver's end.
-        scalar: which of its numbers was.
-        share: that deviation in parts of the library's error: above 1, the error was exceeded.
+        id: id of the trim or maneuver.
+        time: time of the largest deviation, seconds since the flight's start; a maneuver's end.
+        scalar: name of the number with the largest deviation.
+        share: deviation over the library's error; above 1, the error was exceeded.
     """
 
     kind: str
@@ -32,10 +32,9 @@ class Performance:
 
 
 def performances(log: FlightLog) -> tuple[Performance, ...]:
-    """Returns every primitive of a flight, judged by its true motion and the library it was flown with.
+    """Returns the true deviations of a flight's primitives.
 
-    A number without an error in the library claims nothing, and is left out; a flight that never left the
-    ground for want of a plan has none.
+    Numbers without an error in the library are left out; a flight without a plan has no primitives.
 
     Raises:
         FlightError: the log lacks a topic, the library or its maneuver-end rule.
@@ -89,18 +88,20 @@ def _worst_performance(
 
 @dataclass(frozen=True, slots=True)
 class ErrorAttribution:
-    """How a primitive kept its errors over many flights; a flight is one sample, as in identification.
+    """Deviations of one primitive over many flights.
+
+    A flight is one sample, as in identification.
 
     Attributes:
         kind: `trim` or `maneuver`.
-        id: of it.
-        flights: that flew it.
-        performances: how often it was flown in them.
+        id: id of the trim or maneuver.
+        flights: flights with the primitive.
+        performances: number of times it was flown.
         outside: flights in which an error was exceeded.
-        claimed: share of flights that the library claims to stay inside; None where it claims none.
-        p_value: chance of so many flights outside, or more, if the claim held; None without a claim.
-        worst: the furthest performance.
-        flight: name of the flight of that one.
+        claimed: the library's coverage; None without a claim.
+        p_value: probability of at least this many flights outside if the claim is true; None without a claim.
+        worst: performance with the largest deviation.
+        flight: name of the flight with the worst performance.
     """
 
     kind: str
@@ -117,11 +118,11 @@ class ErrorAttribution:
 def attribute_errors(
     flights: Iterable[tuple[str, Iterable[Performance]]], library: Library
 ) -> tuple[ErrorAttribution, ...]:
-    """Returns how each primitive flown kept its errors: trims first, then maneuvers, by id.
+    """Returns the deviations of each flown primitive, trims first, by id.
 
     Args:
-        flights: name and performances of each.
-        library: flown with; its statistics claim a coverage.
+        flights: name and performances of each flight.
+        library: library flown with, with its coverage.
     """
     seen: dict[tuple[str, int], dict[str, list[Performance]]] = {}
     for name, flown in flights:

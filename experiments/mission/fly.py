@@ -1,4 +1,4 @@
-"""Missions flown in closed loop: what `fly_closed_loop`, `validate` and `demo` share."""
+"""Closed-loop mission flights for `fly`, `validate` and `demo`."""
 
 import hashlib
 from collections.abc import Iterator
@@ -36,25 +36,26 @@ from .result import MissionResult, downsample_leg
 from .safe_envelope import EnvelopeExit, first_exit
 from .timed_planner import TimedPlanner
 
-# Beside those of `campaign_flights`.
+# Distinct from the stream keys of `fly_campaign`.
 _MISSION_STREAM = 102
 _GAMMA_STREAM = 103
 
 TUBES = (1.0, 0.7)
-"""Shares of the library's errors that tubes are made of: what it claims, and what it does not."""
+"""Scales of the library's errors for tubes: the claim, and a control with smaller errors."""
 
 
 def mission_seed(seed: int, mission: str, number: int) -> int:
-    """Returns the seed of one flight of a mission: other air than any campaign's, or other mission's.
+    """Returns the seed of one flight of a mission.
 
-    Policies are compared in the same air: they share it.
+    It differs from the seeds of campaigns and other missions; policies share it, so that they are compared in
+    the same wind.
     """
     name = int.from_bytes(hashlib.sha256(mission.encode()).digest()[:4], "little")
     return derived_seed(seed, _MISSION_STREAM, name, number)
 
 
 def fly_mission(task: MissionTask) -> MissionResult:
-    """Flies a mission once, and keeps the helicopter's log where one is wanted."""
+    """Flies a mission once and writes its log if requested."""
     result, log = fly_and_log(task)
     if log is not None and task.log is not None:
         write_log(log, task.log, force=task.force)
@@ -62,8 +63,8 @@ def fly_mission(task: MissionTask) -> MissionResult:
 
 
 def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
-    """Flies a mission once, writes nothing, and returns what it came to, with the helicopter's log."""
-    judged: tuple[Performance, ...] = ()
+    """Flies a mission once; returns its result and the helicopter's log."""
+    flown_primitives: tuple[Performance, ...] = ()
     log: FlightLog | None = None
     alarms: tuple[Alarm, ...] = ()
     left: EnvelopeExit | None = None
@@ -73,7 +74,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
         flown, log = fly_helicopter(task, planner)
-        judged, left = performances(log), first_exit(log, task.envelope)
+        flown_primitives, left = performances(log), first_exit(log, task.envelope)
         alarms = alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
         effects = fault_effects(log)
         left_tube = tuple((share, _left_tube(task.library, flown, share)) for share in TUBES)
@@ -91,13 +92,13 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         flown_time=flown.flown_time,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest if isfinite(flown.closest) else None,
-        activations=flown.activations,
+        replans=flown.replans,
         failures=flown.failures,
-        fallbacks=flown.fallbacks,
+        safe_stops=flown.safe_stops,
         reason=flown.reason,
         log=task.log,
         planning_times=tuple(planner.times),
-        performances=judged,
+        performances=flown_primitives,
         legs=tuple(downsample_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
         alarms=alarms,
         left=left,
@@ -108,12 +109,12 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
 
 
 def plant_name(plant: Plant) -> str:
-    """Returns what flies in a word or two."""
+    """Returns the name of a plant."""
     return plant if isinstance(plant, str) else f"gamma {plant:+g}"
 
 
 def fly_automaton(task: MissionTask, planner: Planner | None = None) -> FlightRecord:
-    """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
+    """Flies a mission by the automaton with its errors (thesis, chapter 7)."""
     mission = task.mission
     gamma: float | Iterator[float]
     if isinstance(task.plant, float):
@@ -132,13 +133,13 @@ def fly_helicopter(
     parameters: Parameters | None = None,
     backend: Backend | None = None,
 ) -> tuple[FlightRecord, FlightLog]:
-    """Flies a mission by the simulated helicopter, and returns what it came to with its log.
+    """Flies a mission by the simulated helicopter; returns record and log.
 
     Args:
-        task: what is flown.
-        planner: that of the task where None.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        backend: what evaluates the vehicle's expressions; the best that there is where None.
+        task: the flight.
+        planner: planner; that of the task where None.
+        parameters: vehicle parameters; those of `models/gtmax.toml` where None.
+        backend: backend of the vehicle's expressions; the best available where None.
     """
     mission = task.mission
     task.library.trim(mission.start_trim)

@@ -1,4 +1,4 @@
-"""What the log of a closed-loop flight carries beside the motion: what was asked, and what was planned."""
+"""Attachments of a closed-loop flight's log: mission and plans."""
 
 import json
 from dataclasses import dataclass, replace
@@ -21,7 +21,7 @@ from .policies import FlownPolicy
 
 
 def mission_specification(task: MissionTask) -> FlightSpecification:
-    """Returns the flight of a mission, without what decides in it."""
+    """Returns the flight specification of a mission, without its planner."""
     mission = task.mission
     return FlightSpecification(
         kind="mission",
@@ -35,7 +35,7 @@ def mission_specification(task: MissionTask) -> FlightSpecification:
 
 
 def mission_identity(task: MissionTask) -> dict[str, str]:
-    """Returns which flight the log of a mission must be of."""
+    """Returns the identity of a mission's flight."""
     specification, parameters = mission_specification(task), read_parameters()
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
     inputs = flight_attachments(specification, task.library, parameters)
@@ -71,9 +71,9 @@ def mission_json(task: MissionTask) -> bytes:
 
 
 def plans_json(flown: FlightRecord) -> bytes:
-    """Plans with the time each was asked for, and the seconds charged for it.
+    """Returns the plans with their times and applied latencies as JSON.
 
-    The time each took by the clock would not repeat; it is there only where it was measured, and charged.
+    Measured solve times would differ in a repetition, so only applied latencies are stored.
     """
     plans = [replace(plan, solve_time=0.0) for plan in flown.plans]
     return plannings_text(list(map(LoggedPlan, flown.times, flown.latencies, plans)))

@@ -1,4 +1,4 @@
-"""One closed-loop flight as it is asked for."""
+"""Specification of one closed-loop flight."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -13,27 +13,26 @@ from .policies import FlownPolicy
 from .safe_envelope import DEFAULT_ENVELOPE, SafeEnvelope
 
 Plant = Literal["helicopter", "random"] | float
-"""What flies: the simulated helicopter; the automaton, its primitives with errors that know nothing of one
-another; or the automaton at one true gamma."""
+"""Simulated helicopter; automaton with independent errors per primitive; or automaton at one true gamma."""
 
 
 @dataclass(frozen=True)
 class MissionTask:
-    """One closed-loop flight, completely.
+    """Complete specification of one closed-loop flight.
 
     Attributes:
-        mission: what is to be reached.
-        library: planned with, and flown with.
-        policy: which planner.
-        gamma: uncertainty level of the worst-case planner.
-        plant: what flies.
+        mission: the mission.
+        library: library for planning and flight.
+        policy: policy of the planner.
+        gamma: gamma of the worst-case planner.
+        plant: the plant.
         wind: wind class.
-        seed: of all chance.
-        settings: how the loop is closed.
-        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
-        flight_options: of the helicopter's flight from the plain one.
-        envelope: in which the helicopter counts as safe.
-        log: where the flight log goes; None keeps none.
+        seed: seed of all random numbers.
+        settings: settings of the closed loop.
+        max_nodes: the planner's limit of walks solved per level; None for no limit.
+        flight_options: options of the helicopter's flight.
+        envelope: safe envelope of the helicopter.
+        log: path of the flight log; None for no log.
         force: overwrite the log.
     """
 

@@ -1,4 +1,4 @@
-"""The policies: how they are named on the command line, what can be flown, and a planner for each name."""
+"""Policies by their names on the command line."""
 
 from collections.abc import Mapping
 from math import inf
@@ -13,12 +13,12 @@ from planner.policies.price_of_robustness import PriceOfRobustness
 from planner.policies.worst_case import worst_case_planner
 
 FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
-"""What can be flown; `adaptive-gamma` is the worst case at a level that follows the turbulence."""
+"""Policies for flights; `adaptive-gamma` is the worst case at a gamma that follows the turbulence."""
 
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = get_args(FlownPolicy)
 
 COMPARED_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
-"""What is flown side by side where nothing else is asked."""
+"""Policies compared by default."""
 
 DEFAULT_POLICY: PlannedPolicy = "worst-case"
 
@@ -26,7 +26,7 @@ GAMMA, ALPHA = 1.0, 1.2
 """What is planned for where nothing is asked."""
 
 CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
-"""Minima over coasting times at levels known beforehand, which `planner.proof.certify_plan` can prove."""
+"""Policies whose optima at known gammas `planner.proof.certify_plan` can prove."""
 
 OPTION_POLICIES: Mapping[str, tuple[PlannedPolicy, ...]] = {
     "--gamma": ("worst-case", "committed"),
@@ -36,7 +36,7 @@ OPTION_POLICIES: Mapping[str, tuple[PlannedPolicy, ...]] = {
     "--horizon": ("committed",),
     "--certify": CERTIFIABLE,
 }
-"""Which policies heed an option of `maneuver plan`; given with another it is refused, not ignored."""
+"""Policies for which an option of `maneuver plan` is valid; otherwise it is refused."""
 
 
 def planner_of(
@@ -88,25 +88,23 @@ def planner_of(
 def check_policy_options(
     policy: PlannedPolicy | None, options: Mapping[str, object], *, pareto: bool
 ) -> None:
-    """Refuses an option that would be ignored.
+    """Checks that no option would be ignored.
 
     Args:
-        policy: that is asked for, if any is.
-        options: what was given, by name; None or False where nothing was.
-        pareto: whether the price of robustness is asked for, which heeds none of them.
+        policy: the requested policy, if any.
+        options: options by name; None or False where not given.
+        pareto: True for `--pareto`, with which none of them is valid.
 
     Raises:
-        FlightError: there is one; says what it goes with.
+        FlightError: an option is not valid with the policy.
     """
     given = [option for option, value in options.items() if value is not None and value is not False]
     if pareto and (policy or given):
         first = given[0] if given else "--policy"
-        raise FlightError(
-            f"{first} does not go with --pareto, which plans for the worst case from gamma 0 to 1"
-        )
+        raise FlightError(f"--pareto plans the worst case from gamma 0 to 1: expected no {first}, got one")
     chosen = policy or DEFAULT_POLICY
     for option in given:
         if chosen not in OPTION_POLICIES[option]:
             raise FlightError(
-                f"{option} goes with --policy {' or '.join(OPTION_POLICIES[option])}, got {chosen}"
+                f"{option}: expected --policy {' or '.join(OPTION_POLICIES[option])}, got {chosen}"
             )

@@ -13,10 +13,10 @@ from .mission_log import Asked
 
 
 def recorded_latency(log: FlightLog, *, source: str) -> Latency:
-    """Returns the latencies of a flight, so that they can be charged again.
+    """Returns the latencies of a logged flight, for a repetition.
 
     Raises:
-        BadFileError: the log carries no mission with settings, or no plans with latencies.
+        BadFileError: the log has no mission with settings, or no plans with latencies.
     """
     for name in (MISSION_ATTACHMENT, PLANS_ATTACHMENT):
         if name not in log.attachments:

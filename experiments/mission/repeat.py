@@ -1,4 +1,4 @@
-"""A flight flown again from what its log carries: specification, library, vehicle, mission, latencies."""
+"""Repetition of a logged flight from the log's attachments."""
 
 from dataclasses import replace
 
@@ -21,19 +21,19 @@ from .recorded_latency import recorded_latency
 
 
 def repeat_flight(log: FlightLog) -> FlightLog:
-    """Flies what a log says was flown, with the log's own vehicle and numeric back-end.
+    """Repeats a logged flight with the log's vehicle and numeric back-end.
 
-    What the clock said of planning is an input: the latencies in the log are charged again.
+    Planning latencies are an input: those of the log are applied again.
 
     Raises:
-        AnotherVehicleError: the vehicle or the back-end of the log is not here.
-        FlightError: the log is not of a flight of this program, or lacks something.
+        VehicleMismatchError: the vehicle or the back-end of the log is not available.
+        FlightError: the log is not of this program's simulator, or lacks something.
     """
     for name in (SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT):
         if name not in log.attachments:
             raise FlightError(
-                f"it has no {name}: only flights of this program's own simulator are flown again, "
-                f"this is of kind {log.header.kind!r}"
+                f"expected a log of this program's simulator with {name}, got one of kind "
+                f"{log.header.kind!r} without it"
             )
     check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
@@ -56,10 +56,10 @@ def _fly_mission(
 
 
 def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionTask:
-    """Returns the closed-loop flight that a log is of.
+    """Returns the closed-loop flight of a log.
 
     Raises:
-        BadFileError: what the log says of it is broken.
+        BadFileError: the log's description of it is broken.
     """
     text = log.attachments[MISSION_ATTACHMENT]
     mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")

@@ -1,4 +1,4 @@
-"""Missions that are kept as they are flown, so that a long validation can be stopped and started again."""
+"""Store of mission results, so that a validation can be resumed."""
 
 import hashlib
 import json
@@ -28,13 +28,13 @@ from .mission_task import MissionTask
 from .result import MissionResult
 
 FLIGHTS = "flights"
-"""Folder of the flights that are kept."""
+"""Folder of the stored results."""
 
 _RESULT = TypeAdapter(MissionResult)
 
 
 class _StoredResult(BaseModel):
-    """What a flight came to, and the SHA-256 of that, by which a damaged file is known."""
+    """A result and its SHA-256."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -44,12 +44,12 @@ class _StoredResult(BaseModel):
 
 @dataclass(frozen=True, slots=True)
 class StoredTask:
-    """A flight, and the file that keeps what it came to (a `runtime.job.Job`).
+    """A flight and the file of its result (a `runtime.job.Job`).
 
     Attributes:
-        task: what is flown.
-        path: of the file; its name is a digest of all that is flown, so another flight has another file.
-        code: version that flies it.
+        task: the flight.
+        path: the result's file; its name is a digest of all inputs, so other flights have other files.
+        code: code version of the flight.
     """
 
     task: MissionTask
@@ -57,7 +57,7 @@ class StoredTask:
     code: str
 
     def status(self) -> JobStatus[MissionResult]:
-        """Returns what is kept, if it is whole and its log, where one was wanted, is there and its own."""
+        """Returns the state of the result and of its log, if requested."""
         log = self._log()
         if log.state is JobState.ANOTHER or not self.path.exists():
             return JobStatus(
@@ -66,7 +66,7 @@ class StoredTask:
         try:
             stored = _StoredResult.model_validate_json(self.path.read_bytes())
         except (OSError, ValidationError):
-            return JobStatus(JobState.DAMAGED, reason=f"{self.path} is damaged: it is no result of a flight")
+            return JobStatus(JobState.DAMAGED, reason=f"{self.path} is damaged: expected a flight's result")
         if _digest(stored.result) != stored.sha256:
             return JobStatus(
                 JobState.DAMAGED, reason=f"{self.path} is damaged: it does not match its checksum"
@@ -74,10 +74,10 @@ class StoredTask:
         return JobStatus(log.state, stored.result if log.state is JobState.WHOLE else None, log.reason)
 
     def run(self) -> JobResult[MissionResult]:
-        """Flies.
+        """Flies the mission; returns the files to write.
 
         Raises:
-            OtherCodeError: this process has other code than the one that asked.
+            OtherCodeError: this process has another code version than the requesting one.
         """
         check_code_version(self.code, code_identity())
         result, log = fly_and_log(self.task)
@@ -87,7 +87,7 @@ class StoredTask:
         return JobResult((*logs, (self.path, stored)), result)
 
     def _log(self) -> JobStatus[None]:
-        """Returns whether the flight's log is there; where none is wanted, all is."""
+        """Returns the state of the log; whole where none is requested."""
         path = self.task.log
         if path is None:
             return JobStatus(JobState.WHOLE)
@@ -149,17 +149,17 @@ def fly_tasks(
     job_executor: JobExecutor,
     force: bool,
 ) -> list[MissionResult]:
-    """Flies what is not kept yet, and returns all flights in their order.
+    """Flies the missing flights; returns all results in order.
 
     Args:
         tasks: the flights.
-        folder: that keeps them; None keeps nothing.
+        folder: folder of stored results; None stores nothing.
         logs: folder of their logs.
-        job_executor: what flies.
-        force: write into folders that hold something else.
+        job_executor: executor of the flights.
+        force: write into folders with other files.
 
     Raises:
-        AlreadyExistsError: a folder holds something that is no validation, and `force` is not set.
+        AlreadyExistsError: a folder has files that are not of a validation, and `force` is not set.
         FlightError: a log that would be overwritten is of another flight, and `force` is not set.
     """
     if folder is None:

@@ -1,4 +1,4 @@
-"""The thesis's closed-loop figures, Tables 12 to 26, beside flights of the automaton model with errors."""
+"""Closed-loop Tables 12 to 26: printed and computed."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from planner.policies.policy import Planner
 from scenarios.find import find_library, find_mission
 
 TOLERANCE = {"kinematic": 3.0, "gtmax": 0.9144}
-"""Of reaching the goal: 3 of the thesis's units of length, which are metres in its kinematic library."""
+"""Goal tolerances: 3 of the thesis's units of length, which are metres in its kinematic library."""
 
 SETTINGS = Settings(
     activation_interval=1.0,
@@ -23,20 +23,20 @@ SETTINGS = Settings(
     hysteresis=0.0,
     learn_level=False,
 )
-"""The loop of section 6.3: every plan is flown as it comes, at once."""
+"""Loop of section 6.3: every plan is flown at once."""
 
 NOT_REPRODUCED = (
-    "Closed loop: the thesis prints neither its activation interval nor its iteration limit nor the errors "
-    "that its plant had, so its figures cannot be reproduced, only their pattern. Ours: planned each second, "
-    f"given up after {SETTINGS.max_activations} plannings, the plant moving by all errors times -gamma or "
-    "+gamma, reached within 3 units of length, the tolerance handed to the planner 0.1 of the distance where "
-    "that is larger; the GT-Max missions from trim 2."
+    "Closed loop: the thesis prints neither the replan interval, nor the iteration limit, nor the plant's "
+    "errors, so its figures cannot be reproduced, only their pattern. Here: a replan each second, at most "
+    f"{SETTINGS.max_activations} replans, all errors of the plant times -gamma or +gamma, goal tolerance "
+    "3 units of length, planner tolerance 0.1 of the distance where that is larger; GT-Max missions from "
+    "trim 2."
 )
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedFlights:
-    """What a table prints: seconds flown with each policy, and whether the iteration limit was reached."""
+    """Printed flight times of a table, and True where given up."""
 
     table: int
     mission: str
@@ -68,17 +68,17 @@ PRINTED = (
 
 @dataclass(frozen=True, slots=True)
 class ClosedLoopComparison:
-    """One printed closed-loop figure beside ours.
+    """One closed-loop time, printed and computed.
 
     Attributes:
-        table: its number.
+        table: number of the table.
         mission: name of the shipped mission.
-        gamma: uncertainty level.
-        policy: which planner.
-        printed: seconds.
-        printed_reached: whether the thesis's flight did.
-        minus: seconds of ours, the plant's errors times -gamma; None where it was given up.
-        plus: seconds of ours, the plant's errors times +gamma; None where it was given up.
+        gamma: gamma of the row.
+        policy: policy of the planner.
+        printed: printed seconds.
+        printed_reached: True if the thesis's flight reached the goal.
+        minus: computed seconds with the plant's errors times -gamma; None where given up.
+        plus: computed seconds with the plant's errors times +gamma; None where given up.
     """
 
     table: int
@@ -92,7 +92,7 @@ class ClosedLoopComparison:
 
 
 def compare_closed_loops(printed: tuple[PrintedFlights, ...] = PRINTED) -> Iterator[ClosedLoopComparison]:
-    """Flies every table with both policies, the errors with either sign."""
+    """Flies every table with both policies and both signs of errors."""
     for row in printed:
         library = find_library("thesis-kinematic" if row.mission.startswith("kin") else "thesis-gtmax")
         policies: tuple[tuple[FlownPolicy, float, bool], ...] = (
@@ -108,7 +108,7 @@ def compare_closed_loops(printed: tuple[PrintedFlights, ...] = PRINTED) -> Itera
 
 
 def count_arrivals(rows: list[ClosedLoopComparison]) -> str:
-    """Returns how often each policy reached the goal, printed and ours."""
+    """Returns each policy's number of arrivals, printed and computed."""
     counted = []
     for policy in ("nominal", "worst-case"):
         chosen = [row for row in rows if row.policy == policy]
@@ -119,7 +119,7 @@ def count_arrivals(rows: list[ClosedLoopComparison]) -> str:
 
 
 def _flight_time(row: PrintedFlights, planner: Planner, gamma: float) -> float | None:
-    """Returns seconds to the goal, or None where the flight was given up."""
+    """Returns seconds to the goal; None where the flight was given up."""
     kind = row.mission.split("-", maxsplit=1)[0]
     library = find_library(f"thesis-{kind}")
     mission = replace(find_mission(row.mission), tolerance=TOLERANCE[kind])

@@ -1,4 +1,4 @@
-"""Costs that the thesis prints beside those computed from its tables."""
+"""Costs of the thesis: printed and computed."""
 
 from dataclasses import dataclass, replace
 
@@ -13,7 +13,7 @@ TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
 """Sequences of up to four trims from each start trim (thesis, Table 11)."""
 
 MISPRINT = (
-    "not reproduced: the optimum of Tables 7 and 8 is trims 1-3-5-2, decided by gamma -1; "
+    "not reproduced: the optimum of Tables 7 and 8 is trims 1-3-5-2 with the worst case at gamma -1; "
     "the printed figure is below it"
 )
 
@@ -25,7 +25,10 @@ START_NOT_PRINTED = (
 
 @dataclass(frozen=True, slots=True)
 class PrintedComparison:
-    """One printed figure beside the computed one; `verdict` is `same`, `differs`, or why it may differ."""
+    """One figure, printed and computed.
+
+    `verdict` is `same`, `differs`, or the reason for a difference.
+    """
 
     table: int
     what: str
@@ -37,14 +40,14 @@ class PrintedComparison:
 
 @dataclass(frozen=True, slots=True)
 class PrintedCost:
-    """An open-loop cost that the thesis prints.
+    """A printed open-loop cost.
 
     Attributes:
         table: number of the table.
         mission: name of the shipped mission.
-        gamma: uncertainty level of the row; None for the nominal policy.
-        seconds: as printed.
-        explanation: why it cannot be reproduced; empty where it can.
+        gamma: gamma of the row; None for the nominal policy.
+        seconds: printed seconds.
+        explanation: reason why it cannot be reproduced; empty where it can.
     """
 
     table: int
@@ -55,7 +58,7 @@ class PrintedCost:
 
     @property
     def library(self) -> str:
-        """The shipped library that the mission is planned with."""
+        """Name of the mission's library."""
         return "thesis-kinematic" if self.mission.startswith("kinematic") else "thesis-gtmax"
 
 
@@ -80,14 +83,14 @@ PRINTED = (
     PrintedCost(25, "gtmax-2", 0.6, 15.20568435, START_NOT_PRINTED),
     PrintedCost(26, "gtmax-2", 0.7, 15.56276175, START_NOT_PRINTED),
 )
-"""Nominal costs once for each mission, worst-case costs for each row (thesis, Tables 12 to 26)."""
+"""Nominal costs once per mission, worst-case costs per row (thesis, Tables 12 to 26)."""
 
 AGREEMENT = 1e-4
-"""Seconds within which a computed cost is the printed one."""
+"""Tolerance of equal costs, seconds."""
 
 
 def compare_sequence_counts(library: Library) -> list[PrintedComparison]:
-    """Returns Table 11 beside the walks that the library has."""
+    """Compares Table 11 with the library's numbers of walks."""
     rows = []
     for trim, printed in zip(library.trims, TABLE_11, strict=True):
         computed = len(walks(library, trim.id, max_trims=4))
@@ -112,9 +115,9 @@ def compare_examples() -> list[PrintedComparison]:
 
 
 def compare_cost(printed: PrintedCost) -> PrintedComparison:
-    """Returns a printed cost beside the computed one."""
+    """Compares a printed cost with the computed one."""
     library = find_library(printed.library)
-    # Chapter 7 meets the goal exactly before the loop is closed.
+    # Open-loop plans of chapter 7 meet the goal exactly.
     mission = replace(find_mission(printed.mission), tolerance=0.0)
     policy: FlownPolicy = "nominal" if printed.gamma is None else "worst-case"
     plan = planner_of(policy, library, gamma=printed.gamma or 0.0).plan(mission)

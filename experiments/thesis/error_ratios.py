@@ -1,4 +1,4 @@
-"""A library's errors beside those of the thesis's Tables 9 and 10: ratios, and why some are far from one."""
+"""Ratios of a library's errors to those of Tables 9 and 10."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -6,26 +6,26 @@ from dataclasses import dataclass
 from flight.automaton.library import Library
 
 LEAST, MOST = 0.25, 4.0
-"""Ratios between these are of the same order."""
+"""Limits of ratios of the same order."""
 
 _YAW_RATE = (
-    "ours is the largest instant of every coast of every flight; the nose answers a gust at once, and the "
-    "largest of thousands of gusts is several of the few that the thesis saw"
+    "ours is the largest deviation at any instant of all coasts of all flights; yaw rate responds to gusts "
+    "at once, and the largest of thousands of gusts is several times that of the thesis's few flights"
 )
 _DURATION = (
-    "the thesis does not measure these one by one: it sets 20 to 30 % of 3 or 4 s (3.3.2); ours are settling "
-    "times that the command shapes and the wind hardly moves"
+    "the thesis does not measure each duration error: it assumes 20 to 30 % of 3 or 4 s (3.3.2); ours are "
+    "settling times, which depend on the command and little on the wind"
 )
 _FORWARD_WITH_DURATION = "follows the duration's error: displacement is speed times time"
 _SMALL_FORWARD = (
-    "the printed 0.2 to 0.3 ft contradict the printed duration error of 0.6 to 0.8 s, which at 3 ft/s alone "
-    "makes 2 ft, and rows 7 and 8, the mirror images, which print 6 ft"
+    "the printed 0.2 to 0.3 ft contradict the printed duration error of 0.6 to 0.8 s, which alone gives 2 ft "
+    "at 3 ft/s, and the mirror rows 7 and 8 with 6 ft"
 )
 _SMALL_HEADING = (
-    "the printed 0.002 to 0.006 rad are less than the printed yaw-rate errors of the same trims make in a "
-    "second; ours is what such a reversal scatters"
+    "the printed 0.002 to 0.006 rad are less than the printed yaw-rate errors of the same trims give in one "
+    "second; ours is the observed scatter of such a reversal"
 )
-_MIRROR = "the printed row is far above its mirror image, row 19 or 16; ours lies near those"
+_MIRROR = "the printed row is far above its mirror row, 19 or 16; ours is close to those"
 
 EXPLANATIONS = {
     **{("trim", trim, "yaw_rate"): _YAW_RATE for trim in (1, 5, 6, 7)},
@@ -35,19 +35,19 @@ EXPLANATIONS = {
     **{("maneuver", row, "heading_change"): _SMALL_HEADING for row in (11, 12, 17, 18)},
     **{("maneuver", row, "side"): _MIRROR for row in (13, 21)},
 }
-"""Why an entry's ratio may lie outside 1/4 to 4, by kind, row and number of the thesis's tables."""
+"""Explanations of ratios outside 1/4 to 4, by kind, row and number of the thesis's tables."""
 
 NOT_EXPLAINED = "not explained"
 
 
 @dataclass(frozen=True, slots=True)
 class ErrorRatio:
-    """One error beside the printed one.
+    """One error and the printed one.
 
     Attributes:
         kind: `trim` or `maneuver`.
-        id: in the thesis's table.
-        name: of the number.
+        id: id in the thesis's table.
+        name: name of the number.
         ours: absolute error in SI units.
         printed: absolute error in SI units.
     """
@@ -60,22 +60,22 @@ class ErrorRatio:
 
     @property
     def ratio(self) -> float:
-        """Ours over the printed one; infinite where that is 0."""
+        """Ratio of ours to the printed error; infinite for a printed 0."""
         return self.ours / self.printed if self.printed else float("inf")
 
     @property
     def same_order(self) -> bool:
-        """Whether the ratio lies between 1/4 and 4."""
+        """True for a ratio between 1/4 and 4."""
         return LEAST <= self.ratio <= MOST
 
     @property
     def why(self) -> str:
-        """Why it does not; empty where it does."""
+        """Explanation of another order; empty for the same order."""
         return "" if self.same_order else EXPLANATIONS.get((self.kind, self.id, self.name), NOT_EXPLAINED)
 
 
 def is_comparable(library: Library, printed: Library) -> bool:
-    """Whether a library has the printed one's trims, to a centimetre a second, and its edges."""
+    """Returns True if a library has the printed trims and edges."""
     ours = {trim.id: trim.velocity for trim in library.trims}
     edges = {(row.from_trim, row.to_trim) for row in library.maneuvers}
     return all(
@@ -87,7 +87,7 @@ def is_comparable(library: Library, printed: Library) -> bool:
 
 
 def error_ratios(library: Library, printed: Library) -> Iterator[ErrorRatio]:
-    """Yields every error beside the printed one, row by row of the printed tables."""
+    """Yields every error with the printed one, in the tables' order."""
     for trim in printed.trims:
         own = library.trim(trim.id).error
         for name in ("forward", "side", "yaw_rate"):

@@ -1,4 +1,4 @@
-"""Tables 12 to 26 again: open and closed loop, the thesis's figures beside those of its own tables."""
+"""Tables 12 to 26 in open and closed loop: printed and computed."""
 
 import csv
 import io
@@ -17,7 +17,7 @@ from runtime.progress import show_progress
 from scenarios.find import find_library, find_mission
 
 TOLERANCE = 0.9144
-"""Metres; the thesis's 3 ft. Its kinematic library is in metres, and no unit of its missions is certain."""
+"""Goal tolerance, m: the thesis's 3 ft; the units of its kinematic missions are unclear."""
 
 LOOPS = {
     "thesis": Settings(
@@ -32,14 +32,14 @@ LOOPS = {
     ),
     "ours": Settings(max_activations=120, final_tolerance=TOLERANCE),
 }
-"""The loop that section 6.3 describes, and the one flown here; for a minute at least.
+"""Settings of the loop of section 6.3, and of ours, for at least a minute.
 
-The thesis prints neither its activation interval nor its limit: a second, and a minute, are chosen."""
+The thesis prints neither the replan interval nor the limit: one second and one minute are assumed."""
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedLoop:
-    """One line of a table, as printed: seconds of the plan and of the flight, and whether it was given up."""
+    """One printed line: seconds of plan and flight; True where given up."""
 
     table: int
     mission: str
@@ -71,7 +71,7 @@ _PRINTED = (
 
 
 def printed_loops() -> Iterator[PrintedLoop]:
-    """Yields the tables' lines, the nominal policy before the worst case."""
+    """Yields the tables' lines, nominal before worst case."""
     for table, mission, gamma, plan, flight, gave_up, robust_plan, robust_flight, robust_gave_up in _PRINTED:
         yield PrintedLoop(table, mission, gamma, "nominal", plan, flight, gave_up)
         yield PrintedLoop(table, mission, gamma, "worst-case", robust_plan, robust_flight, robust_gave_up)
@@ -79,21 +79,21 @@ def printed_loops() -> Iterator[PrintedLoop]:
 
 @dataclass(frozen=True, slots=True)
 class LoopComparison:
-    """A line of a table beside what is computed from the thesis's own library.
+    """A table's line, printed and computed with the thesis's library.
 
     Attributes:
         table: number of the table.
         mission: name of the shipped mission.
-        gamma: uncertainty level of plan and plant.
-        policy: which planner.
-        printed_plan: seconds of the plan.
-        plan: seconds of ours, the goal met exactly; None where there is none.
-        printed_flight: seconds of the flight.
-        printed_gave_up: whether it ended at the limit of plannings.
-        thesis_loop_minus: seconds of ours in the thesis's loop, the plant at -gamma; None where given up.
-        thesis_loop_plus: likewise at +gamma.
-        our_loop_minus: likewise in our loop, at -gamma.
-        our_loop_plus: likewise at +gamma.
+        gamma: gamma of plan and plant.
+        policy: policy of the planner.
+        printed_plan: printed seconds of the plan.
+        plan: computed seconds of the plan that meets the goal exactly; None without a plan.
+        printed_flight: printed seconds of the flight.
+        printed_gave_up: True if it ended at the limit of replans.
+        thesis_loop_minus: computed seconds in the thesis's loop, plant at -gamma; None where given up.
+        thesis_loop_plus: the same at +gamma.
+        our_loop_minus: the same in our loop at -gamma.
+        our_loop_plus: the same in our loop at +gamma.
     """
 
     table: int
@@ -111,7 +111,7 @@ class LoopComparison:
 
 
 def compare_loops(executor: Executor) -> list[LoopComparison]:
-    """Returns every line of Tables 12 to 26 beside ours; the automaton flies at minus and at plus gamma."""
+    """Compares every line of Tables 12 to 26 at both gammas."""
     lines = list(printed_loops())
     tasks = [task for line in lines for task in _tasks(line)]
     flown = list(
@@ -164,7 +164,7 @@ def _library(mission: str) -> str:
 
 
 def count_arrivals_by_policy(rows: Iterable[LoopComparison]) -> dict[str, tuple[int, int, int]]:
-    """Returns how many lines reached the goal, by policy: printed, thesis's loop, ours; at both signs."""
+    """Returns arrivals by policy: printed, thesis's loop, our loop."""
     found = {}
     known = list(rows)
     for policy in ("nominal", "worst-case"):
@@ -178,7 +178,7 @@ def count_arrivals_by_policy(rows: Iterable[LoopComparison]) -> dict[str, tuple[
 
 
 def loops_csv(rows: Sequence[LoopComparison]) -> str:
-    """Returns the lines as CSV; an empty field where a flight was given up, or there is no plan."""
+    """Returns the lines as CSV; empty fields for given-up flights."""
     stream = io.StringIO()
     writer = csv.DictWriter(stream, [field.name for field in fields(LoopComparison)], lineterminator="\n")
     writer.writeheader()
@@ -193,7 +193,7 @@ HEADS = (
 
 
 def loops_markdown(rows: Sequence[LoopComparison]) -> str:
-    """Returns the lines as a table."""
+    """Returns the lines as a Markdown table."""
     lines = ["| " + " | ".join(HEADS) + " |", "| " + " | ".join(["---"] * len(HEADS)) + " |"]
     for row in rows:
         flight = (

@@ -1,4 +1,4 @@
-"""Plans flown open loop in worlds that differ from the library: where uncertainty alone leads."""
+"""Picture of open-loop plans in worlds with different errors."""
 
 from collections.abc import Mapping, Sequence
 
@@ -18,8 +18,8 @@ from review.pictures.stroke import Stroke
 from .flight_style import MANEUVERED
 
 LEVELS = (
-    ("as the library says", 0.0, palette.ALARM),
-    ("all errors taken away", -1.0, palette.GOAL),
+    ("nominal", 0.0, palette.ALARM),
+    ("all errors subtracted", -1.0, palette.GOAL),
     ("all errors added", 1.0, palette.TRUE_COLOR),
 )
 
@@ -27,14 +27,14 @@ LEVELS = (
 def bundle_picture(
     mission: Mission, library: Library, plans: Mapping[str, Plan], worlds: Sequence[Library], *, gamma: float
 ) -> Figure:
-    """Returns a panel for each policy: its plan's coasting times, flown in one world after the other.
+    """Returns a panel per policy with its plan in all worlds.
 
     Args:
-        mission: of all the plans.
-        library: planned with.
-        plans: by policy.
-        worlds: libraries with the same primitives and other numbers, drawn faintly.
-        gamma: uncertainty level of the two strong lines beside the plan.
+        mission: mission of the plans.
+        library: library of the plans.
+        plans: plans by policy.
+        worlds: libraries with the same primitives and other values, drawn faintly.
+        gamma: gamma of the two strong lines beside the plan.
     """
     figure = palette.new_figure(5.6 * max(len(plans), 1), 6.0)
     panels = figure.subplots(1, max(len(plans), 1), squeeze=False)[0]
@@ -73,7 +73,7 @@ def _draw(
         for words, sign, color in LEVELS:
             _draw_level(axes, mission, library, plan, gamma=sign * gamma, color=color)
             handles.append(Stroke(color, 1.8).entry(f"gamma {sign * gamma:+g}: {words}"))
-        handles.append(faint.entry(f"{len(worlds)} worlds, every primitive with errors of its own"))
+        handles.append(faint.entry(f"{len(worlds)} worlds with independent errors of every primitive"))
     draw_heading_marker(axes, mission.start, fill=palette.INK)
     annotate_pose(axes, mission.start, "start", away=-1.2)
     return handles

@@ -1,4 +1,4 @@
-"""Closed loop from above: what was planned, and what was flown, both policies in one picture."""
+"""Plan view of closed-loop flights and plans of several policies."""
 
 from collections.abc import Mapping, Sequence
 
@@ -25,14 +25,14 @@ def closed_loop_picture(
     *,
     title: str,
 ) -> Figure:
-    """Returns the picture of one mission: north up, east right, one metre as long as the other.
+    """Returns the picture of one mission, north up, with equal scales.
 
     Args:
-        mission: where from and where to.
-        library: planned with.
-        plans: by policy, the plan at the start; drawn broad and pale.
-        flights: what was flown; the first of each policy strong, the others thin.
-        title: what the picture shows.
+        mission: the mission.
+        library: library of the plans.
+        plans: plan at the start by policy; drawn broad and pale.
+        flights: flights; the first of each policy is drawn strong, the others thin.
+        title: title of the picture.
     """
     figure = palette.new_figure(7.6, 6.6)
     axes = figure.add_subplot()
@@ -50,7 +50,7 @@ def closed_loop_picture(
             first = place == len(flown) - 1
             draw_flight(axes, flight, width=2.0 if first else 0.8, opacity=1.0 if first else 0.45)
         handles.append(Stroke(policy_color(policy), 2.0).entry(_arrival_label(policy, flown)))
-    handles.append(Stroke(palette.INK, 1.4).entry("trim held"))
+    handles.append(Stroke(palette.INK, 1.4).entry("coast"))
     handles.append(Stroke(palette.INK, 1.4, dashes=MANEUVERED).entry("maneuver"))
     handles.append(draw_goal(axes, mission.destination))
     draw_heading_marker(axes, mission.start, fill=palette.INK)

@@ -1,4 +1,4 @@
-"""How often each trim and each maneuver was flown, the policies side by side (thesis, figures 37 to 48)."""
+"""Picture of trim and maneuver usage (thesis, Figures 37 to 48)."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -14,12 +14,12 @@ from .flight_style import FlightTrack, LegTrack, policies_of, policy_color
 
 
 def occurrence_picture(flights: Sequence[FlightTrack], library: Library, *, title: str) -> Figure:
-    """Returns bars: the share of the time in each trim, and of all maneuvers that each one is.
+    """Returns bars of coasting time by trim and of maneuver counts.
 
     Args:
-        flights: of one policy or more.
-        library: names trims and maneuvers.
-        title: what was flown.
+        flights: flights of one policy or more.
+        library: library of trims and maneuvers.
+        title: title of the picture.
     """
     figure = palette.new_figure(9.6, 6.4)
     above, below = figure.subplots(2, 1)
@@ -33,7 +33,7 @@ def occurrence_picture(flights: Sequence[FlightTrack], library: Library, *, titl
     labels = [f"{one.id}\n{one.from_trim}\N{EN DASH}{one.to_trim}" for one in library.maneuvers]
     below.set_xticks(range(len(maneuvers)), labels)
     below.set_ylabel("share of maneuvers", fontsize=palette.TEXT_SIZE)
-    palette.draw_headline(below, "Maneuvers, by number and by the trims that they join")
+    palette.draw_headline(below, "Maneuvers, by id and trims")
     palette.draw_legend_above(above, list(above.containers))
     return figure
 

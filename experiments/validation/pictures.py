@@ -1,4 +1,4 @@
-"""The pictures of a validation, drawn from the flights that it kept."""
+"""Pictures of a validation from its stored results."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,16 +23,16 @@ from .scorecard import Proportion, ScorecardCell
 from .time_bound_trial import TimeBoundTrial
 
 MOST_MAPS = 24
-"""Maps of what was flown, all plants and winds together; more would not be looked at."""
+"""Largest number of maps over all plants and winds."""
 
 MOST_BUNDLES = 8
-"""Missions whose plans are drawn in other worlds."""
+"""Largest number of missions with bundle pictures."""
 
 MOST_FLIGHTS = 8
-"""Flights of one policy on one map."""
+"""Largest number of flights of one policy on one map."""
 
 WORLDS = 40
-"""Worlds that a plan is flown in open loop."""
+"""Number of worlds of a bundle picture."""
 
 
 def write_validation_pictures(
@@ -42,24 +42,24 @@ def write_validation_pictures(
     library: Library,
     *,
     totals: Sequence[ScorecardCell],
-    promises: Sequence[TimeBoundTrial],
+    time_bounds: Sequence[TimeBoundTrial],
 ) -> None:
-    """Writes maps of the first missions, bundles, occurrences, success over the level, predicted over flown.
+    """Writes all pictures of a validation.
 
     Args:
-        folder: where they go.
-        results: every flight.
-        missions: what was flown.
-        library: planned with.
-        totals: all missions together, a cell for each condition.
-        promises: calibrated times.
+        folder: output folder.
+        results: all flights.
+        missions: missions flown.
+        library: library of the plans.
+        totals: cells of all missions together, one per condition.
+        time_bounds: calibrated time bounds.
     """
     highest = max((row.gamma for row in results), default=0.0)
     places = list(dict.fromkeys((row.plant, row.wind) for row in results))
     for place in places:
         rows = [row for row in results if (row.plant, row.wind) == place]
-        own = [promise for promise in promises if (promise.plant, promise.wind) == place]
-        _draw_condition(folder, rows, missions[: max(MOST_MAPS // len(places), 1)], library, promises=own)
+        own = [bound for bound in time_bounds if (bound.plant, bound.wind) == place]
+        _draw_condition(folder, rows, missions[: max(MOST_MAPS // len(places), 1)], library, time_bounds=own)
     for mission in missions[:MOST_BUNDLES]:
         plans = _plans(mission, library, tuple(dict.fromkeys(row.policy for row in results)), highest)
         figure = bundle_picture(mission, library, plans, _worlds(library), gamma=highest or 1.0)
@@ -73,9 +73,9 @@ def _draw_condition(
     missions: Sequence[Mission],
     library: Library,
     *,
-    promises: Sequence[TimeBoundTrial],
+    time_bounds: Sequence[TimeBoundTrial],
 ) -> None:
-    """Draws what one plant did in one wind: the nominal policy, and the worst case at its highest level."""
+    """Draws one plant in one wind, worst case at the highest gamma."""
     highest = max(row.gamma for row in rows)
     own = [row for row in rows if row.policy == "nominal" or row.gamma == highest]
     plant, wind = own[0].plant, own[0].wind
@@ -90,9 +90,9 @@ def _draw_condition(
     bars = occurrence_picture(flights, library, title=title)
     write_picture(bars, folder / f"occurrence-{stem}.png", force=True)
     factors: dict[str, float] = {
-        promise.policy: promise.factor
-        for promise in promises
-        if promise.factor is not None and promise.gamma in {0.0, highest}
+        bound.policy: bound.factor
+        for bound in time_bounds
+        if bound.factor is not None and bound.gamma in {0.0, highest}
     }
     points = prediction_picture(flights, factors, title=title)
     write_picture(points, folder / f"predicted-{stem}.png", force=True)
@@ -126,7 +126,7 @@ def _plans(
 
 
 def _worlds(library: Library) -> list[Library]:
-    """Returns libraries in which every primitive has errors of its own, evenly between minus and plus."""
+    """Returns libraries with independent uniform errors of every primitive."""
     rng = np.random.default_rng(0)
     worlds = []
     for _ in range(WORLDS):
@@ -142,14 +142,14 @@ def _worlds(library: Library) -> list[Library]:
 
 
 def _draw_over_levels(path: Path, totals: Sequence[ScorecardCell], library: Library) -> None:
-    """Draws success and time over the level that the automaton truly has, or that was planned for."""
+    """Draws success and time over the true gamma, or the planned one."""
     of_plant = [cell for cell in totals if cell.plant.startswith("gamma ")]
     rows = [_level_summary(cell, float(cell.plant.removeprefix("gamma "))) for cell in of_plant]
-    axis = "true uncertainty level of the automaton"
+    axis = "true gamma of the automaton"
     if not rows:
         first = [cell for cell in totals if (cell.plant, cell.wind) == (totals[0].plant, totals[0].wind)]
         rows = [_level_summary(cell, cell.gamma) for cell in first]
-        axis = "uncertainty level planned for"
+        axis = "gamma of the plans"
     if max(sum(row.policy == policy for row in rows) for policy in {row.policy for row in rows}) > 1:
         write_picture(gamma_picture(rows, title=f"{library.name}: all missions", axis=axis), path, force=True)
 

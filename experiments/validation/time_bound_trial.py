@@ -1,4 +1,4 @@
-"""Times that are promised with plans: found on one set of missions, put to the test on another."""
+"""Time bounds of plans, found on some missions and tested on others."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -17,19 +17,19 @@ ROUNDING = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class TimeBoundTrial:
-    """A time that is promised with a plan, made on one set of missions and put to the test on another.
+    """A time bound with its test on other missions.
 
     Attributes:
-        policy: which planner.
-        gamma: uncertainty level planned for.
-        plant: what flew.
+        policy: policy of the planner.
+        gamma: gamma of the plans.
+        plant: name of the plant.
         wind: wind class.
-        share: of flights that are to reach the goal within the promised time.
-        factor: promised time in parts of the predicted one; None where too few missions reached their goal.
-        missions: of the set that it was made on.
-        flights: likewise.
-        kept: flights of the other set that kept it; the interval is for as many trials as it has missions.
-        stated: whether it stood beside the library; where not, every second mission made it.
+        share: share of flights that reach the goal within the bound.
+        factor: bound over predicted time; None for too few missions that reached their goal.
+        missions: number of missions that it was found on.
+        flights: number of flights that it was found on.
+        kept: test flights within the bound; the interval has one trial per mission.
+        stated: True for a bound of the library; otherwise every second mission set it.
     """
 
     policy: FlownPolicy
@@ -47,16 +47,16 @@ class TimeBoundTrial:
 def time_bound_trials(
     results: Iterable[MissionResult], *, share: float, stated: Sequence[TimeBound] = (), seed: int = -1
 ) -> tuple[TimeBoundTrial, ...]:
-    """Returns what can be promised, tested on missions that did not make it.
+    """Tests time bounds on missions other than those they were found on.
 
-    What stands beside the library is tested on all missions, unless they are those that it was made on.
-    Otherwise every second mission sets the factor, and the others test it.
+    A bound of the library is tested on all missions, unless it was found on them. Otherwise every second
+    mission sets the factor, and the others test it.
 
     Args:
-        results: of all flights.
-        share: of flights that are to keep the promise.
-        stated: what stands beside the library.
-        seed: that the missions were drawn with.
+        results: results of all flights.
+        share: share of flights within the bound.
+        stated: time bounds of the library.
+        seed: seed of the missions.
     """
     made = []
     for rows in group_by_condition(results).values():
@@ -81,7 +81,7 @@ def time_bound_trials(
 def find_time_bounds(
     results: Iterable[MissionResult], *, share: float, seed: int
 ) -> tuple[tuple[TimeBound, ...], tuple[str, ...]]:
-    """Returns what all missions together promise, and of which policies too few flights were there."""
+    """Returns the time bounds of all missions, and policies without one."""
     made, lacking = [], []
     for rows in group_by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
@@ -105,14 +105,14 @@ def find_time_bounds(
 
 
 def time_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
-    """Returns the multiple of the predicted time that a share of flights keeps, of other missions too.
+    """Returns the factor on the predicted time for a share of flights.
 
-    It is a tolerance limit (Wilks 1941): with 95 % confidence no smaller share of flights to come keeps it.
-    Flights of one mission resemble one another, so a mission is the sample, and each counts the same however
-    often it was flown.
+    It is a tolerance limit (Wilks 1941): with 95 % confidence at least this share of future flights is within
+    it. Flights of one mission are alike, so a mission is the sample, with the same weight for any number of
+    flights.
     """
     number = len(groups)
-    # As many missions as no more than the share would hold with 95 % confidence.
+    # Least number of missions within the factor that proves the share with 95 % confidence.
     rank = int(binom.ppf(CONFIDENCE, number, share)) + 1
     if rank > number:
         return inf

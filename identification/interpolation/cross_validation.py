@@ -1,4 +1,4 @@
-"""What growth's two halves share: trims as points of a plane, and how well a number interpolates there."""
+"""Scaled velocities and cross-validation figures of interpolated primitives."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,19 +10,19 @@ from flight.automaton.statistics import Statistics
 from flight.se2 import Twist
 from flight.units import FOOT
 
-# Differences in m/s and rad/s that count as alike far.
+# Differences in m/s and rad/s that count as equal distances.
 SPEED_SCALE, YAW_RATE_SCALE = 8 * FOOT, 0.2
 
 
 @dataclass(frozen=True, slots=True)
 class InterpolationFit:
-    """How well one number interpolates.
+    """Cross-validation result of one interpolated number.
 
     Attributes:
-        number: its name, of a trim's deviations or of a maneuver.
-        cross_validation_error: rms leave-one-out error, in the number's unit; of a trim's deviations,
-            of their logarithm.
-        smoothing: of the spline.
+        number: name of a trim's deviation or of a maneuver's value.
+        cross_validation_error: rms leave-one-out error, in the number's unit; for a trim's deviation, of its
+            logarithm.
+        smoothing: smoothing of the spline.
     """
 
     number: str
@@ -31,18 +31,18 @@ class InterpolationFit:
 
 
 def scaled_velocity(velocity: Twist) -> tuple[float, float]:
-    """Returns forward speed and yaw rate in units in which they count alike."""
+    """Returns forward speed and yaw rate in units of equal distance."""
     return velocity.forward / SPEED_SCALE, velocity.yaw_rate / YAW_RATE_SCALE
 
 
 def largest_deviation(statistics: Statistics | None, name: str) -> float:
-    """Returns the largest deviation of one number of a flown primitive."""
+    """Returns the largest deviation of a number of a flown primitive."""
     assert statistics is not None
     return next(one.largest_deviation for one in statistics.scalars if one.name == name)
 
 
 def least_flights(found: Iterable[Statistics | None]) -> int:
-    """Returns in how many flights each of these primitives was flown at least."""
+    """Returns the smallest number of flights of these primitives."""
     return min(one.samples for one in found if one is not None)
 
 

@@ -1,9 +1,9 @@
-"""A grown library: primitives that were never flown, interpolated between those that were.
+"""Interpolated library: unflown primitives between flown ones.
 
-Around a baseline of second-order responses, what maneuvers do and how far they scatter varies smoothly with
-the trims that they join; a spline with leave-one-out errors finds both. The errors of a grown primitive are
-the interpolated largest deviations and the interpolation's own error, together, times a factor that is
-calibrated on the flown primitives, each left out in turn (`grown_claim`).
+Relative to a baseline of second-order responses, the values and the scatter of maneuvers vary smoothly with
+the trims that they join; splines with leave-one-out errors interpolate both. The errors of an interpolated
+primitive are the interpolated largest deviations plus the interpolation's own error, times a factor that is
+calibrated by cross-validation on the flown primitives (`interpolation_claim`).
 """
 
 from collections.abc import Iterable, Sequence
@@ -29,25 +29,25 @@ from .step_baseline import Baseline
 from .trim_scatter import TrimScatter, trim_scatter
 
 LEAST_TRIMS, LEAST_MANEUVERS = 8, 16
-"""Flown primitives below which there is nothing to calibrate on."""
+"""Least numbers of flown primitives for the calibration."""
 
 
 class CannotInterpolateError(FlightError):
-    """A library has too little evidence to grow from."""
+    """The library has too few flown primitives to interpolate."""
 
 
 @dataclass(frozen=True)
 class InterpolatedLibrary:
-    """A grown library and what it rests on.
+    """An interpolated library with its claims and cross-validation.
 
     Attributes:
-        library: flown maneuvers as they were, grown ones without statistics; trims that grown maneuvers lead
-            to, flown ones too, with the claim of what is grown.
-        trims: how many of its trims are grown.
-        maneuvers: how many of its maneuvers are grown.
-        trim_claim: what is claimed of the trims that grown maneuvers lead to.
-        maneuver_claim: what is claimed of grown maneuvers.
-        fits: how well each number interpolates.
+        library: flown maneuvers unchanged, interpolated ones without statistics; all trims that interpolated
+            maneuvers enter have the claim of interpolated trims.
+        trims: number of interpolated trims.
+        maneuvers: number of interpolated maneuvers.
+        trim_claim: coverage claim of the trims that interpolated maneuvers enter.
+        maneuver_claim: coverage claim of interpolated maneuvers.
+        fits: cross-validation of each number.
     """
 
     library: Library
@@ -67,22 +67,23 @@ def interpolate_library(
     coverage: float = 0.95,
     confidence: float = 0.95,
 ) -> InterpolatedLibrary:
-    """Returns a library with trims on a grid inside the flown range, and maneuvers between neighbours.
+    """Interpolates trims on a grid and maneuvers between neighbours.
 
-    A coast's largest deviation is often what is left of the maneuver before it. So a flown trim that a grown
-    maneuver leads to is held after something that no flight saw: it is bounded anew, never closer than it was
-    flown, and claims what the grown trims claim.
+    A coast's largest deviation is often the residual of the maneuver before it. A flown trim that an
+    interpolated maneuver enters therefore gets new bounds, never smaller than the flown ones, and the claim
+    of the interpolated trims.
 
     Args:
-        library: flown, with statistics and a maneuver-end rule; every side velocity 0.
-        speed_step: of the grid, m/s.
-        yaw_rate_step: of the grid, rad/s.
-        name: of the grown library.
-        coverage: share of the grown primitives that are to hold as many flights as were flown.
-        confidence: of that share.
+        library: flown library with statistics and a maneuver-end rule; trims with side velocity are ignored.
+        speed_step: grid step, m/s.
+        yaw_rate_step: grid step, rad/s.
+        name: name of the interpolated library.
+        coverage: share of interpolated primitives whose bounds hold as many flights as were flown.
+        confidence: confidence of that share.
 
     Raises:
-        CannotGrowError: the library lacks statistics or a rule, or is too small, or is grown itself.
+        CannotInterpolateError: the library lacks statistics or a rule, is too small, or is interpolated
+            itself.
     """
     rule = library.conditions.maneuver_end
     flown_trims = [trim for trim in library.trims if trim.statistics and not trim.velocity.side]
@@ -95,7 +96,9 @@ def interpolate_library(
             f"{len(flown)} maneuvers"
         )
     if library.interpolated:
-        raise CannotInterpolateError(f"{library.name} is grown already: grow the library that was flown")
+        raise CannotInterpolateError(
+            f"expected a flown library, got {library.name}, which has interpolated primitives"
+        )
     new, bands = interpolate_trims(flown_trims, rule, speed_step=speed_step, yaw_rate_step=yaw_rate_step)
     everything = replace(
         library,
@@ -109,7 +112,7 @@ def interpolate_library(
         rows = interpolate_maneuvers(everything, flown, baseline, **wanted)
     except ValueError as error:
         raise CannotInterpolateError(
-            f"{library.name} has too few maneuvers to leave out those of one trim at a time: {error}"
+            f"{library.name}: too few maneuvers for cross-validation by trims: {error}"
         ) from None
     joined = replace(everything, maneuvers=(*library.maneuvers, *rows.maneuvers))
     entered = {row.to_trim for row in rows.maneuvers}
@@ -121,7 +124,7 @@ def interpolate_library(
         tails_wanted=_entry_residuals(joined, held, joined.maneuvers, baseline),
         **wanted,
     )
-    grown = replace(
+    interpolated = replace(
         joined,
         description=(
             f"Grown from {library.name}: {len(new)} trims and {len(rows.maneuvers)} maneuvers that were "
@@ -131,14 +134,14 @@ def interpolate_library(
         provenance=_provenance(library, scatter.fits + rows.fits),
     )
     return InterpolatedLibrary(
-        grown, len(new), len(rows.maneuvers), scatter.claim, rows.claim, scatter.fits + rows.fits
+        interpolated, len(new), len(rows.maneuvers), scatter.claim, rows.claim, scatter.fits + rows.fits
     )
 
 
 def _entry_residuals(
     library: Library, trims: Sequence[Trim], maneuvers: Iterable[Maneuver], baseline: Baseline
 ) -> Float[np.ndarray, "n 3"]:
-    """Returns the most that is left when a coast begins, over all maneuvers that lead to a trim."""
+    """Returns each trim's largest residual over its incoming maneuvers."""
     found = {trim.id: np.zeros(3) for trim in trims}
     for row in maneuvers:
         if row.to_trim in found:

@@ -1,4 +1,4 @@
-"""Maneuvers between trims that no flight joined: what they do, and how far off that may be."""
+"""Interpolated maneuvers between trims, with errors and claim."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ from .step_baseline import Baseline, VelocityStep, fit_baseline
 
 INTERPOLATED_NOTE = "grown: interpolated, never flown"
 
-# Seconds, metres, radians: deviations below this are as good as none, and their logarithm would run away.
+# Floor for deviations in s, m and rad before the logarithm is taken.
 _NONE = 1e-4
 
 Table = Float[np.ndarray, "n k"]
@@ -35,7 +35,7 @@ Table = Float[np.ndarray, "n k"]
 
 @dataclass(frozen=True)
 class InterpolatedManeuvers:
-    """Maneuvers that were never flown, what is claimed of them, how well their numbers interpolate."""
+    """Interpolated maneuvers with their claim and cross-validation."""
 
     maneuvers: tuple[Maneuver, ...]
     claim: InterpolationClaim
@@ -43,13 +43,13 @@ class InterpolatedManeuvers:
 
 
 def baseline_of_flights(library: Library, flown: Sequence[Maneuver]) -> Baseline:
-    """Returns the second-order responses that come nearest to what flown maneuvers did."""
+    """Fits the second-order responses to flown maneuvers."""
     steps = [velocity_step_of(library, (row.from_trim, row.to_trim)) for row in flown]
     return fit_baseline(library, steps, _scalar_rows(flown))
 
 
 def velocity_step_of(library: Library, edge: Edge) -> VelocityStep:
-    """Returns the step of an edge, with the band around the trim that it leads to."""
+    """Returns the velocity step of an edge, with the target's band."""
     rule = library.conditions.maneuver_end
     assert rule is not None
     return VelocityStep(library.trim(edge[0]).velocity, library.trim(edge[1]).velocity, rule.bands[edge[1]])
@@ -58,16 +58,16 @@ def velocity_step_of(library: Library, edge: Edge) -> VelocityStep:
 def interpolate_maneuvers(
     library: Library, flown: Sequence[Maneuver], baseline: Baseline, *, coverage: float, confidence: float
 ) -> InterpolatedManeuvers:
-    """Returns the maneuvers between trims no further apart than flown ones are, that none joins yet.
+    """Interpolates the missing maneuvers between trims within the flown range.
 
-    One whose duration is not known better than by itself is left out: at gamma = 1 it would take no time.
+    Maneuvers with a duration error not below the duration are left out.
 
     Args:
-        library: trims, grown ones too, and the rule with all bands.
+        library: trims, interpolated ones included, and the rule with all bands.
         flown: maneuvers with statistics.
-        baseline: around which is interpolated.
-        coverage: share of grown maneuvers wanted.
-        confidence: of that share.
+        baseline: baseline of the interpolation.
+        coverage: share of interpolated maneuvers whose bounds hold.
+        confidence: confidence of that share.
     """
     edges, wanted = [(row.from_trim, row.to_trim) for row in flown], _missing_edges(library, flown)
     points, at = _points(library, edges), _points(library, wanted)
@@ -89,7 +89,7 @@ def interpolate_maneuvers(
     )
     means = baseline.maneuvers([velocity_step_of(library, edge) for edge in wanted]).reshape(-1, 4)
     means = means + np.column_stack([one.at(at) for one in values])
-    # No maneuver ends before its dwell.
+    # A maneuver lasts at least the dwell.
     means[:, 0] = np.maximum(means[:, 0], baseline.dwell)
     errors = claim.factor * (np.exp(np.column_stack([one.at(at) for one in sizes])) + own)
     first = max(row.id for row in library.maneuvers) + 1
@@ -110,7 +110,7 @@ def interpolate_maneuvers(
 
 
 def _missing_edges(library: Library, flown: Sequence[Maneuver]) -> list[Edge]:
-    """Returns the pairs of trims that no maneuver joins and that are no further apart than flown ones."""
+    """Returns unjoined pairs of trims no further apart than flown ones."""
     known = {(row.from_trim, row.to_trim) for row in library.maneuvers}
     reach = max(_distance(library, (row.from_trim, row.to_trim)) for row in flown)
     usable = [trim.id for trim in library.trims if not trim.velocity.side]
@@ -125,7 +125,7 @@ def _missing_edges(library: Library, flown: Sequence[Maneuver]) -> list[Edge]:
 
 
 def _edges_sharing_a_trim(edges: Sequence[Edge]) -> list[list[int]]:
-    """Returns for each edge the places of all that share a trim with it, its own among them."""
+    """Returns for each edge the indices of edges that share a trim."""
     return [[index for index, other in enumerate(edges) if not set(edge).isdisjoint(other)] for edge in edges]
 
 
@@ -155,14 +155,14 @@ def _maneuver(
 
 
 def _scalar_rows(flown: Sequence[Maneuver]) -> Table:
-    """Returns a row for each maneuver: duration, forward, side, heading change."""
+    """Returns a row per maneuver: duration, forward, side, heading change."""
     return np.array(
         [(row.duration, row.displacement.x, row.displacement.y, row.displacement.heading) for row in flown]
     )
 
 
 def _points(library: Library, edges: Sequence[Edge]) -> Table:
-    """Returns scaled velocities left and reached."""
+    """Returns the scaled velocities of entry and exit trims."""
     rows = [
         (*scaled_velocity(library.trim(a).velocity), *scaled_velocity(library.trim(b).velocity))
         for a, b in edges
@@ -171,6 +171,6 @@ def _points(library: Library, edges: Sequence[Edge]) -> Table:
 
 
 def _distance(library: Library, edge: Edge) -> float:
-    """Returns how large a step is: its parts in their scales, summed."""
+    """Returns the size of a step: the sum of its scaled parts."""
     one, two = (scaled_velocity(library.trim(trim).velocity) for trim in edge)
     return abs(one[0] - two[0]) + abs(one[1] - two[1])

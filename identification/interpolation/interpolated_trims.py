@@ -1,4 +1,4 @@
-"""Trims between flown ones: where they are, and when a maneuver to one has ended."""
+"""Interpolated trims: grid of velocities and bands."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -14,8 +14,8 @@ from flight.se2 import Twist
 from .cross_validation import scaled_velocity
 from .spline import Spline
 
-# An interpolated trim is inside the hull of the flown ones and no further than this from one, scaled as by
-# `scaled_velocity`.
+# Largest distance of an interpolated trim from a flown one, in units of `scaled_velocity`; it is also inside
+# the convex hull of the flown ones.
 FURTHEST = 0.75
 
 Table = Float[np.ndarray, "n k"]
@@ -24,13 +24,13 @@ Table = Float[np.ndarray, "n k"]
 def interpolate_trims(
     flown: Sequence[Trim], rule: ManeuverEnd, *, speed_step: float, yaw_rate_step: float
 ) -> tuple[tuple[Trim, ...], dict[int, Band]]:
-    """Returns trims on a grid inside the flown ones' hull, where none was flown, without errors; their bands.
+    """Returns trims without errors on a grid, and their bands.
 
     Args:
-        flown: trims.
-        rule: its bands, fixed before the flights, are continued to the grown trims.
-        speed_step: of the grid, m/s.
-        yaw_rate_step: of the grid, rad/s.
+        flown: flown trims.
+        rule: rule with the bands of flown trims, which are interpolated.
+        speed_step: grid step, m/s.
+        yaw_rate_step: grid step, rad/s.
     """
     places = np.array([scaled_velocity(trim.velocity) for trim in flown])
     grid = _grid(flown, places, speed_step, yaw_rate_step)
@@ -44,7 +44,7 @@ def interpolate_trims(
 
 
 def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, first: int) -> dict[int, Band]:
-    """Returns a smooth rule of bands through those that were fixed before the flights."""
+    """Interpolates the bands that were fixed before the flights."""
     known = [rule.bands[trim.id] for trim in flown]
     columns = zip(*((one.forward, one.side, one.yaw_rate) for one in known), strict=True)
     widths = np.column_stack([Spline.fit(places, np.array(column)).at(at) for column in columns])
@@ -55,7 +55,7 @@ def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, f
 
 
 def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step: float) -> list[Twist]:
-    """Returns the grid's velocities that are inside the flown range, near a flown trim, and not flown."""
+    """Returns unflown grid velocities inside the range, near flown trims."""
     speeds = [trim.velocity.forward for trim in flown]
     rates = [trim.velocity.yaw_rate for trim in flown]
     hull = Delaunay(places)

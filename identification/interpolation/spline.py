@@ -1,9 +1,9 @@
-"""Interpolation between scattered points, with its own leave-one-out errors in closed form.
+"""Smoothing spline over scattered points with closed-form leave-one-out errors.
 
-A radial spline with the kernel -r over a linear trend, smoothed; scipy's `RBFInterpolator` with
-`kernel="linear", degree=1` gives the same values. Leaving points out costs no further spline: their errors
-solve a small system: the inverse's rows and columns of those points, their coefficients on the right (for
-one point Rippa, Adv. Comput. Math. 11, 1999; for several it follows alike from a partitioned inverse).
+A radial spline with kernel -r and a linear trend; scipy's `RBFInterpolator` with `kernel="linear", degree=1`
+gives the same values. Leave-one-out errors need no further spline: they solve a small system with the
+inverse's rows and columns of the points left out and their coefficients on the right-hand side (for one point
+Rippa, Adv. Comput. Math. 11, 1999; for several it follows in the same way from a partitioned inverse).
 """
 
 from collections.abc import Sequence
@@ -13,19 +13,19 @@ from typing import Self
 import numpy as np
 from jaxtyping import Float
 
-# Smoothings that are tried; in units of the kernel, so of scaled distances.
+# Candidate smoothings, in units of scaled distances.
 SMOOTHINGS = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spline:
-    """A fitted interpolation.
+    """A fitted smoothing spline.
 
     Attributes:
-        points: where values are known; each coordinate scaled so that 1 means alike.
-        coefficients: of the kernel at every point, then of the linear trend.
-        left_out: value less prediction at each point, with that point left out and those that go with it.
-        smoothing: that was chosen.
+        points: points of known values, in scaled coordinates.
+        coefficients: coefficients of the kernel at every point, then of the linear trend.
+        left_out: leave-one-out errors: value minus prediction at each point, with its group left out.
+        smoothing: the smoothing chosen.
     """
 
     points: Float[np.ndarray, "n d"]
@@ -41,17 +41,17 @@ class Spline:
         *,
         groups: Sequence[Sequence[int]] | None = None,
     ) -> Self:
-        """Returns the interpolation whose smoothing makes the errors at points left out least.
+        """Fits the spline with the smoothing of least leave-one-out error.
 
         Args:
-            points: where values are known; each coordinate scaled so that 1 means alike.
-            values: at the points.
-            groups: for each point the rows that are left out with it, its own among them; each alone where
+            points: points of known values, in scaled coordinates.
+            values: values at the points.
+            groups: for each point the rows left out together with it, its own included; its own alone where
                 None.
 
         Raises:
-            ValueError: too few points for a linear trend and a point left out, or they lie in a plane, all or
-                without those that are left out together.
+            ValueError: too few points for a linear trend with a point left out, or the points, all or without
+                a group, lie in a plane.
         """
         count, dimensions = points.shape
         if count < dimensions + 3:
@@ -69,7 +69,7 @@ class Spline:
         return best
 
     def at(self, points: Float[np.ndarray, "m d"]) -> Float[np.ndarray, "m"]:
-        """Returns the interpolated values at points, scaled as those fitted."""
+        """Returns the interpolated values at points in scaled coordinates."""
         kernel = -np.linalg.norm(points[:, None, :] - self.points, axis=2)
         rows = np.hstack([kernel, np.ones((len(points), 1)), points])
         values: Float[np.ndarray, "m"] = rows @ self.coefficients

@@ -1,10 +1,9 @@
-"""How far trims scatter that were never flown, or are entered as they never were.
+"""Scatter of interpolated trims, and of trims entered by interpolated maneuvers.
 
-A maneuver ends inside a band, not at the trim, so a coast begins with what is left of the step before it: its
-*tail*. Where a step is small beside the band the tail is most of what a coast deviates, and it depends on the
-step, not on the trim. So the tail is computed, from the responses that fit the flown maneuvers and for all
-maneuvers that lead to the trim; interpolated is the rest, which the wind makes. Both add as independent
-deviations do: in squares.
+A maneuver ends inside a band, not at the trim, so a coast begins with a residual of the step before it: its
+*tail*. Where a step is small relative to the band, the tail is most of a coast's deviation, and it depends on
+the step, not on the trim. The tail is therefore computed from the fitted responses, for all maneuvers that
+lead to the trim; the rest, due to wind, is interpolated. Both add in squares, as independent deviations.
 """
 
 from collections.abc import Sequence
@@ -27,7 +26,7 @@ from .cross_validation import (
 from .interpolation_claim import calibrate_claim
 from .spline import Spline
 
-# So much of a deviation, at least, is the wind's: the computed tail may come out above what was flown.
+# Least share of a deviation due to wind; the computed tail may exceed the flown deviation.
 _WIND = 0.25
 
 Table = Float[np.ndarray, "n 3"]
@@ -35,12 +34,12 @@ Table = Float[np.ndarray, "n 3"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrimScatter:
-    """What is claimed of trims that grown maneuvers lead to.
+    """Bounds and claim of trims entered by interpolated maneuvers.
 
     Attributes:
-        sizes: by id, bounds of forward, side and yaw rate.
-        claim: of all of them.
-        fits: how well the wind's part interpolates.
+        sizes: bounds of forward, side and yaw rate by trim id.
+        claim: coverage claim of all of them.
+        fits: cross-validation of the wind's part.
     """
 
     sizes: dict[int, Float[np.ndarray, "3"]]
@@ -57,19 +56,18 @@ def trim_scatter(
     coverage: float,
     confidence: float,
 ) -> TrimScatter:
-    """Returns the bounds of trims, interpolated between flown ones.
+    """Interpolates the bounds of trims between flown ones.
 
-    A flown trim among those wanted is bounded by what its neighbours give, as it was when it was left out,
-    and never closer than it was flown.
+    A flown trim among the wanted ones is bounded by its leave-one-out prediction, never below its flown
+    deviations.
 
     Args:
-        flown: with statistics.
-        wanted: trims that grown maneuvers lead to.
-        tails_flown: of each flown trim the largest tail of the maneuvers that led to it in flight: forward,
-            side, yaw rate.
-        tails_wanted: of each wanted trim that of all maneuvers that lead to it.
-        coverage: share of the wanted trims that are to hold as many flights as were flown.
-        confidence: of that share.
+        flown: flown trims with statistics.
+        wanted: trims that interpolated maneuvers enter.
+        tails_flown: largest tail of each flown trim over the flown maneuvers to it: forward, side, yaw rate.
+        tails_wanted: largest tail of each wanted trim over all maneuvers to it.
+        coverage: share of the wanted trims whose bounds hold as many flights as were flown.
+        confidence: confidence of that share.
     """
     deviations = np.array(
         [[largest_deviation(trim.statistics, one) for one in TRIM_SCALARS] for trim in flown]

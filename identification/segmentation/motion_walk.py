@@ -1,4 +1,4 @@
-"""From the motion of many flights to their walks through the trims: without any command."""
+"""Walks of flights through the trims, from motion without commands."""
 
 from collections.abc import Sequence
 from itertools import permutations
@@ -15,7 +15,7 @@ from .segmentation import ObservedWalk, TrimEntry
 
 
 def trim_graph_of(library: Library) -> TrimGraph:
-    """Returns the trims and maneuvers of a library as what a motion is matched with.
+    """Returns the trim graph of a library.
 
     Raises:
         FlightError: the library has no maneuver-end rule.
@@ -23,8 +23,8 @@ def trim_graph_of(library: Library) -> TrimGraph:
     rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError(
-            f"library {library.name!r} has no conditions.maneuver_end (a band for each trim, dwell, "
-            "timeout): nothing says when a trim is reached"
+            f"library {library.name!r} has no conditions.maneuver_end: expected a band for each trim, dwell, "
+            "timeout"
         )
     places = {trim.id: place for place, trim in enumerate(library.trims)}
     bands = [rule.bands[trim.id] for trim in library.trims]
@@ -40,19 +40,19 @@ def trim_graph_of(library: Library) -> TrimGraph:
 
 
 def all_edges(trims: int) -> np.ndarray:
-    """Returns every ordered pair of different trims, by their places."""
+    """Returns every ordered pair of different trims, by index."""
     return np.array(list(permutations(range(trims), 2)), int).reshape(-1, 2)
 
 
 def walks_of(
     motions: Sequence[Float[np.ndarray, "n 3"]], library: Library, *, model: MotionModel | None = None
 ) -> tuple[ObservedWalk, ...]:
-    """Returns the walk of each flight, in the trims of a library.
+    """Returns the walk of each flight through a library's trims.
 
     Args:
-        motions: as `motion_model.sampled_motion` gives them.
+        motions: one per flight, from `motion_model.sampled_motion`.
         library: trims, maneuvers and maneuver-end rule; its other numbers are not used.
-        model: how the vehicle follows its trims; learnt from the motions where None.
+        model: model of the motion; learnt from the motions where None.
     """
     graph = trim_graph_of(library)
     model = model or learn_model(motions, graph)
@@ -61,7 +61,7 @@ def walks_of(
 
 
 def with_trim_ids(walk: MatchedWalk, ids: Sequence[int]) -> ObservedWalk:
-    """Returns a walk with the ids of the trims for their places."""
+    """Replaces the indices of a walk's trims by their ids."""
     return ObservedWalk(
         ids[walk.first], tuple(TrimEntry(step.time, ids[step.left], ids[step.reached]) for step in walk.steps)
     )

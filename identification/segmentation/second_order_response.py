@@ -1,4 +1,4 @@
-"""The second-order step response by which a vehicle goes from one trim's velocity to the next one's."""
+"""Second-order step response between the velocities of two trims."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,38 +8,38 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import least_squares
 
-# Natural frequencies in rad/s and damping ratios that a fit may find.
+# Limits of a fit's natural frequency, rad/s, and damping ratio.
 _FREQUENCIES = (0.05, 50.0)
 _DAMPINGS = (0.3, 0.99)
 
 
 @dataclass(frozen=True, slots=True)
 class StepResponse:
-    """A second-order response: natural frequency in rad/s and damping ratio below 1 (thesis, 3.2.5)."""
+    """Natural frequency in rad/s and damping ratio < 1 (thesis, 3.2.5)."""
 
     frequency: float
     damping: float
 
     def remaining_share(self, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
-        """Returns the share of a step that is still to come after a time in seconds, 1 before it."""
-        swing = self.frequency * np.sqrt(1 - self.damping**2)
+        """Returns the remaining share of a step after a time in seconds."""
+        damped = self.frequency * np.sqrt(1 - self.damping**2)
         late = np.maximum(time, 0.0)
         decay = np.exp(-self.damping * self.frequency * late)
-        ratio = self.damping * self.frequency / swing
-        share: Float[np.ndarray, "n"] = decay * (np.cos(swing * late) + ratio * np.sin(swing * late))
+        ratio = self.damping * self.frequency / damped
+        share: Float[np.ndarray, "n"] = decay * (np.cos(damped * late) + ratio * np.sin(damped * late))
         return share
 
 
 def fit_response(
     steps: Sequence[Float[np.ndarray, "samples"]], *, period: float, memory: float, guess: StepResponse
 ) -> StepResponse:
-    """Returns the response that fits steps best, by least squares on their innovations.
+    """Fits a response to steps by least squares on their innovations.
 
     Args:
-        steps: share of each step still to come, from its entry on.
-        period: seconds between samples.
-        memory: how much of a deviation is left a sample later; deviations are taken as of first order.
-        guess: where the search begins.
+        steps: remaining share of each step, from its entry on.
+        period: sampling period, seconds.
+        memory: autocorrelation of deviations after one sample; deviations are of first order.
+        guess: initial guess.
     """
 
     def misfit(numbers: Float[np.ndarray, "2"]) -> Float[np.ndarray, "samples"]:

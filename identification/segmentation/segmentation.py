@@ -1,4 +1,4 @@
-"""Cutting a flight log into primitives: maneuvers from command change to settling, coasts between."""
+"""Segmentation of a flight log: maneuvers to settling, coasts between."""
 
 from dataclasses import dataclass
 
@@ -17,14 +17,14 @@ from flightlog.topic import Series
 
 @dataclass(frozen=True, slots=True)
 class ManeuverSegment:
-    """A maneuver as it truly happened.
+    """A maneuver as flown.
 
     Attributes:
-        id: of the maneuver.
+        id: id of the maneuver.
         start: time of the change of trim, seconds.
         duration: seconds to the end of the dwell; to the next command or time-out where it did not settle.
         displacement: forward, to the right, heading change, in the body frame at entry.
-        settled: whether it ended by the rule.
+        settled: True if it ended by the rule.
     """
 
     id: int
@@ -36,13 +36,13 @@ class ManeuverSegment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoastSegment:
-    """A trim as it was truly held.
+    """A coast as flown.
 
     Attributes:
         trim: id of the trim.
         start: seconds.
         duration: seconds.
-        velocity: forward and side in metres per second, yaw rate in radians per second, at every sample.
+        velocity: forward and side in m/s, yaw rate in rad/s, at every sample.
     """
 
     trim: int
@@ -53,7 +53,7 @@ class CoastSegment:
 
 @dataclass(frozen=True, slots=True)
 class Segments:
-    """All primitives of one flight, in the order flown."""
+    """Primitives of one flight, in the order flown."""
 
     maneuvers: tuple[ManeuverSegment, ...]
     coasts: tuple[CoastSegment, ...]
@@ -61,7 +61,7 @@ class Segments:
 
 @dataclass(frozen=True, slots=True)
 class TrimEntry:
-    """A change of trim: seconds, ids of the trims left and led to."""
+    """A change of trim: seconds, ids of the trims left and reached."""
 
     time: float
     from_trim: int
@@ -70,11 +70,11 @@ class TrimEntry:
 
 @dataclass(frozen=True, slots=True)
 class ObservedWalk:
-    """The trims of a flight.
+    """The sequence of trims of a flight.
 
     Attributes:
-        first: id of the trim held at the start; None where the flight begins in a maneuver.
-        entries: the changes of trim, in their order.
+        first: id of the trim at the start; None where the flight begins in a maneuver.
+        entries: the changes of trim in order.
     """
 
     first: int | None
@@ -82,7 +82,7 @@ class ObservedWalk:
 
 
 def segment(log: FlightLog) -> Segments:
-    """Cuts a log into primitives by its command channel, judging the motion (thesis, 3.2.2).
+    """Segments a log by its commands (thesis, 3.2.2).
 
     Raises:
         FlightError: the log lacks a topic or the rule.
@@ -91,7 +91,7 @@ def segment(log: FlightLog) -> Segments:
 
 
 def commanded_walk(log: FlightLog) -> ObservedWalk:
-    """Returns the changes of trim that were commanded.
+    """Returns the commanded changes of trim.
 
     Raises:
         MissingTopicError: the log has no `/primitive`.
@@ -107,27 +107,24 @@ def commanded_walk(log: FlightLog) -> ObservedWalk:
 
 
 def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> Segments:
-    """Cuts a log into primitives where the trim changes.
+    """Segments a log at given changes of trim.
 
     A maneuver ends by the rule of `flight.automaton.maneuver_end`, applied to the true body velocity, or to
-    the
-    believed one in a log that knows no truth. Where no positions are known, displacements are the way that
-    the velocities make. A coast begins at the end of a maneuver and lasts to the next
-    change. What follows a maneuver that did not settle is no coast: the vehicle was never seen in that trim.
+    the estimated one in a log without truth. Without positions, displacements are integrated from velocities.
+    A coast begins at the end of a maneuver and lasts to the next change. After a maneuver that did not settle
+    there is no coast, because the vehicle was not observed in that trim.
 
     Args:
-        log: the motion.
-        walk: where the trim changes.
-        library: names the maneuvers, and says when one has ended.
+        log: log with the motion.
+        walk: changes of trim.
+        library: maneuvers and maneuver-end rule.
 
     Raises:
-        FlightError: the log has no motion, or the library no rule or no such maneuver.
+        FlightError: the log has no motion, or the library lacks the rule or a maneuver.
     """
     rule = library.conditions.maneuver_end
     if rule is None:
-        raise FlightError(
-            "the log's library has no conditions.maneuver_end: nothing says when a maneuver ends"
-        )
+        raise FlightError("expected conditions.maneuver_end in the log's library, got none")
     motion = with_dead_reckoning(log.motion)
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
@@ -146,13 +143,13 @@ def _maneuver_segment(
     motion: Series, rule: ManeuverEnd, library: Library, entry: TrimEntry, until: float
 ) -> ManeuverSegment:
     target = library.trim(entry.to_trim).velocity
-    judge = ManeuverEndDetector(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
+    detector = ManeuverEndDetector(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
     first, last = _row_range(motion, entry.time, until)
     velocity = _velocity(motion, first, last).tolist()
-    end, verdict = last - 1, ManeuverStatus.UNDER_WAY
+    end, status = last - 1, ManeuverStatus.UNDER_WAY
     for place, (time, sample) in enumerate(zip(motion.time[first:last].tolist(), velocity, strict=True)):
-        verdict = judge.update(time, Twist(*sample))
-        if verdict is not ManeuverStatus.UNDER_WAY:
+        status = detector.update(time, Twist(*sample))
+        if status is not ManeuverStatus.UNDER_WAY:
             end = first + place
             break
     return ManeuverSegment(
@@ -160,12 +157,12 @@ def _maneuver_segment(
         start=entry.time,
         duration=float(motion.time[end]) - entry.time,
         displacement=_pose(motion, first).inverse() @ _pose(motion, end),
-        settled=verdict is ManeuverStatus.ENDED,
+        settled=status is ManeuverStatus.ENDED,
     )
 
 
 def _coast_segments(motion: Series, trim: int, begin: float, until: float) -> list[CoastSegment]:
-    """Returns the coast, or none where it is over before a second sample."""
+    """Returns the coast, or none with fewer than two samples."""
     first, last = _row_range(motion, begin, until)
     if last - first < 2:
         return []
@@ -173,7 +170,7 @@ def _coast_segments(motion: Series, trim: int, begin: float, until: float) -> li
 
 
 def _row_range(motion: Series, start: float, end: float) -> tuple[int, int]:
-    """Returns the rows from a time to another, both included, within half a microsecond."""
+    """Returns the row range between two times, inclusive to 0.5 µs."""
     return (
         int(np.searchsorted(motion.time, start - 5e-7)),
         int(np.searchsorted(motion.time, end + 5e-7)),

@@ -1,4 +1,4 @@
-"""How well changes of trim are found from the motion alone, held against the command channel."""
+"""Score of segmentation by motion against the commands."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -9,23 +9,23 @@ import numpy as np
 from .segmentation import ObservedWalk, Segments, TrimEntry
 
 TOLERANCE = 1.0
-"""Seconds by which a boundary may be off and still count as found."""
+"""Largest time error in seconds of a boundary that counts as found."""
 
 Edge = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
 class EdgeScore:
-    """What became of one maneuver's entries; of both kinds of its boundaries where `edge` is None.
+    """Score of one edge's boundaries, or of all where `edge` is None.
 
     Attributes:
-        edge: ids of the trims left and led to.
-        commanded: how many there are.
-        found: how many of them were found within the tolerance, between the same trims.
-        spurious: how many more the motion seemed to show.
-        late: mean lateness of those found, seconds; 0 where there is none.
-        spread: standard deviation of their lateness, seconds.
-        furthest: largest absolute lateness, seconds.
+        edge: ids of the trims left and reached.
+        commanded: number of commanded boundaries.
+        found: number of them found within the tolerance, between the same trims.
+        spurious: number of boundaries found without a command.
+        late: mean delay of those found, seconds; 0 where there is none.
+        standard_deviation: standard deviation of their delay, seconds.
+        furthest: largest absolute delay, seconds.
     """
 
     edge: Edge | None
@@ -33,20 +33,20 @@ class EdgeScore:
     found: int
     spurious: int
     late: float
-    spread: float
+    standard_deviation: float
     furthest: float
 
 
 @dataclass(frozen=True, slots=True)
 class Boundaries:
-    """Entries and ends of the maneuvers of one flight, with the trims that they lie between."""
+    """Times and edges of a flight's maneuver entries and ends."""
 
     entries: tuple[tuple[float, Edge], ...]
     ends: tuple[tuple[float, Edge], ...]
 
 
 def boundaries_of(walk: ObservedWalk, segments: Segments) -> Boundaries:
-    """Returns where a flight's maneuvers begin and end; those that did not settle have no end."""
+    """Returns a flight's boundaries; unsettled maneuvers have no end."""
     pairs = list(zip(walk.entries, segments.maneuvers, strict=True))
     return Boundaries(
         entries=tuple((entry.time, _edge(entry)) for entry, _ in pairs),
@@ -59,10 +59,10 @@ def boundaries_of(walk: ObservedWalk, segments: Segments) -> Boundaries:
 def score_boundaries(
     flights: Iterable[tuple[Boundaries, Boundaries]],
 ) -> tuple[EdgeScore, EdgeScore, tuple[EdgeScore, ...]]:
-    """Returns the scores of all entries, of all ends, and of the entries of each edge.
+    """Returns the scores of all entries, all ends, and each edge's entries.
 
     Args:
-        flights: for each flight the boundaries that were commanded, and those that the motion shows.
+        flights: commanded and found boundaries of each flight.
     """
     known = list(flights)
     entries = [_match_boundaries(commanded.entries, shown.entries) for commanded, shown in known]
@@ -77,7 +77,7 @@ def score_boundaries(
     )
 
 
-# Edge, lateness; a miss has the lateness of infinity, a spurious boundary that of minus infinity.
+# Edge, delay; infinity for a missed boundary, minus infinity for a spurious one.
 _Row = tuple[Edge, float]
 
 
@@ -113,7 +113,7 @@ def _edge_score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
         found=len(found),
         spurious=spurious,
         late=float(found.mean()) if len(found) else 0.0,
-        spread=float(found.std(ddof=1)) if len(found) > 1 else 0.0,
+        standard_deviation=float(found.std(ddof=1)) if len(found) > 1 else 0.0,
         furthest=float(np.abs(found).max()) if len(found) else 0.0,
     )
 

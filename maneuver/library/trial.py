@@ -202,7 +202,7 @@ def _print_trials(library: Library, trials: tuple[CoverageTrial, ...], flights: 
         share = f"{trial.inside / trial.flights:.3f}" if trial.flights else "-"
         table.add_row(
             *(f"{trial.kind} {trial.id}", str(trial.flights), str(trial.inside), str(trial.unsettled)),
-            *(share, f"{trial.low:.3f}-{trial.high:.3f}", f"{trial.claimed:.3f}", f"{trial.doubt:.2g}"),
+            *(share, f"{trial.low:.3f}-{trial.high:.3f}", f"{trial.claimed:.3f}", f"{trial.p_value:.2g}"),
             "REFUTED" if trial.refuted else "not flown" if not trial.flights else "not refuted",
         )
     console.print(table)

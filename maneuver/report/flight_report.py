@@ -27,7 +27,7 @@ def summary_content(summary: Summary) -> dict[str, Any]:
     """Returns the summary as plain JSON values; what the log does not hold is null."""
     content = asdict(summary)
     if summary.bounds is not None:
-        for violation in content["bounds"]["departures"]:
+        for violation in content["bounds"]["violations"]:
             violation["kind"] = PrimitiveKind(violation["kind"]).name.lower()
     return content
 
@@ -39,7 +39,7 @@ def flight_report(summary: Summary) -> Group:
         parts += [_heading("Flown"), _primitives(summary)]
     if summary.tracking is not None:
         parts += [_heading("Truth minus command"), _tracking(summary)]
-    if summary.bounds is not None and summary.bounds.departures:
+    if summary.bounds is not None and summary.bounds.violations:
         parts += [
             _heading(f"Furthest out of the bounds of library {summary.bounds.library}"),
             _departures(summary.bounds),
@@ -153,7 +153,7 @@ def _departures(bounds: BoundCheck) -> Table:
     table = _columns(
         "", "id", "from", "number", "deviation", "bound", right=("id", "from", "deviation", "bound")
     )
-    furthest = sorted(bounds.departures, key=lambda d: -abs(d.deviation) / max(d.bound, 1e-9))
+    furthest = sorted(bounds.violations, key=lambda d: -abs(d.deviation) / max(d.bound, 1e-9))
     for violation in furthest[:MOST_DEPARTURES]:
         table.add_row(
             violation.kind.name.lower(),

@@ -32,7 +32,7 @@ def print_scorecard(card: Scorecard) -> None:
         console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", soft_wrap=True)
     if len(shown) > MOST_ROWS:
         console.print(f"and {len(shown) - MOST_ROWS} more; --out keeps them all", soft_wrap=True)
-    for promise in card.promises:
+    for promise in card.time_bounds:
         if promise.flights >= MOST_ROWS and promise.factor is not None:
             console.print(
                 f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights are "

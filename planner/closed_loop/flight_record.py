@@ -26,9 +26,9 @@ class FlightRecord:
         flown_time: seconds to there; the whole flight's where it was not reached.
         predicted_time: seconds that the policy promises from the start to the part of the tolerance that
             plans aim at, thinking included; infinite without a plan.
-        activations: how often it was planned.
+        replans: number of replans.
         failures: how often that gave no plan that could be flown: none, too late, or failing its check.
-        fallbacks: how often the way to rest was begun.
+        safe_stops: number of safe stops begun.
         plans: every answer of the planner, in order.
         times: seconds since the start at which each was asked for.
         latencies: seconds that each took, as charged.
@@ -42,9 +42,9 @@ class FlightRecord:
     arrival: ArrivalVerdict
     flown_time: float
     predicted_time: float
-    activations: int
+    replans: int
     failures: int
-    fallbacks: int
+    safe_stops: int
     plans: tuple[Plan, ...]
     times: tuple[float, ...]
     latencies: tuple[float, ...]
@@ -166,9 +166,9 @@ class FlightRecorder:
             arrival=arrival,
             flown_time=time if arrival.time is None else arrival.time,
             predicted_time=self.predicted_time,
-            activations=len(self.plans),
+            replans=len(self.plans),
             failures=sum(kind in REFUSALS for kind in kinds),
-            fallbacks=kinds.count(DecisionKind.FALLBACK),
+            safe_stops=kinds.count(DecisionKind.FALLBACK),
             plans=tuple(self.plans),
             times=tuple(self.times),
             latencies=tuple(self.latencies),

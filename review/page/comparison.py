@@ -1,4 +1,4 @@
-"""Flights side by side in the numbers that they are judged by."""
+"""Comparison table of several flights."""
 
 from collections.abc import Callable, Sequence
 
@@ -13,12 +13,15 @@ NOT_KNOWN = "-"
 
 
 def comparison_rows(summaries: Sequence[Summary]) -> list[list[str]]:
-    """Returns rows of a name and a value for each flight; what no flight knows is left out."""
+    """Returns rows of a name and a value per flight.
+
+    Rows without a value in any flight are left out.
+    """
     rows: list[tuple[str, Callable[[Summary], str]]] = [
         ("outcome", lambda one: one.outcome),
         ("goal", _goal),
-        ("planned at the start", _planned),
-        ("plans, plannings without one", _plans),
+        ("predicted time, first plan", _planned),
+        ("plans, failed replans", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
         ("distance over the ground", _distance),
         ("wind class, seed", lambda one: NOT_KNOWN if one.kind == "import" else f"{one.wind}, {one.seed}"),
@@ -50,7 +53,7 @@ def _distance(one: Summary) -> str:
 
 
 def _planned(one: Summary) -> str:
-    return NOT_KNOWN if one.promise is None else f"{one.promise:.2f} s"
+    return NOT_KNOWN if one.predicted_time is None else f"{one.predicted_time:.2f} s"
 
 
 def _plans(one: Summary) -> str:
@@ -63,8 +66,8 @@ def _bounds(one: Summary) -> str:
     coasts, maneuvers = (
         one.bounds.count_violations(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER)
     )
-    judged = plural(one.bounds.coasts, "coast"), plural(one.bounds.maneuvers, "maneuver")
-    return f"{coasts} of {judged[0]}, {maneuvers} of {judged[1]}"
+    checked = plural(one.bounds.coasts, "coast"), plural(one.bounds.maneuvers, "maneuver")
+    return f"{coasts} of {checked[0]}, {maneuvers} of {checked[1]}"
 
 
 def _tracking(field: str) -> Callable[[Summary], str]:

@@ -1,4 +1,4 @@
-"""One flight as a page holds it: verdict, primitives with their bounds, events, plans, goal and tracks."""
+"""Content of one flight on a page, as plain JSON values."""
 
 from collections.abc import Sequence
 
@@ -27,7 +27,7 @@ Content = dict[str, object]
 
 MOST_TRACK_POINTS = 8000
 MOST_PLANS = 60
-"""Plans drawn; of a flight with more, every so-manieth."""
+"""Largest number of plans drawn; longer lists are thinned evenly."""
 
 _UNITS = {
     PrimitiveKind.COAST: {"forward": "m/s", "side": "m/s", "yaw_rate": "deg/s"},
@@ -36,7 +36,7 @@ _UNITS = {
 
 
 def flight_page_content(log: FlightLog, summary: Summary, label: str) -> Content:
-    """Returns everything of a flight but its curves, as plain JSON values."""
+    """Returns a flight's content without its curves, as plain JSON values."""
     return {
         "label": label,
         "kind": summary.kind,
@@ -58,7 +58,7 @@ def flight_page_content(log: FlightLog, summary: Summary, label: str) -> Content
         "goal": _goal(log),
         "plans": _plans(log),
         "track": _track(log.motion),
-        "believed": _track(log[ESTIMATE]) if _has_estimate_and_truth(log) else None,
+        "estimated": _track(log[ESTIMATE]) if _has_estimate_and_truth(log) else None,
         "wind": _mean_wind(log),
     }
 
@@ -110,7 +110,7 @@ def _deviation_content(one: BoundDeviation | None) -> Content | None:
 
 
 def _bands(log: FlightLog) -> list[Content]:
-    """Returns the velocities that each trim held may have, by the library's error of it."""
+    """Returns the velocity bounds of each coast, by the library's errors."""
     library = bounding_library(log)
     if library is None:
         return []
@@ -137,7 +137,7 @@ def _goal(log: FlightLog) -> Content | None:
 
 
 def _plans(log: FlightLog) -> list[Content]:
-    """Returns plans as lines of north and east from where the vehicle believed to be, with their tubes."""
+    """Returns plans with their tubes as lines from the estimated pose."""
     plans = logged_plans(log)
     if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
         return []
@@ -166,7 +166,7 @@ def _plans(log: FlightLog) -> list[Content]:
 def _pair_with_maneuvers(
     coasts: Sequence[np.ndarray], maneuvers: Sequence[np.ndarray]
 ) -> list[list[np.ndarray]]:
-    """Returns coasts with the maneuver that follows each."""
+    """Pairs each coast with the maneuver that follows it."""
     return [[coast, *maneuvers[place : place + 1]] for place, coast in enumerate(coasts)]
 
 
@@ -175,7 +175,7 @@ def _has_estimate_and_truth(log: FlightLog) -> bool:
 
 
 def _track(states: Series) -> Content | None:
-    """Returns time, place, and where known height and heading, thinned evenly; None without positions."""
+    """Returns an evenly thinned track; None without positions."""
     if not states.has_fields("north", "east"):
         return None
     step = -(-len(states) // MOST_TRACK_POINTS)
@@ -197,7 +197,7 @@ def _mean_wind(log: FlightLog) -> Content | None:
 
 
 def sparkline(time: Float[np.ndarray, "n"], values: Float[np.ndarray, "n"], *, points: int) -> list[float]:
-    """Returns a curve of a few points that keeps every extreme."""
+    """Returns a curve of few points that keeps every extreme."""
     if len(time) == 0:
         return []
     _, kept = decimate(time, values[:, None], most=points)

@@ -1,4 +1,4 @@
-"""The whole way in one picture: the library found, the plans made with it, and how flying them went."""
+"""Picture of the workflow: identified library, plans, and their flights."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -35,24 +35,24 @@ POLICY_NAMES = {"nominal": "Nominal plan", "worst-case": "Worst-case plan"}
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlownPlan:
-    """A plan with the flights that followed it; the flights re-planned on the way."""
+    """A plan with its flights, which replan on the way."""
 
     plan: Plan
     flights: tuple[FlightLog, ...]
 
 
 def demo_picture(library: Library, mission: Mission, outcomes: Sequence[FlownPlan]) -> Figure:
-    """Returns the picture of the whole way.
+    """Returns the picture of library, plans and flights.
 
     Args:
-        library: planned with.
-        mission: of all the plans.
-        outcomes: one for each policy.
+        library: library of the plans.
+        mission: mission of the plans.
+        outcomes: one per policy.
     """
     figure = palette.new_figure(7.0 + 5.0 * len(outcomes), 8.6)
     conditions = library.conditions
     figure.suptitle(
-        f"From flight logs to plans, and back to flight    |    {library.vehicle}, wind {conditions.wind}, "
+        f"Identified library, plans and flights    |    {library.vehicle}, wind {conditions.wind}, "
         f"mission {mission.name}",
         x=0.01,
         ha="left",
@@ -71,7 +71,7 @@ def demo_picture(library: Library, mission: Mission, outcomes: Sequence[FlownPla
     maps = right.subplots(1, len(outcomes), squeeze=False)[0]
     for number, (axes, outcome) in enumerate(zip(maps, outcomes, strict=True), start=2):
         _draw_outcome(axes, library, mission, outcome, number=number)
-    # Equal scales, so that one track may be held against the other.
+    # Equal scales, so that the tracks can be compared.
     everything = Bbox.union([axes.dataLim for axes in maps])
     for axes in maps:
         axes.update_datalim(everything.corners())
@@ -118,7 +118,7 @@ def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence
         return f"no plan: {plan.status}\n{plan.reason}"
     predicted = f"predicted {plan.cost:.1f} s"
     if len(plan.scenarios) > 1:
-        predicted += f", the slowest of gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
+        predicted += f", maximum over gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
         return f"{predicted}\nnot flown"
     times = sorted(time for time in arrivals if time is not None)
@@ -148,7 +148,7 @@ def _draw_start_and_goal(axes: Axes, mission: Mission) -> None:
 def _entries(plan: Plan, arrivals: Sequence[float | None]) -> list[Line2D]:
     entries = []
     if plan.found:
-        entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest case"))
+        entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest scenario"))
     if len(plan.scenarios) > 1:
         entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
     if any(time is not None for time in arrivals):

@@ -1,4 +1,4 @@
-"""The pictures of a flight, each a file; the first one, `flight.png`, tells the story alone."""
+"""Pictures of a flight, one file each; `flight.png` is the overview."""
 
 import io
 from collections.abc import Callable, Mapping, Sequence
@@ -32,19 +32,19 @@ from .track_picture import draw_track
 Panel = Callable[[Axes], None]
 Limits = Mapping[str, tuple[float, float]]
 
-# Inches of a page with nothing but time histories: wide enough that a long flight stays readable.
+# Width in inches of a page of time histories, so that a long flight stays readable.
 NARROWEST, WIDEST, INCHES_PER_SECOND = 12.0, 36.0, 0.11
 
 
 def flight_picture(log: FlightLog) -> Figure:
-    """Returns the page that tells the story of a flight: plan view beside velocities and height."""
+    """Returns the overview page: plan view, velocities and height."""
     figure = palette.new_figure(16.0, 9.6)
     figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 4, fontweight="bold")
     halves = figure.add_gridspec(1, 2, width_ratios=(0.43, 0.57))
     left, right = figure.add_subfigure(halves[0]), figure.add_subfigure(halves[1])
     track = left.subplots()
     true = log.motion.topic.name != ESTIMATE.name
-    palette.draw_headline(track, f"Seen from above: where it {'truly flew' if true else 'believed to be'}")
+    palette.draw_headline(track, f"{'True' if true else 'Estimated'} track, from above")
     _stack(right, log, _motion_panels(log), width=8.6)
     draw_track(track, log)
     return figure
@@ -59,7 +59,7 @@ def track_picture(log: FlightLog) -> Figure:
 
 
 def velocities_picture(log: FlightLog) -> Figure:
-    """Returns velocities and height over time, as wide as the flight is long."""
+    """Returns velocities and height over time."""
     return _histories(log, _motion_panels(log))
 
 
@@ -68,7 +68,7 @@ def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
 
     Args:
         log: the flight.
-        limits: least and largest value of a control in radians, by field; those known.
+        limits: known lower and upper limits of the controls in radians, by field.
     """
     panels: list[Panel] = [partial(draw_attitude, log=log, field=field) for field in _angles(log)]
     if CONTROLS.name in log.series:
@@ -98,7 +98,7 @@ def wind_picture(log: FlightLog) -> Figure:
 
 
 def navigation_picture(log: FlightLog) -> Figure:
-    """Returns what was believed minus what was so, over time.
+    """Returns the navigation errors, estimate minus truth, over time.
 
     Raises:
         MissingTopicError: the log has no estimate.
@@ -117,19 +117,19 @@ def navigation_picture(log: FlightLog) -> Figure:
 def write_pictures(
     log: FlightLog, folder: Path, *, limits: Limits | None = None, force: bool = False
 ) -> tuple[Path, ...]:
-    """Draws every picture that the log has the topics for, and writes them as PNG files.
+    """Writes every picture that the log has topics for, as PNG.
 
     Args:
         log: the flight.
-        folder: where to; made if it is not there.
-        limits: of the controls, as `controls_picture`.
-        force: whether to overwrite.
+        folder: output folder; created if missing.
+        limits: limits of the controls, as in `controls_picture`.
+        force: overwrite.
 
     Returns:
-        The files, the one to look at first before the others.
+        The files, the overview first.
 
     Raises:
-        AlreadyExistsError: one of the files exists and `force` is not set; nothing was written.
+        AlreadyExistsError: one of the files exists and `force` is not set; nothing is written.
         FlightError: the log lacks motion, or an attachment is broken.
     """
     pictures = _pictures(log, limits)
@@ -142,7 +142,7 @@ def write_pictures(
 
 
 def picture_paths(log: FlightLog, folder: Path) -> tuple[Path, ...]:
-    """Returns the files that `write_pictures` writes of a log, in its order."""
+    """Returns the files that `write_pictures` writes, in its order."""
     return tuple(folder / f"{name}.png" for name in _pictures(log, None))
 
 
@@ -163,7 +163,7 @@ def _pictures(log: FlightLog, limits: Limits | None) -> dict[str, Callable[[], F
 
 
 def write_picture(figure: Figure, path: Path, *, force: bool = False) -> None:
-    """Writes a figure as a PNG file, whole or not at all; equal figures give equal bytes.
+    """Writes a figure as a PNG file atomically; output is deterministic.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
@@ -186,7 +186,7 @@ def _headline(log: FlightLog) -> str:
 
 
 def _motion_panels(log: FlightLog) -> list[Panel]:
-    """Returns panels of the velocities and the height that the log has."""
+    """Returns panels of the velocities and the height in the log."""
     panels: list[Panel] = [
         partial(draw_velocity, log=log, field=field) for field in VELOCITIES if log.motion.has_fields(field)
     ]
@@ -221,7 +221,7 @@ def _stack(
     width: float,
     strokes: bool = True,
 ) -> None:
-    """Draws panels below each other on one time axis, under the lane of primitives where there are any."""
+    """Stacks panels on one time axis, below the lane of primitives."""
     lanes = 1 if merged_primitives(log) else 0
     ratios = [*(0.26 for _ in range(lanes)), *(1.0 for _ in panels)]
     rows = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]

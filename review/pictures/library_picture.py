@@ -1,4 +1,4 @@
-"""A library on one page: the automaton, and every number of it with its signed error."""
+"""Picture of a library: automaton, and all values with signed errors."""
 
 from collections.abc import Callable, Sequence
 from math import degrees
@@ -21,7 +21,7 @@ DEGREES_PER_RADIAN = degrees(1.0)
 Interval = tuple[float, float]
 """A nominal value and its signed error."""
 
-# Width of a bar in points, and how pale its lesser half is.
+# Width of a bar in points; opacity of its half towards gamma = -1.
 BAR = 6.0
 LIGHT_OPACITY = 0.35
 
@@ -51,7 +51,7 @@ MANEUVER_NUMBERS: tuple[tuple[str, Callable[[Maneuver], Interval]], ...] = (
 
 
 def library_picture(library: Library) -> Figure:
-    """Returns a page with the automaton beside the numbers of its trims and maneuvers."""
+    """Returns the picture of a library's automaton and its values."""
     figure = palette.new_figure(17.0, 4.5 + 0.27 * (len(library.trims) + len(library.maneuvers)))
     figure.suptitle(
         f"Library {library.name}    |    {library.vehicle}, wind {library.conditions.wind}",
@@ -72,7 +72,7 @@ def library_picture(library: Library) -> Figure:
 
 
 def graph_picture(library: Library) -> Figure:
-    """Returns the automaton alone: the directed graph of the thesis's Figures 3 and 4, of any library."""
+    """Returns the automaton's graph, as in the thesis's Figures 3 and 4."""
     crowd = len(library.trims) > MANY_TRIMS
     figure = palette.new_figure(14.0 if crowd else 8.0, 11.0 if crowd else 8.4)
     figure.suptitle(
@@ -87,7 +87,7 @@ def graph_picture(library: Library) -> Figure:
 
 
 def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
-    """Draws the body velocity of every trim with its error, a panel for each component."""
+    """Draws the trims' body velocities with errors, one panel per component."""
     colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(TRIM_NUMBERS), sharey=True)
     labels = [f"{trim.name}  {trim.id}" for trim in library.trims]
@@ -102,7 +102,7 @@ def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
 
 
 def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
-    """Draws duration and displacement of every maneuver with their errors, a panel for each number."""
+    """Draws the maneuvers' values with errors, one panel per value."""
     if not library.maneuvers:
         return
     colors = trim_colors(trim.id for trim in library.trims)
@@ -119,7 +119,7 @@ def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
         )
         axes.set_xlabel(name, fontsize=palette.TEXT_SIZE)
     _label_rows(panels[0], labels)
-    _heading(figure, "Maneuvers: duration and displacement, in the colour of the trim led to")
+    _heading(figure, "Maneuvers: duration and displacement, in the colour of the target trim")
 
 
 def _heading(figure: Figure | SubFigure, text: str) -> None:
@@ -127,7 +127,7 @@ def _heading(figure: Figure | SubFigure, text: str) -> None:
 
 
 def _draw_intervals(axes: Axes, intervals: Sequence[Interval], colors: Sequence[str]) -> None:
-    """Draws a row for each interval: a tick, and to both sides how far off the vehicle may be."""
+    """Draws a row per interval: nominal value and error to both sides."""
     palette.format_axes(axes)
     axes.axvline(0.0, color=palette.FAINT, linewidth=0.8, zorder=1)
     for row, ((nominal, error), color) in enumerate(zip(intervals, colors, strict=True)):

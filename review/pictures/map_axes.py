@@ -1,4 +1,4 @@
-"""Axes of a map: north up, east right, one metre as long as the other."""
+"""Axes of a map: north up, east right, equal scales."""
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -7,7 +7,7 @@ from . import palette
 
 
 def format_map_axes(axes: Axes) -> None:
-    """Makes a map of axes."""
+    """Formats axes as a map."""
     palette.format_axes(axes)
     axes.set_aspect("equal", adjustable="datalim")
     for axis in (axes.xaxis, axes.yaxis):

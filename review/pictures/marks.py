@@ -1,4 +1,4 @@
-"""Marks on a map: where a flight starts, where it is to go, words beside a place."""
+"""Marks on a map: pose, goal, annotation."""
 
 from math import cos, sin
 
@@ -20,7 +20,7 @@ HEADING_MARKER = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0
 
 
 def draw_heading_marker(axes: Axes, pose: SE2, *, fill: str) -> None:
-    """Draws a dart at a pose, along its heading."""
+    """Draws a dart along the heading of a pose."""
     # Markers point up, that is north, and turn counter-clockwise.
     marker = MarkerStyle(HEADING_MARKER, transform=Affine2D().rotate(-pose.heading))
     axes.plot(
@@ -36,7 +36,7 @@ def draw_heading_marker(axes: Axes, pose: SE2, *, fill: str) -> None:
 
 
 def annotate_pose(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
-    """Writes a few words beside a pose: away to its right, or along its heading."""
+    """Writes a text beside a pose, to its right or ahead."""
     east, north = sin(pose.heading), cos(pose.heading)
     x, y = (east, north) if along else (north, -east)
     axes.annotate(
@@ -54,7 +54,7 @@ def annotate_pose(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along:
 
 
 def draw_goal(axes: Axes, goal: Destination) -> Line2D:
-    """Draws a cross in the disc that counts as there, and returns the legend's entry."""
+    """Draws the goal and its tolerance; returns the legend entry."""
     north, east = goal.position
     if goal.tolerance:
         fill = Circle((east, north), goal.tolerance, color=palette.GOAL, alpha=0.22, linewidth=0, zorder=2)

@@ -1,4 +1,4 @@
-"""Colours and strokes of every picture: one meaning each, told apart by the colour-blind."""
+"""Colours and formats of all pictures, distinguishable for the colour-blind."""
 
 from collections.abc import Sequence
 
@@ -20,12 +20,12 @@ SMALL_TEXT = 7.5
 
 
 def new_figure(width: float, height: float) -> Figure:
-    """Returns an empty figure of a size in inches; it belongs to no window and no global state."""
+    """Returns an empty figure of a size in inches, without global state."""
     return Figure(figsize=(width, height), dpi=130, layout="constrained", facecolor="white")
 
 
 def format_axes(axes: Axes) -> None:
-    """Takes what distracts away: no box, a faint grid behind the data."""
+    """Formats axes: no box, a faint grid behind the data."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(FAINT)
     axes.tick_params(labelsize=SMALL_TEXT + 0.5, colors=INK, length=3, color=FAINT)
@@ -34,12 +34,12 @@ def format_axes(axes: Axes) -> None:
 
 
 def draw_headline(axes: Axes, text: str) -> None:
-    """Writes what a panel shows above its left edge."""
+    """Writes a panel's title above its left edge."""
     axes.set_title(text, loc="left", fontsize=TEXT_SIZE + 1, color=INK, fontweight="bold")
 
 
 def draw_legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Puts a legend in one row above a panel's right edge."""
+    """Draws a legend in one row above a panel's right edge."""
     legend = axes.legend(
         handles=entries,
         loc="lower right",
@@ -51,5 +51,5 @@ def draw_legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
         borderpad=0.2,
         columnspacing=1.2,
     )
-    # It stands in the headline's room, and needs no other.
+    # The legend shares the title's row and needs no space of its own.
     legend.set_in_layout(False)

@@ -1,4 +1,4 @@
-"""A plan from above: what is coasted, what is maneuvered, and where each uncertainty level leads."""
+"""Plan view of a plan: coasts, maneuvers, track of every scenario."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,35 +17,37 @@ from .marks import annotate_pose, draw_goal, draw_heading_marker
 from .stroke import Stroke
 
 SHORTEST_SHOWN_COAST = 0.005
-"""Seconds that a trim is held for at least, where it is shown: less is written 0.00 s."""
+"""Shortest coast in seconds that is drawn; a shorter one would be written 0.00 s."""
 
 DECIDING = Stroke(palette.INK, 1.3, layer=4.5)
 
-# Greys, told apart by their dots: every colour is a trim's.
+# Greys with different dots, because the colours stand for trims.
 AT_ZERO = Stroke(palette.FAINT, 1.2, layer=3.5)
 ABOVE = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 1.0)), layer=3.5)
 BELOW = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 3.0)), layer=3.5)
 
 
 class NothingToDrawError(FlightError):
-    """A plan that is an honest no has no track."""
+    """The plan found no solution, so there is no track to draw."""
 
     def __init__(self, plan: Plan) -> None:
-        super().__init__(f"nothing to draw: the plan for {plan.mission} is {plan.status}")
+        super().__init__(
+            f"cannot draw the plan for {plan.mission}: expected a solution, got status {plan.status}"
+        )
 
 
 def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
-    """Returns the picture of a plan: north up, east right, one metre as long as the other.
+    """Returns the picture of a plan: north up, east right, equal scales.
 
-    The deciding scenario is drawn with the colours of its trims, the others grey.
+    The deciding scenario is drawn in the colours of its trims, the others in grey.
 
     Args:
-        plan: what is drawn.
-        library: planned with.
-        mission: planned for.
+        plan: the plan.
+        library: library of the plan.
+        mission: mission of the plan.
 
     Raises:
-        NothingToDrawError: there is no plan.
+        NothingToDrawError: the plan has no solution.
     """
     if not plan.found:
         raise NothingToDrawError(plan)
@@ -68,7 +70,7 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
 def _guarantee_text(plan: Plan) -> str:
     if plan.policy == "nominal":
         return f"nominal, {plan.cost:.2f} s"
-    return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (decided by {plan.deciding.gamma:g})"
+    return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (at gamma {plan.deciding.gamma:g})"
 
 
 def _draw_scenarios(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
@@ -92,7 +94,7 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
             held.setdefault(trim, []).append(time)
     for line in maneuvers:
         _draw(axes, DECIDING, line)
-    level = f"gamma {scenario.gamma:g}, decides: {scenario.cost:.2f} s" if len(plan.scenarios) > 1 else ""
+    level = f"gamma {scenario.gamma:g}, slowest: {scenario.cost:.2f} s" if len(plan.scenarios) > 1 else ""
     steps = f"maneuvers {', '.join(map(str, plan.maneuvers))}" if maneuvers else ""
     entries = [DECIDING.entry("; ".join(filter(None, (level, steps))))] if level or steps else []
     for trim, times in held.items():

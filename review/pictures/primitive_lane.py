@@ -1,4 +1,4 @@
-"""What was flown when: a lane of coloured blocks, the tint behind the panels, colours and names of trims."""
+"""Lane of flown primitives, and the matching tint behind panels."""
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
@@ -10,17 +10,17 @@ from review.summary.bound_check import check_bounds
 
 from . import palette
 
-# Inches that a letter takes in the lane.
+# Width of a letter in the lane, inches.
 LETTER = 0.074
 
 
 def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:
-    """Draws a lane of what was flown: trims as coloured blocks, maneuvers as gaps with an arrow.
+    """Draws flown trims as coloured blocks, maneuvers as gaps with an arrow.
 
     Args:
-        axes: of the lane; shares its time axis with the panels below.
+        axes: axes of the lane, which share their time axis with the panels below.
         log: the flight.
-        width: of the lane in inches; decides whether a name, a number or nothing fits.
+        width: width of the lane in inches; selects between name, number and no label.
     """
     axes.set_ylim(-0.3, 1)
     axes.set_yticks([])
@@ -37,14 +37,12 @@ def draw_primitive_lane(axes: Axes, log: FlightLog, *, width: float) -> None:
             _write(axes, part, "\N{RIGHTWARDS ARROW}", palette.INK)
         if (part.kind, part.start) in left_bounds:
             _block(axes, part, -0.3, palette.ALARM)
-    title = "Flown: the trim held, an arrow for the maneuver to the next"
-    palette.draw_headline(
-        axes, title + ("; underlined: left its bounds in the library" if left_bounds else "")
-    )
+    title = "Primitives flown: trims, arrows for maneuvers"
+    palette.draw_headline(axes, title + ("; underlined: outside the library's bounds" if left_bounds else ""))
 
 
 def shade_primitives(axes: Axes, log: FlightLog) -> None:
-    """Tints a panel by the trim held; maneuvers stay white."""
+    """Tints a panel by the trim flown; maneuvers stay white."""
     coasts = [part for part in merged_primitives(log) if part.kind is PrimitiveKind.COAST]
     for trim, color in trim_palette(log).items():
         axes.broken_barh(
@@ -60,7 +58,7 @@ def shade_primitives(axes: Axes, log: FlightLog) -> None:
 
 def _violating_primitives(log: FlightLog) -> set[tuple[PrimitiveKind, float]]:
     bounds = check_bounds(log)
-    return set() if bounds is None else {(violation.kind, violation.start) for violation in bounds.departures}
+    return set() if bounds is None else {(violation.kind, violation.start) for violation in bounds.violations}
 
 
 def _block(axes: Axes, part: FlownPrimitive, bottom: float, color: str) -> None:
@@ -70,7 +68,7 @@ def _block(axes: Axes, part: FlownPrimitive, bottom: float, color: str) -> None:
 
 def _longest_fitting_label(trim: int, names: dict[int, str], inches: float) -> str:
     label = trim_label(trim, names)
-    # The number stays with the first word: `3 fast`, `forward`.
+    # The break comes after the number and the first word: `3 fast`, `forward`.
     place = label.find(" ", label.find(" ") + 1)
     two_lines = label if place < 0 else f"{label[:place]}\n{label[place + 1 :]}"
     for text in (label, two_lines, str(trim)):

@@ -1,4 +1,4 @@
-"""How a line looks, so that the line and its entry in a legend cannot differ."""
+"""Line styles, shared by lines and their legend entries."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +15,7 @@ Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Stroke:
-    """A line's colour, width in points, dashes, opacity, and layer (higher is nearer)."""
+    """Line style: colour, width in points, dashes, opacity, layer (z order)."""
 
     color: str
     width: float
@@ -29,7 +29,7 @@ class Stroke:
         axes.autoscale_view()
 
     def entry(self, label: str) -> Line2D:
-        """Returns the line's entry in a legend."""
+        """Returns a legend entry of the line."""
         return self._line([], [], label)
 
     def _line(
@@ -48,7 +48,7 @@ class Stroke:
         )
 
 
-# Dashes mean one thing in every picture: what was asked for, beside what was flown.
+# In every picture, dashes stand for commanded or planned values.
 COMMAND_DASHES = (0.0, (4.0, 2.0))
 COMMANDED = Stroke(palette.INK, 1.2, dashes=COMMAND_DASHES, layer=5.0)
 ESTIMATED = Stroke(palette.ESTIMATE_COLOR, 1.0, layer=3.0)
@@ -63,5 +63,5 @@ COMPONENTS = (Stroke(palette.TRUE_COLOR, 1.0), Stroke(palette.ALARM, 1.0), Strok
 
 
 def trim_stroke(color: str) -> Stroke:
-    """Returns the stroke of a trim held, in the trim's colour."""
+    """Returns the stroke of a coast, in the trim's colour."""
     return Stroke(color, 3.0)

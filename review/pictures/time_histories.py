@@ -1,4 +1,4 @@
-"""Panels over time: what was commanded, believed and true, with the primitives behind them."""
+"""Time histories: commanded, estimated and actual values, tinted by primitive."""
 
 from collections.abc import Mapping, Sequence
 from math import degrees
@@ -34,10 +34,10 @@ TITLES = {
 
 
 def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
-    """Draws one velocity as commanded, estimated and actual, the trims' error bounds as bands.
+    """Draws one velocity: commanded, estimated, actual, with the trims' bounds.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         log: the flight.
         field: `forward`, `side` or `yaw_rate`.
     """
@@ -50,7 +50,10 @@ def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
 
 
 def draw_height(axes: Axes, log: FlightLog) -> None:
-    """Draws the height as commanded, estimated and actual; above its own origin in a foreign log."""
+    """Draws the height: commanded, estimated, actual.
+
+    The heights of an imported log are above its own origin.
+    """
     _draw_state(axes, log, "down", -1.0)
     if COMMAND.name in log.series:
         stroke.COMMANDED.draw(axes, log[COMMAND].time, log[COMMAND]["height"])
@@ -66,13 +69,13 @@ def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
 
 
 def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tuple[float, float]]) -> None:
-    """Draws a control's command and servo; its limits, where known, in words and where the curve comes near.
+    """Draws a control's command, servo position and known limits.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         log: the flight.
         field: `collective`, `longitudinal`, `lateral` or `pedal`.
-        limits: least and largest value in radians, by field.
+        limits: lower and upper limit in radians, by field.
     """
     controls = log[CONTROLS]
     stroke.SERVO_COMMAND.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[f"{field}_command"])
@@ -83,7 +86,7 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
     span = axes.get_ylim()
     for limit in shown:
         stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, limit))
-    # A limit far away is said in words; it shall not flatten the curve.
+    # A distant limit is stated in the title and must not flatten the curve.
     axes.set_ylim(span)
     palette.draw_legend_above(
         axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")]
@@ -91,7 +94,7 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
 
 
 def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
-    """Draws as many as three controls of a vehicle whose controls are numbered."""
+    """Draws up to three numbered controls."""
     controls = log[ACTUATORS]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
         style.draw(axes, controls.time, controls[field])
@@ -101,7 +104,7 @@ def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
 
 
 def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
-    """Draws as many as three components of the air's motion at the vehicle, those that the log has."""
+    """Draws up to three components of the air's motion at the vehicle."""
     wind = log[WIND]
     fields = [field for field in fields if wind.has_fields(field)]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
@@ -111,35 +114,35 @@ def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> 
 
 
 def draw_navigation_error(axes: Axes, log: FlightLog, field: str, title: str) -> None:
-    """Draws estimate minus truth of one number of the state, and three sigma where the log has them."""
+    """Draws estimate minus truth of a state field, with three sigma."""
     scale = _scale(field)
     stroke.ACTUAL.draw(axes, log[TRUTH].time, scale * navigation_error(log, field))
     if NAVIGATION.name in log.series:
-        claimed = log[NAVIGATION]
-        edge = 3.0 * scale * claimed[field]
-        axes.fill_between(claimed.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
-        entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="three sigma, as the vehicle believes")
+        sigma = log[NAVIGATION]
+        edge = 3.0 * scale * sigma[field]
+        axes.fill_between(sigma.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
+        entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="estimated three sigma")
         palette.draw_legend_above(axes, [entry])
     axes.axhline(0.0, color=palette.FAINT, linewidth=0.8, zorder=2)
     _finish(axes, log, title)
 
 
 def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
-    """Returns what the strokes of the panels mean, as far as the log has them."""
+    """Returns the legend of the panels' strokes that the log has."""
     entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
         entries.insert(0, stroke.COMMANDED.entry("commanded"))
     if bounding_library(log) is not None:
-        bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
+        bound = "trim \N{PLUS-MINUS SIGN} error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
 
 
 def _state_entries(log: FlightLog) -> list[Line2D]:
-    believed = [stroke.ESTIMATED.entry("estimated (what the vehicle believes)")]
+    estimated = [stroke.ESTIMATED.entry("estimated")]
     actual = [stroke.ACTUAL.entry("actual")]
     return [
-        *(believed if ESTIMATE.name in log.series else []),
+        *(estimated if ESTIMATE.name in log.series else []),
         *(actual if log.motion.topic.name != ESTIMATE.name else []),
     ]
 
@@ -192,6 +195,6 @@ def _name_components(axes: Axes, fields: Sequence[str]) -> None:
 
 
 def _scale(field: str) -> float:
-    """Returns what brings a field to the unit it is shown in."""
+    """Returns the factor from a field's unit to the unit shown."""
     angular = field in {"roll", "pitch", "heading"} or "rate" in field.split("_")
     return DEGREES_PER_RADIAN if angular else 1.0

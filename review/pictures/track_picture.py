@@ -1,4 +1,4 @@
-"""The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
+"""Plan view of a flight: track by primitive, goal, plans and wind."""
 
 from collections.abc import Iterator
 
@@ -24,21 +24,21 @@ from .labels import Label, place_labels
 from .map_axes import format_map_axes
 from .marks import draw_goal, draw_heading_marker
 
-# Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
+# Candidate steps between the times written along the track, s; the first with at most `MOST_TIMES` is used.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)
 MOST_TIMES = 12
 
-# Length in points.
+# Length of the wind arrow in points.
 WIND_ARROW = 30.0
 
-# Where legend and wind stand, as a share of the plan view's height.
+# Position of legend and wind, as a share of the plan view's height.
 BELOW = -0.08
 
 
 def draw_track(axes: Axes, log: FlightLog) -> None:
-    """Draws the plan view of a flight: north up, east right, one metre as long as the other.
+    """Draws the plan view of a flight, north up, with equal scales.
 
-    Labels are set where there is room in the figure as it is now: it should have all else that it will have.
+    Labels are placed in the space that is free now, so the rest of the figure should be complete.
 
     Raises:
         FlightError: the log lacks positions, or an attachment is broken.
@@ -79,10 +79,10 @@ def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
             stroke.MANEUVER.draw(axes, *track)
     if not flown:
         motion = log.motion
-        believed = motion.topic.name == ESTIMATE.name
-        line = stroke.ESTIMATED if believed else stroke.ACTUAL
+        estimated = motion.topic.name == ESTIMATE.name
+        line = stroke.ESTIMATED if estimated else stroke.ACTUAL
         line.draw(axes, motion["east"], motion["north"])
-        return [line.entry("flown, as believed" if believed else "flown")]
+        return [line.entry("estimated track" if estimated else "flown")]
     names = trim_names(log)
     held = sorted({part.id for part in flown if part.kind is PrimitiveKind.COAST})
     handles = [stroke.trim_stroke(colors[trim]).entry(trim_label(trim, names)) for trim in held]
@@ -100,7 +100,7 @@ def _track(log: FlightLog, part: FlownPrimitive) -> Float[np.ndarray, "2 n"]:
 
 
 def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
-    """Marks start and end by darts that point along the heading, the start's filled; yields their names."""
+    """Marks start and end by darts along the heading; yields their labels."""
     for time, name, fill, turned in ((0.0, "start", palette.INK, 0.5), (log.duration, "end", "white", -0.5)):
         pose = pose_at(log, time)
         draw_heading_marker(axes, pose, fill=fill)
@@ -108,7 +108,7 @@ def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
 
 
 def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
-    """Marks round times along the track, so that it can be read together with the time histories."""
+    """Marks times along the track; yields their labels."""
     step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
     for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
@@ -117,7 +117,7 @@ def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
 
 
 def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
-    """Draws each plan from where the vehicle believed to be when it was made; the first one strongest."""
+    """Draws each plan from the estimated pose at its time."""
     plans = logged_plans(log)
     if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
         return []
@@ -141,7 +141,7 @@ def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
 
 
 def _draw_wind(axes: Axes, log: FlightLog) -> None:
-    """Draws the mean wind as an arrow in the direction in which the air moves."""
+    """Draws the mean wind as an arrow along the air's motion."""
     wind = log[WIND]
     north, east = float(wind["north"].mean()), float(wind["east"].mean())
     speed = float(np.hypot(north, east))

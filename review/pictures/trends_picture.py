@@ -1,4 +1,4 @@
-"""The thesis's Figures 7, 8 and 9 on one page, from a flown library."""
+"""Figures 7, 8 and 9 of the thesis for an identified library."""
 
 from collections.abc import Sequence
 
@@ -22,10 +22,12 @@ def trends_picture(
     heading_changes: tuple[Points, Points],
     duration_percents: tuple[Points, Points],
 ) -> Figure:
-    """Returns the page; pairs are steps up and steps down, for yaw rates steps to faster and to slower turns.
+    """Returns the page of trends; pairs are steps up and steps down.
+
+    For yaw rates, pairs are steps to the right and to the left.
 
     Args:
-        title: of the page.
+        title: title of the page.
         speed_errors: speed in m/s, forward error in percent.
         displacements: entry speed in m/s, displacement in m.
         displacement_percents: entry speed in m/s, displacement error in percent.
@@ -49,7 +51,7 @@ def trends_picture(
     _draw_pair(
         figure.add_subplot(grid[1, 1]),
         displacement_percents,
-        ("and its error", "speed at entry, m/s", "largest deviation, %"),
+        ("Steps of speed: displacement error", "speed at entry, m/s", "largest deviation, %"),
         ("faster", "slower"),
     )
     if not turning:
@@ -63,7 +65,7 @@ def trends_picture(
     _draw_pair(
         figure.add_subplot(grid[1, 2]),
         duration_percents,
-        ("and the duration's error", "yaw rate at entry, rad/s", "largest deviation, %"),
+        ("Steps of yaw rate: duration error", "yaw rate at entry, rad/s", "largest deviation, %"),
         ("to the right", "to the left"),
     )
     return figure

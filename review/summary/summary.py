@@ -1,4 +1,4 @@
-"""A flight in a few numbers: what was flown, how well it was tracked and believed, where bounds were left."""
+"""Summary of a flight: primitives, tracking, navigation, bounds, plans, arrival."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -23,13 +23,13 @@ from .tracking import VELOCITIES, navigation_error, tracking_error
 Column = Float[np.ndarray, "n"]
 Track = Float[np.ndarray, "m 2"]
 
-# Metres; a tolerance of 0 means equality, and this is what equality means.
+# Numerical tolerance in metres for a goal tolerance of 0.
 EQUALITY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveCount:
-    """How often and how long one primitive was flown: its id, a few words, times flown, seconds in all."""
+    """Flights of one primitive: id, name, count, total seconds."""
 
     id: int
     name: str
@@ -43,9 +43,9 @@ class TrackingError:
 
     Attributes:
         field: `forward`, `side` or `yaw_rate`.
-        unit: of the numbers.
-        worst: the largest, with its sign.
-        time: of the largest, seconds since the flight's start.
+        unit: unit of the numbers.
+        worst: the largest error, signed.
+        time: time of the largest error, seconds since the flight's start.
         rms: root mean square over the flight.
     """
 
@@ -61,10 +61,10 @@ class NavigationError:
     """Estimate minus truth in the horizontal plane: metres, metres per second, radians.
 
     Attributes:
-        position_rms: of the distance between the two positions.
+        position_rms: root mean square of the distance between the two positions.
         position_max: the largest distance.
-        velocity_rms: of the length of the difference of the two velocities.
-        heading_rms: of the difference of the two headings.
+        velocity_rms: root mean square length of the velocity difference.
+        heading_rms: root mean square of the heading difference.
     """
 
     position_rms: float
@@ -75,28 +75,27 @@ class NavigationError:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What a log says about its flight; what the log does not hold is None, never zero.
+    """Summary of a flight; a value missing in the log is None.
 
     Attributes:
         kind: `sequence`, `campaign` or `mission`.
-        name: of the sequence, campaign or mission.
-        vehicle: what flew.
-        seed: of every random number of the flight.
+        name: name of the sequence, campaign or mission.
+        vehicle: the vehicle's name.
+        seed: seed of the flight's random numbers.
         wind: wind class.
         duration: seconds.
-        distance: length of the track over the ground, metres; the true one, or the believed one without it;
-            None where positions are not known.
-        outcome: `completed`, or what went wrong.
+        distance: length of the track over the ground, m: true, or else estimated; None without positions.
+        outcome: `completed`, or the failure.
         trims: coasts flown, by trim.
         maneuvers: maneuvers flown, by id.
         timeouts: maneuvers that ended by time-out.
-        tracking: one for each velocity that a trim fixes; None without command or truth.
+        tracking: one error per velocity that a trim fixes; None without command or truth.
         navigation: None without estimate or truth.
         bounds: None without library, truth or primitives.
-        faults: what went wrong on purpose, when and how far, a sentence each.
-        plans: how many plannings found something to fly; None where the log carries no plans.
-        failures: how many plannings found nothing, so that the vehicle flew on with what it had.
-        promise: seconds that the first plan promised; None without one.
+        faults: injected faults with their times and sizes, a sentence each.
+        plans: replans that found a plan; None where the log has no plans.
+        failures: replans that found none, so that the previous plan stayed in force.
+        predicted_time: predicted time of the first plan, s; None without one.
         arrival: None without a mission.
     """
 
@@ -117,12 +116,12 @@ class Summary:
     faults: tuple[str, ...]
     plans: int | None
     failures: int
-    promise: float | None
+    predicted_time: float | None
     arrival: ArrivalVerdict | None
 
 
 def summarise(log: FlightLog) -> Summary:
-    """Returns what a log says about its flight.
+    """Returns the summary of a flight.
 
     Raises:
         FlightError: the log has neither truth nor estimate, or an attachment is broken.
@@ -155,7 +154,7 @@ def summarise(log: FlightLog) -> Summary:
         faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in fault_occurrences(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
-        promise=plans[0].cost if plans else None,
+        predicted_time=plans[0].cost if plans else None,
         arrival=logged_arrival(log),
     )
 
@@ -167,7 +166,7 @@ def _distance(motion: Series) -> float | None:
 
 
 def _navigates(log: FlightLog) -> bool:
-    """Whether both the truth and the estimate are known well enough to be held against one another."""
+    """Returns True if truth and estimate both have the fields to compare."""
     needed = ("north", "east", "forward", "side", "heading")
     return all(topic.name in log.series and log[topic].has_fields(*needed) for topic in (TRUTH, ESTIMATE))
 

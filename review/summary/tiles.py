@@ -1,4 +1,4 @@
-"""A summary in the words of a page: a few tiles to be read first, and facts for who wants more."""
+"""Tiles and facts of a flight's summary, as texts for the page."""
 
 from collections.abc import Iterator
 
@@ -15,17 +15,20 @@ from .summary import Summary
 
 Content = dict[str, object]
 
-NO_BOUNDS = "flown to find bounds; --library names some to judge by"
-"""Why a campaign's flight is not judged."""
+NO_BOUNDS = "a campaign has no bounds of its own; --library FILE sets some"
+"""Reason why a campaign's flight is not checked."""
 
 LABELS = {"forward": "forward speed", "side": "sideward speed", "yaw_rate": "yaw rate"}
 
 
 def summary_tiles(summary: Summary) -> list[Content]:
-    """Returns what is read first: label, value, note, tone (`good`, `bad`, `plain`), a time to go to."""
+    """Returns the tiles of a summary.
+
+    A tile has a label, a value, a note, a tone (`good`, `bad`, `plain`) and a time that it links to.
+    """
     tiles = [_outcome(summary)]
     if summary.bounds is not None:
-        left, judged = len(summary.bounds.departures), summary.bounds.coasts + summary.bounds.maneuvers
+        left, checked = len(summary.bounds.violations), summary.bounds.coasts + summary.bounds.maneuvers
         coasts = summary.bounds.count_violations(PrimitiveKind.COAST)
         note = (
             f"{plural(coasts, 'coast')}, {plural(left - coasts, 'maneuver')}"
@@ -33,24 +36,24 @@ def summary_tiles(summary: Summary) -> list[Content]:
             else f"of library {summary.bounds.library}"
         )
         tone = "bad" if left else "good"
-        tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
+        tiles.append(_tile("left their bounds", f"{left} of {checked}", note, tone))
     elif summary.kind in IDENTIFICATION_KINDS:
-        tiles.append(_tile("left their bounds", "not judged", NO_BOUNDS))
+        tiles.append(_tile("left their bounds", "not checked", NO_BOUNDS))
     if summary.trims or summary.maneuvers:
         tone = "bad" if summary.timeouts else "good"
         tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
-        note = "no planning failed" if not failed else f"{plural(failed, 'planning')} found none"
+        note = "no replan failed" if not failed else f"{plural(failed, 'replan')} failed"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
-        tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
+        tiles.append(_tile("faults", str(len(summary.faults)), "see the events", "bad"))
     if summary.tracking is not None:
-        # The furthest off in units of 1 m/s and 0.1 rad/s, of the order of one another in flight.
-        worst = max(summary.tracking, key=lambda one: abs(one.worst) * (10 if "rad" in one.unit else 1))
+        # Errors are compared in units of 1 m/s and 0.1 rad/s, which are of one order in flight.
+        worst = max(summary.tracking, key=lambda error: abs(error.worst) * (10 if "rad" in error.unit else 1))
         scale, unit = (np.degrees(1.0), "deg/s") if "rad" in worst.unit else (1.0, worst.unit)
         tile = _tile(
-            "furthest from command",
+            "largest tracking error",
             f"{scale * worst.worst:+.2f} {unit}",
             f"{LABELS[worst.field]}, at {worst.time:.1f} s",
             "plain",
@@ -67,7 +70,7 @@ def summary_tiles(summary: Summary) -> list[Content]:
 
 
 def summary_facts(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
-    """Returns names and values of what else is known of a flight."""
+    """Returns names and values of further facts about a flight."""
     header = log.header
     facts = [("Duration", f"{summary.duration:.2f} s"), *_extreme_values(log.motion, summary)]
     if WIND.name in log.series:
@@ -84,7 +87,7 @@ def summary_facts(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
 
 
 def _extreme_values(motion: Series, summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yields how far, fast, high and steep it went, as far as the log knows."""
+    """Yields the extremes of distance, speed, height, tilt and body rate."""
     if summary.distance is not None:
         yield "Distance over the ground", f"{summary.distance:.1f} m"
     if motion.has_fields("forward", "side"):
@@ -104,7 +107,7 @@ def _extreme_values(motion: Series, summary: Summary) -> Iterator[tuple[str, str
 
 
 def _sampling(log: FlightLog) -> str:
-    """Says how often each topic was sampled, and its longest gap where the gaps are not even."""
+    """Returns each topic's sampling rate and the longest gap if uneven."""
     words = []
     for topic in (TRUTH, ESTIMATE, MOTION, COMMAND, NAVIGATION, CONTROLS, ACTUATORS, WIND):
         if topic.name in log.series and len(log[topic]) > 1:
@@ -121,7 +124,7 @@ def _outcome(summary: Summary) -> Content:
     if summary.outcome != "completed":
         return _tile("outcome", "lost", summary.outcome, "bad")
     if summary.kind == "import":
-        return _tile("log", "imported", f"{summary.duration:.1f} s; the outcome is not known")
+        return _tile("log", "imported", f"{summary.duration:.1f} s; outcome unknown")
     if summary.arrival is None:
         return _tile("outcome", "completed", f"{summary.duration:.1f} s", "good")
     if summary.arrival.time is None:

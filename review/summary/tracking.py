@@ -1,4 +1,4 @@
-"""Differences between what was commanded, believed and true, on the true state's time axis."""
+"""Tracking and navigation errors at the times of the true states."""
 
 import numpy as np
 from jaxtyping import Float
@@ -12,12 +12,12 @@ VELOCITIES = ("forward", "side", "yaw_rate")
 
 
 def interpolate_field(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
-    """Returns a field between its samples, by straight lines."""
+    """Interpolates a field linearly."""
     return np.asarray(np.interp(time, series.time, series[field]))
 
 
 def tracking_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
-    """Returns truth minus command of a velocity at the times of the true states.
+    """Returns truth minus command of a velocity.
 
     Raises:
         MissingTopicError: the log lacks command or truth.
@@ -27,7 +27,7 @@ def tracking_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
 
 
 def navigation_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
-    """Returns estimate minus truth of a state's field at the times of the true states; angles wrapped.
+    """Returns estimate minus truth of a state's field; angles are wrapped.
 
     Raises:
         MissingTopicError: the log lacks estimate or truth.

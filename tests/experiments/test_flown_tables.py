@@ -1,4 +1,4 @@
-"""Tables 12 to 26 in closed loop: the pattern that is printed, and ours."""
+"""Tests of the closed-loop Tables 12 to 26 against the printed ones."""
 
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,4 +1,4 @@
-"""`maneuver thesis`: printed beside computed."""
+"""Tests of `maneuver thesis`: printed and computed tables."""
 
 import pytest
 
@@ -24,7 +24,7 @@ def test_tables_12_to_17_are_reproduced(printed: PrintedCost) -> None:
     assert compare_cost(printed).verdict == "same"
 
 
-def test_the_worst_case_of_table_18_is_not_and_says_why() -> None:
+def test_the_worst_case_of_table_18_differs_with_a_stated_reason() -> None:
     row = compare_cost(next(row for row in PRINTED if row.table == 18))
     assert row.computed == pytest.approx(20.678395, abs=1e-4)
     assert row.sequence == "1-3-5-2"

@@ -1,4 +1,4 @@
-"""What a library claims, held against flights of planted deviations and against bounds tampered with."""
+"""Tests of coverage claims with planted deviations and with altered bounds."""
 
 import json
 from collections.abc import Sequence
@@ -45,7 +45,7 @@ MANEUVER_SCALE = np.array([0.03, 0.1, 0.07, 0.02])
 
 @cache
 def planted_flights(count: int, seed: int, law: Law = LAWS[0]) -> tuple[FlightLog, ...]:
-    """Returns logs whose primitives deviate by a law, scaled differently for every primitive."""
+    """Returns logs with deviations of a law, scaled differently per primitive."""
     rng = np.random.default_rng((17, seed))
     tours = schedule(LIBRARY, flights=count, rng=rng, coasting_range=(2.0, 8.0), wind="gtmax")
     text = library_text(LIBRARY).encode()
@@ -100,7 +100,7 @@ def test_a_planted_deviation_is_found_as_it_was_planted() -> None:
         assert np.abs(off).max(axis=0) == pytest.approx(np.abs(trims[coast.trim]), abs=1e-12)
 
 
-def test_at_95_95_every_primitive_claims_it_and_says_from_what(library: Library) -> None:
+def test_at_95_95_every_primitive_states_its_claim_and_evidence(library: Library) -> None:
     for trim in library.trims:
         assert trim.statistics is not None
         assert (trim.statistics.centre, trim.statistics.support) == ("command", 3)
@@ -159,7 +159,9 @@ def test_a_flight_that_did_not_settle_or_was_lost_counts_as_outside(
 
 def test_flights_that_gave_the_bounds_cannot_test_them(library: Library) -> None:
     old = cut(planted_flights(183, seed=1)[:2], name="old")
-    with pytest.raises(InconsistentLogsError, match="old 0: expected new flights; planted was identified"):
+    with pytest.raises(
+        InconsistentLogsError, match="old 0: expected a new flight, got one from which planted was identified"
+    ):
         coverage_trials(library, old)
 
 
@@ -169,20 +171,20 @@ def test_a_library_from_a_book_claims_nothing(new: list[FlightEvidence]) -> None
 
 
 def test_only_what_claims_is_tested(library: Library, new: list[FlightEvidence]) -> None:
-    silent = replace(library, trims=tuple(replace(trim, statistics=None) for trim in library.trims))
-    assert {trial.kind for trial in coverage_trials(silent, new)} == {"maneuver"}
+    partial = replace(library, trims=tuple(replace(trim, statistics=None) for trim in library.trims))
+    assert {trial.kind for trial in coverage_trials(partial, new)} == {"maneuver"}
 
 
 @given(st.lists(st.floats(0, 1), min_size=1, max_size=30))
 def test_holms_correction_keeps_the_order_and_lies_between_no_correction_and_bonferronis(
-    doubts: list[float],
+    p_values: list[float],
 ) -> None:
-    corrected = adjust_p_values(doubts)
-    for doubt, larger in zip(doubts, corrected, strict=True):
-        assert doubt <= larger <= min(1.0, len(doubts) * doubt)
-    order = sorted(range(len(doubts)), key=doubts.__getitem__)
+    corrected = adjust_p_values(p_values)
+    for p_value, larger in zip(p_values, corrected, strict=True):
+        assert p_value <= larger <= min(1.0, len(p_values) * p_value)
+    order = sorted(range(len(p_values)), key=p_values.__getitem__)
     assert all(corrected[a] <= corrected[b] for a, b in pairwise(order))
-    assert min(corrected) == min(1.0, len(doubts) * min(doubts))
+    assert min(corrected) == min(1.0, len(p_values) * min(p_values))
 
 
 def covering_less(law: Law, boxes: Sequence[Box]) -> int:
@@ -191,7 +193,7 @@ def covering_less(law: Law, boxes: Sequence[Box]) -> int:
 
 @pytest.mark.parametrize("law", LAWS, ids=lambda law: law.name)
 def test_of_200_primitives_that_claim_95_95_at_most_21_cover_less(law: Law) -> None:
-    """Ten may be expected; more than 21 have a probability below 0.001."""
+    """Allows 21 failures: ten are expected, more have P < 0.001."""
     assert binom.sf(21, 200, 0.05) < 0.001
     rng = np.random.default_rng(95)
     separate, together = [], []
@@ -205,7 +207,7 @@ def test_of_200_primitives_that_claim_95_95_at_most_21_cover_less(law: Law) -> N
     assert covering_less(law, separate) <= 21
     assert covering_less(law, together) <= 21
     assert np.median(sizes) <= 1.5
-    # Too small, or another scalar's: both are noticed.
+    # Negative controls: too small boxes, and boxes with swapped scalars.
     assert covering_less(law, [replace(box, size=0.75 * box.size) for box in separate]) > 21
     uneven = np.array([1.0, 3.0, 1.0, 3.0])
     swapped = [replace(box, size=np.roll(box.size * uneven, 1) / uneven) for box in separate]
@@ -254,8 +256,11 @@ def test_a_claim_weaker_than_asked_for_ends_with_1_and_is_named(
     out = str(tmp_path / "few.json")
     assert run(("identify", str(folders[0]), "--coverage", "0.95", "--out", out)) == 1
     claim = joint_coverage(24, support=8, confidence=0.95)
-    said = f"maneuver 22 claims {claim:.3f}, less than 0.95: 24 flights, 0 of them lost or not settled"
-    assert said in capsys.readouterr().err
+    message = (
+        f"maneuver 22: expected coverage >= 0.95, got {claim:.3f} from 24 flights, "
+        "0 of them lost or not settled"
+    )
+    assert message in capsys.readouterr().err
     assert run(("identify", str(folders[0]), "--coverage", "0.5", "--out", out, "--force")) == 0
     assert run(("identify", str(folders[0]), "--coverage", "95", "--out", out, "--force")) == 2
 

@@ -1,4 +1,4 @@
-"""Identification from logs alone, held to flights whose truth is known in closed form."""
+"""Tests of identification with flights of known closed-form truth."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -93,7 +93,7 @@ def test_the_order_of_the_logs_does_not_matter(logs: list[FlightLog], identified
 
 
 def test_the_reference_model_is_found_again_in_still_air() -> None:
-    """Velocity steps of a second-order model, whose settling times a fine grid of the closed form gives."""
+    """Compares second-order steps with the closed form on a fine grid."""
     rule = LIBRARY.conditions.maneuver_end
     assert rule is not None
     walk = (1, 2, 3, 1, 3, 2, 1)
@@ -120,7 +120,7 @@ def _step_error(times: np.ndarray) -> np.ndarray:
 
 
 def impatient_library() -> Library:
-    """Returns a library whose rule gives some maneuvers, in some flights, too little time to settle."""
+    """Returns a library with a time-out too short for some maneuvers."""
     rule = LIBRARY.conditions.maneuver_end
     assert rule is not None
     narrow = {trim: replace(band, forward=0.13) for trim, band in rule.bands.items()}
@@ -145,7 +145,7 @@ def test_a_maneuver_that_never_settles_is_named() -> None:
     assert rule is not None
     hopeless = ManeuverEnd(rule.bands, dwell=rule.dwell, timeout=0.6)
     library = replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=hopeless))
-    with pytest.raises(NeverFlownError, match="is held in none of the logs"):
+    with pytest.raises(NeverFlownError, match=r"expected trim \d in at least one log, got none"):
         identify(gathered(flown(2, library=library)), name="hopeless")
 
 
@@ -237,13 +237,13 @@ def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) 
 
 def test_a_maneuver_never_flown_is_named() -> None:
     log = synthetic_log(LIBRARY, [1, 2, 1], [2.0, 2.0, 2.0], seed=1)
-    with pytest.raises(NeverFlownError, match="trim 3 is held in none of the logs"):
+    with pytest.raises(NeverFlownError, match="expected trim 3 in at least one log, got none"):
         identify(gathered([log]), name="short")
 
 
 def test_logs_of_different_winds_make_no_library(logs: list[FlightLog]) -> None:
     other = FlightLog(replace(logs[1].header, wind="severe"), logs[1].series, logs[1].attachments)
-    with pytest.raises(InconsistentLogsError, match="log 1: wind is severe, in log 0 it is"):
+    with pytest.raises(InconsistentLogsError, match="log 1: expected wind calm as in log 0, got severe"):
         identify(gathered([logs[0], other]), name="mixed")
 
 

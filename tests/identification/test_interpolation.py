@@ -1,4 +1,4 @@
-"""Growing a library: the interpolation's laws, and grown primitives beside the vehicle that they are of."""
+"""Tests of interpolated libraries: splines, bounds, claims."""
 
 from dataclasses import replace
 
@@ -29,88 +29,90 @@ Column = Float[np.ndarray, "n"]
 
 
 @pytest.fixture(scope="module")
-def grown() -> InterpolatedLibrary:
-    return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown")
+def interpolated() -> InterpolatedLibrary:
+    return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="interpolated")
 
 
 def held(library: Library) -> float:
-    """Returns the share of grown maneuvers whose true values, with true scatter, are inside the bounds."""
+    """Returns the share of interpolated maneuvers with true values inside bounds."""
     inside = []
     for row in library.maneuvers:
         if row.notes != INTERPOLATED_NOTE:
             continue
         edge = true_velocity_step(library, row)
         truth = TRUTH.maneuver(edge)
-        spread = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
+        true_scatter = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
         own = (row.duration, row.displacement.x, row.displacement.y, row.displacement.heading)
         error = (row.error.duration, row.error.forward, row.error.side, row.error.heading_change)
-        inside.append((np.abs(np.subtract(own, truth)) + spread <= np.abs(error)).all())
+        inside.append((np.abs(np.subtract(own, truth)) + true_scatter <= np.abs(error)).all())
     return float(np.mean(inside))
 
 
-def test_a_grown_library_has_many_trims_and_maneuvers(grown: InterpolatedLibrary) -> None:
-    assert len(grown.library.trims) >= 70
-    assert len(grown.library.maneuvers) >= 500
+def test_an_interpolated_library_has_many_trims_and_maneuvers(interpolated: InterpolatedLibrary) -> None:
+    assert len(interpolated.library.trims) >= 70
+    assert len(interpolated.library.maneuvers) >= 500
 
 
-def test_grown_bounds_hold_the_true_vehicle(grown: InterpolatedLibrary) -> None:
-    assert held(grown.library) >= 0.95
+def test_interpolated_bounds_hold_the_true_vehicle(interpolated: InterpolatedLibrary) -> None:
+    assert held(interpolated.library) >= 0.95
 
 
-def test_bounds_grown_from_shrunken_ones_do_not(grown: InterpolatedLibrary) -> None:
-    """The negative control."""
+def test_bounds_interpolated_from_shrunken_ones_do_not(interpolated: InterpolatedLibrary) -> None:
+    """Tests shrunken bounds as the negative control."""
     small = interpolate_library(
         flown_library(shrunken=0.5), speed_step=4 * FOOT, yaw_rate_step=0.1, name="small"
     )
     assert held(small.library) < 0.5
 
 
-def test_flown_maneuvers_and_what_is_known_of_flown_trims_stay_as_they_are(
-    grown: InterpolatedLibrary,
+def test_flown_maneuvers_and_the_statistics_of_flown_trims_are_unchanged(
+    interpolated: InterpolatedLibrary,
 ) -> None:
     flown = flown_library()
-    for trim, own in zip(grown.library.trims, flown.trims, strict=False):
+    for trim, own in zip(interpolated.library.trims, flown.trims, strict=False):
         assert replace(trim, error=own.error, interpolated=None) == own
-    assert grown.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
+    assert interpolated.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
 
 
-def test_a_flown_trim_that_grown_maneuvers_lead_to_is_widened_and_claims_what_grown_ones_do(
-    grown: InterpolatedLibrary,
+def test_a_flown_trim_entered_by_interpolated_maneuvers_gets_their_kind_of_bounds_and_claim(
+    interpolated: InterpolatedLibrary,
 ) -> None:
-    entered = {row.to_trim for row in grown.library.maneuvers if row.interpolated}
-    for trim, own in zip(grown.library.trims, flown_library().trims, strict=False):
+    entered = {row.to_trim for row in interpolated.library.maneuvers if row.interpolated}
+    for trim, own in zip(interpolated.library.trims, flown_library().trims, strict=False):
         assert trim.id in entered
-        assert trim.interpolated == grown.trim_claim
+        assert trim.interpolated == interpolated.trim_claim
         for name in ("forward", "side", "yaw_rate"):
             assert abs(getattr(trim.error, name)) >= abs(getattr(own.error, name))
 
 
-def test_grown_primitives_have_no_statistics_and_the_claim_of_their_kind(grown: InterpolatedLibrary) -> None:
-    new = [row for row in grown.library.maneuvers if row.notes == INTERPOLATED_NOTE]
-    assert len(new) == grown.maneuvers > 0
-    assert all(row.statistics is None and row.interpolated == grown.maneuver_claim for row in new)
-    assert (grown.maneuver_claim.left_out, grown.maneuver_claim.exceeding) == (262, 7)
-    assert grown.maneuver_claim.coverage >= 0.95
-    assert grown.maneuver_claim.flights == 12
-
-
-def test_what_a_grown_library_claims_survives_its_file_and_stands_on_its_sheet(
-    grown: InterpolatedLibrary,
+def test_interpolated_primitives_have_no_statistics_and_the_claim_of_their_kind(
+    interpolated: InterpolatedLibrary,
 ) -> None:
-    assert parse_library(library_text(grown.library), "text") == grown.library
-    sheet = data_sheet(grown.library)
-    for claim in (grown.trim_claim, grown.maneuver_claim):
+    new = [row for row in interpolated.library.maneuvers if row.notes == INTERPOLATED_NOTE]
+    assert len(new) == interpolated.maneuvers > 0
+    assert all(row.statistics is None and row.interpolated == interpolated.maneuver_claim for row in new)
+    assert (interpolated.maneuver_claim.left_out, interpolated.maneuver_claim.exceeding) == (262, 7)
+    assert interpolated.maneuver_claim.coverage >= 0.95
+    assert interpolated.maneuver_claim.flights == 12
+
+
+def test_the_claims_of_an_interpolated_library_are_in_its_file_and_its_data_sheet(
+    interpolated: InterpolatedLibrary,
+) -> None:
+    assert parse_library(library_text(interpolated.library), "text") == interpolated.library
+    sheet = data_sheet(interpolated.library)
+    for claim in (interpolated.trim_claim, interpolated.maneuver_claim):
         assert describe_claim(claim) in sheet
 
 
-def test_a_grown_library_does_not_grow_again(grown: InterpolatedLibrary) -> None:
-    with pytest.raises(CannotInterpolateError, match="grown is grown already"):
-        interpolate_library(grown.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
+def test_an_interpolated_library_is_not_interpolated_again(interpolated: InterpolatedLibrary) -> None:
+    with pytest.raises(CannotInterpolateError, match="expected a flown library, got interpolated"):
+        interpolate_library(interpolated.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
 
 
-def test_no_grown_trim_is_outside_the_flown_range(grown: InterpolatedLibrary) -> None:
+def test_no_interpolated_trim_is_outside_the_flown_range(interpolated: InterpolatedLibrary) -> None:
     flown = flown_library().trims
-    for trim in grown.library.trims:
+    for trim in interpolated.library.trims:
         assert trim.velocity.forward <= max(one.velocity.forward for one in flown)
         nearest = min(
             abs(trim.velocity.forward - one.velocity.forward) / (8 * FOOT)
@@ -120,7 +122,7 @@ def test_no_grown_trim_is_outside_the_flown_range(grown: InterpolatedLibrary) ->
         assert nearest <= 1.1
 
 
-def test_a_library_without_evidence_does_not_grow() -> None:
+def test_a_library_without_evidence_is_not_interpolated() -> None:
     with pytest.raises(CannotInterpolateError, match="statistics of at least 8 trims"):
         interpolate_library(
             turns_automaton(wind="calm", altitude=30.0), speed_step=1.0, yaw_rate_step=0.1, name="none"
@@ -128,7 +130,7 @@ def test_a_library_without_evidence_does_not_grow() -> None:
 
 
 def left_out(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
-    """Returns value less prediction at rows, from a spline that never saw them; by scipy."""
+    """Returns value minus prediction of scipy's spline fitted without the rows."""
     rest = [place for place in range(len(points)) if place not in rows]
     without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smoothing)
     return np.asarray(values[rows] - without(points[rows]))
@@ -151,7 +153,7 @@ def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimens
     assert spline.left_out[4] == pytest.approx(errors[groups[4].index(4)], abs=1e-8)
 
 
-def test_trends_are_read_off_the_primitives_flown() -> None:
+def test_trends_come_from_the_primitives_flown() -> None:
     library = flown_library()
     seen = trends(library, speed_step=8 * FOOT, rate_step=0.1)
     assert [round(row.speed / FOOT) for row in seen.speed_errors] == [0, 8, 16, 24]

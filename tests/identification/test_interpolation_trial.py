@@ -1,4 +1,4 @@
-"""What grown primitives claim: kept where the truth is known, refuted where bounds were shrunken."""
+"""Tests of claims of interpolated primitives with known truth and shrunken bounds."""
 
 import json
 from dataclasses import replace
@@ -39,7 +39,7 @@ SCALES = np.array([0.05, 0.05, 0.015])
 
 
 def test_the_share_held_is_exact_for_any_continuous_law() -> None:
-    """59 draws without one above the limit are the shortest proof of 95 % with 95 % confidence."""
+    """Tests that 59 draws are the fewest for 95 % coverage."""
     assert (
         order_statistic_coverage(59, exceeding=0, confidence=0.95)
         >= 0.95
@@ -53,7 +53,9 @@ def test_the_share_held_is_exact_for_any_continuous_law() -> None:
 
 @given(st.integers(1, 500), st.floats(0.5, 0.99), st.floats(0.5, 0.99))
 @settings(deadline=None)
-def test_no_more_exceed_than_the_coverage_bears(count: int, coverage: float, confidence: float) -> None:
+def test_the_number_exceeding_is_the_largest_for_the_coverage(
+    count: int, coverage: float, confidence: float
+) -> None:
     most = most_exceedances(count, coverage=coverage, confidence=confidence)
     if most:
         assert order_statistic_coverage(count, exceeding=most, confidence=confidence) >= coverage
@@ -62,7 +64,7 @@ def test_no_more_exceed_than_the_coverage_bears(count: int, coverage: float, con
 
 @pytest.mark.parametrize("count", [44, 262])
 def test_of_claims_at_95_percent_confidence_one_in_twenty_is_too_large(count: int) -> None:
-    """Scores are uniform, so the share truly held is the factor itself."""
+    """Uses uniform scores, so the true share is the factor minus 1."""
     rng = np.random.default_rng(3)
     wrong = 0
     for _ in range(2000):
@@ -76,10 +78,10 @@ def test_of_claims_at_95_percent_confidence_one_in_twenty_is_too_large(count: in
 def scattering(
     rng: np.random.Generator, *, tails: float = 1.0
 ) -> tuple[list[Trim], TrimScatter, dict[int, np.ndarray]]:
-    """Returns trims that grown maneuvers lead to, their bounds, and the tail of each.
+    """Returns trims entered by interpolated maneuvers, their bounds and tails.
 
-    The wind's part is normal, of sizes that vary smoothly and a little by chance; tails are anything, and
-    larger where grown maneuvers lead.
+    The wind's part is normal, with sizes that vary smoothly and a little at random; tails are arbitrary, and
+    larger for interpolated maneuvers.
     """
     automaton = turns_automaton(wind="calm", altitude=30.0)
     rule = automaton.conditions.maneuver_end
@@ -124,7 +126,7 @@ def share_that_holds(
     *,
     shrunken: float = 1.0,
 ) -> float:
-    """Returns the expected share of trims that hold 12 flights with all numbers inside at once."""
+    """Returns the expected share of trims with 12 flights inside."""
     inside = []
     for trim in trims:
         bound = shrunken * scatter.sizes[trim.id]
@@ -134,7 +136,7 @@ def share_that_holds(
     return float(np.mean(inside))
 
 
-def test_the_claim_of_grown_trims_keeps_and_a_shrunken_one_does_not() -> None:
+def test_the_claim_of_interpolated_trims_holds_and_shrunken_bounds_do_not() -> None:
     rng = np.random.default_rng(7)
     less = shrunken = forgotten = 0
     for _ in range(60):
@@ -149,14 +151,14 @@ def test_the_claim_of_grown_trims_keeps_and_a_shrunken_one_does_not() -> None:
 
 
 @cache
-def grown_library() -> Library:
+def interpolated_library() -> Library:
     return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown").library
 
 
 def planted(library: Library, drawn: PrimitiveSample, *, flights: int, share: float) -> list[FlightEvidence]:
-    """Returns flights in which every number deviates by at most a share of the grown library's bounds."""
+    """Returns flights with deviations up to a share of the bounds."""
     rng = np.random.default_rng(11)
-    truth = grown_library()
+    truth = interpolated_library()
     tours = sampled_schedule(truth, drawn, flights=flights, rng=rng, coasting_range=(2.0, 8.0), wind="calm")
     text, found = library_text(truth).encode(), []
     for number, tour in enumerate(tours):
@@ -193,8 +195,8 @@ def shrink(library: Library, by: float) -> Library:
     return replace(library, trims=tuple(trims), maneuvers=tuple(rows))
 
 
-def test_a_random_sample_flown_inside_the_bounds_keeps_the_claim_and_shrunken_bounds_are_refuted() -> None:
-    library = grown_library()
+def test_a_random_sample_inside_the_bounds_passes_and_shrunken_bounds_are_refuted() -> None:
+    library = interpolated_library()
     drawn = draw_sample(library, most=20, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=3, share=0.99)
     primitives, trials = interpolation_trials(library, drawn, flights)
@@ -208,8 +210,8 @@ def test_a_random_sample_flown_inside_the_bounds_keeps_the_claim_and_shrunken_bo
     assert all(trial.refuted for trial in trials)
 
 
-def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_as_flown_ones_are() -> None:
-    library = grown_library()
+def test_every_test_flight_has_every_primitive_drawn_and_enters_trims_as_flown_ones_are() -> None:
+    library = interpolated_library()
     drawn = draw_sample(library, most=15, rng=np.random.default_rng(2))
     rng = np.random.default_rng(3)
     edges = {(row.from_trim, row.to_trim): row for row in library.maneuvers}
@@ -227,7 +229,7 @@ def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_a
 
 
 def test_only_what_is_interpolated_is_drawn_and_the_seed_decides() -> None:
-    library = grown_library()
+    library = interpolated_library()
     drawn = draw_sample(library, most=10_000, rng=np.random.default_rng(1))
     assert set(drawn.maneuvers) == {row.id for row in library.maneuvers if row.interpolated}
     assert set(drawn.trims) == {trim.id for trim in library.trims if trim.interpolated}
@@ -236,17 +238,19 @@ def test_only_what_is_interpolated_is_drawn_and_the_seed_decides() -> None:
 
 
 def test_a_claim_for_twelve_flights_is_not_tested_with_more() -> None:
-    library = grown_library()
+    library = interpolated_library()
     drawn = draw_sample(library, most=2, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=13, share=0.5)
-    with pytest.raises(FlightError, match="the claim of grown trims is for 12 flights each, got 13"):
+    with pytest.raises(
+        FlightError, match="claim of interpolated trims: expected at most 12 flights each, got 13"
+    ):
         interpolation_trials(library, drawn, flights)
 
 
-def test_the_command_judges_logs_of_a_grown_library(
+def test_the_command_tests_an_interpolated_library_with_logs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    library = grown_library()
+    library = interpolated_library()
     drawn = draw_sample(library, most=12, rng=np.random.default_rng(1))
     tours = sampled_schedule(
         library,

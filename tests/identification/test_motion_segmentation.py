@@ -1,4 +1,4 @@
-"""Maneuvers found in the motion alone, held against commands; logs that have no commands at all."""
+"""Tests of segmentation by motion, against commands and without any."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -42,7 +42,7 @@ def logs() -> list[FlightLog]:
 
 
 def without_commands(log: FlightLog) -> FlightLog:
-    """Leaves nothing but what the vehicle believes of its motion."""
+    """Returns the log with the estimated motion alone."""
     gone = {topic.name for topic in (COMMAND, PRIMITIVE, TRUTH, WIND)}
     kept = {name: series for name, series in log.series.items() if name not in gone}
     return replace(log, series=kept, attachments={})
@@ -71,7 +71,7 @@ def test_the_motion_shows_every_maneuver_that_was_commanded(logs: list[FlightLog
 def test_a_segmentation_that_is_late_by_more_than_a_second_is_refused_by_the_score(
     logs: list[FlightLog],
 ) -> None:
-    """The negative control: the same boundaries, moved."""
+    """Tests shifted boundaries as the negative control."""
     late = [
         (one, Boundaries(tuple((time + 1.1, edge) for time, edge in shown.entries), shown.ends))
         for one, shown in scored(logs, LIBRARY)
@@ -95,11 +95,11 @@ def test_trims_and_maneuvers_are_found_where_nobody_names_them(logs: list[Flight
             for one in found.trims
         ]
         assert min(off) < 0.1
-    # Hardly more: now and then a step of two parts is seen as two steps.
+    # A step of two parts may be found as two steps.
     assert len(LIBRARY.maneuvers) <= len(found.maneuvers) <= len(LIBRARY.maneuvers) + 2
 
 
-def test_logs_with_nothing_but_belief_are_identified_by_the_same_command(
+def test_logs_with_an_estimate_alone_are_identified_by_the_same_command(
     logs: list[FlightLog], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for place, log in enumerate(logs):
@@ -113,7 +113,7 @@ def test_logs_with_nothing_but_belief_are_identified_by_the_same_command(
 
 
 def test_another_simulators_vehicle_is_cut_into_its_trims(tmp_path: Path) -> None:
-    """Uses RotorPy's quadrotor under its own controller: pose alone, seed 5."""
+    """Uses a flight of RotorPy's quadrotor: pose alone, seed 5."""
     time, north, east, heading = np.loadtxt(ROTORPY, delimiter=",", skiprows=1).T
     log = motion_log(vehicle="hummingbird", time=time, north=north, east=east, heading=heading)
     write_log(log, tmp_path / "flight.mcap")
@@ -127,7 +127,7 @@ def test_another_simulators_vehicle_is_cut_into_its_trims(tmp_path: Path) -> Non
         assert velocity == pytest.approx(nearest, abs=0.1)
     assert len(found.trims) >= 4
     (walk,) = walks_of([motion], found)
-    # A change every 4 to 8 s; entries apart by less cannot be.
+    # The trim changes every 4 to 8 s.
     entries = np.array([entry.time for entry in walk.entries])
     assert 150 / 8 - 2 <= len(entries) <= 150 / 4
     assert np.diff(entries).min() > 3.5

@@ -86,7 +86,7 @@ def test_a_mission_with_an_unknown_trim_is_one_line_and_code_2(
         ),
         (("fly", "--sequence", "figure-eight", "--mission", "gtmax-1"), "got 2"),
         (("validate", "--tolerance-share", "inf"), "tolerance_share must be in"),
-        (("validate", "--activation-interval", "1e9"), "activation_interval must be"),
+        (("validate", "--replan-interval", "1e9"), "activation_interval must be"),
         (("validate", "--plant", "automaton", "--wind", "severe"), "flies in no wind"),
         (("validate", "--true-gamma", "0.5"), "give --plant automaton"),
         (("identify", "--out", "x.json"), "LOGS"),

@@ -96,7 +96,7 @@ def test_a_flight_that_is_flown_to_find_bounds_is_judged_by_none_until_a_library
     write_log(flight, log)
     named.write_text(library_text(narrower(LIBRARY, 0.5)))
     assert run(["review", str(log)]) == 0
-    assert "not judged: flown to find bounds" in " ".join(capsys.readouterr().out.split())
+    assert "a campaign has no bounds of its own" in " ".join(capsys.readouterr().out.split())
     assert run(["review", str(log), "--library", str(named)]) == 0
     assert "5 of 5 coasts" in capsys.readouterr().out
     assert run(["review", str(tmp_path), "--library", str(named), "--json", "--workers", "1"]) == 0
@@ -111,8 +111,8 @@ def test_the_library_named_judges_and_the_one_flown_with_still_names() -> None:
     assert other is not None
     assert (own.library, other.library) == ("synthetic", "narrower")
     # The last coast is held shortly after a maneuver; it leaves both.
-    assert len(own.departures) == 1
-    assert len(other.departures) == 5
+    assert len(own.violations) == 1
+    assert len(other.violations) == 5
     assert summarise(with_bounds_of(flight, narrower(LIBRARY, 0.5))).trims == summarise(flight).trims
 
 
@@ -124,7 +124,7 @@ def test_a_library_of_another_automaton_judges_nothing(
     assert run(["review", str(log), "--library", "thesis-kinematic"]) == 2
     refusal = capsys.readouterr().err
     assert refusal.count("\n") == 1
-    assert "another automaton" in refusal
+    assert "is of another automaton: expected trim" in refusal
     fewer = replace(
         LIBRARY, maneuvers=tuple(one for one in LIBRARY.maneuvers if (one.from_trim, one.to_trim) != (2, 3))
     )

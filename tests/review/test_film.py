@@ -1,4 +1,4 @@
-"""Films of logged flights: as long as the flight, moving, true to the log, and refused in one line."""
+"""Tests of films of logged flights."""
 
 import subprocess
 from functools import cache
@@ -58,7 +58,7 @@ def flown() -> FlightLog:
 
 
 def pictures_of(path: Path) -> tuple[np.ndarray, str]:
-    """Returns the pictures of a small film, and what ffmpeg says of it."""
+    """Returns the pictures of a small film and ffmpeg's messages."""
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     done = subprocess.run(command, capture_output=True, check=True)
     shape = (-1, SMALL.height, SMALL.width, 3)
@@ -184,7 +184,7 @@ def test_without_opengl_there_is_one_line_and_no_flight(
     monkeypatch.chdir(tmp_path)
     assert run(["fly", "--sequence", "figure-eight", "--video", "eight.mp4"]) == 2
     said = capsys.readouterr().err
-    assert "expected OpenGL without a screen" in said
+    assert "expected off-screen OpenGL" in said
     assert len(said.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
 

@@ -1,4 +1,4 @@
-"""What pictures show, held against what they show it of."""
+"""Tests of pictures against the data that they show."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -42,7 +42,7 @@ COASTS = (2.0,) * 4
 
 @pytest.fixture(scope="module")
 def flight() -> FlightLog:
-    """A mission's log with every topic and attachment."""
+    """Returns a mission's log with every topic and attachment."""
     log = synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission")
     controls = Series(CONTROLS, log[TRUTH].time, 0.1 * log[TRUTH].values[:, :8])
     log = replace(log, series={**log.series, CONTROLS.name: controls})
@@ -51,7 +51,7 @@ def flight() -> FlightLog:
 
 
 def poor(log: FlightLog) -> FlightLog:
-    """Returns the log with nothing but truth and primitives."""
+    """Returns the log with truth and primitives alone."""
     gone = {WIND.name, ESTIMATE.name, CONTROLS.name, "/command"}
     return FlightLog(log.header, {k: v for k, v in log.series.items() if k not in gone}, {})
 
@@ -233,12 +233,12 @@ def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_p
     demo_picture(LIBRARY, mission, [none, found]).savefig(tmp_path / "demo.png")
 
 
-def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLog) -> None:
+def test_the_caption_states_the_predicted_time_and_the_results(flight: FlightLog) -> None:
     plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
     assert outcome_caption(plan, [flight], [None]).endswith("goal reached in 0 of 1 flight")
-    promised, came = outcome_caption(plan, [flight, flight], [17.3, None]).split("\n")
-    assert promised == "predicted 21.0 s, the slowest of gamma 0 and \N{PLUS-MINUS SIGN}1"
-    assert came == "goal reached in 1 of 2 flights, in 17.3 s"
+    predicted, results = outcome_caption(plan, [flight, flight], [17.3, None]).split("\n")
+    assert predicted == "predicted 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1"
+    assert results == "goal reached in 1 of 2 flights, in 17.3 s"
     nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
     assert outcome_caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"
 
@@ -270,7 +270,7 @@ def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
     entries = legend(plan)
     name = LIBRARY.trim(1).name
     assert list(entries) == [
-        "gamma -1, decides: 11.00 s; maneuvers 4, 5, 6",
+        "gamma -1, slowest: 11.00 s; maneuvers 4, 5, 6",
         f"trim 1, {name}: 1.25 + 2.50 s",
         "gamma 0: 10.00 s",
         "gamma 1: 9.00 s",

@@ -1,4 +1,4 @@
-"""A flight in a few numbers."""
+"""Tests of the summary of a flight."""
 
 from dataclasses import replace
 from math import pi
@@ -53,7 +53,7 @@ def test_primitives_fill_the_flight(choices: list[int], coast: float, seed: int)
     assert sum(count.count for count in summary.maneuvers) == len(choices)
 
 
-def test_a_flight_without_noise_is_tracked_believed_and_within_bounds() -> None:
+def test_a_flight_without_noise_has_no_errors_and_is_within_bounds() -> None:
     summary = summarise(still_flight())
     assert summary.tracking is not None
     assert summary.navigation is not None
@@ -62,15 +62,15 @@ def test_a_flight_without_noise_is_tracked_believed_and_within_bounds() -> None:
     assert summary.navigation.position_max == 0.0
     assert summary.bounds.coasts == 5
     assert summary.bounds.maneuvers == 4
-    assert summary.bounds.departures == ()
+    assert summary.bounds.violations == ()
 
 
 def test_a_flight_that_is_too_fast_leaves_every_bound() -> None:
     bounds = check_bounds(with_added_offset(still_flight(), TRUTH, "forward", 0.26))
     assert bounds is not None
     assert bounds.count_violations(PrimitiveKind.COAST) == 5
-    assert {violation.number for violation in bounds.departures} == {"forward"}
-    assert all(violation.bound == 0.25 for violation in bounds.departures)
+    assert {violation.number for violation in bounds.violations} == {"forward"}
+    assert all(violation.bound == 0.25 for violation in bounds.violations)
 
 
 def test_a_maneuver_that_ends_elsewhere_leaves_its_bound() -> None:
@@ -81,7 +81,7 @@ def test_a_maneuver_that_ends_elsewhere_leaves_its_bound() -> None:
 
     bounds = check_bounds(with_changed_topic(still_flight(), TRUTH, jump))
     assert bounds is not None
-    (violation,) = bounds.departures
+    (violation,) = bounds.violations
     assert (violation.kind, violation.id) == (PrimitiveKind.MANEUVER, first.id)
     assert violation.number == "side"
     assert violation.deviation == pytest.approx(5.0, abs=0.1)

@@ -1,4 +1,4 @@
-"""A campaign at a glance, and flights side by side."""
+"""Tests of a campaign's index and of compared flights."""
 
 import json
 from dataclasses import replace
@@ -36,7 +36,7 @@ def disturbed(log: FlightLog, amount: float) -> FlightLog:
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Nine ordinary flights, one far off command, one lost, one log cut short."""
+    """Writes nine ordinary flights, an outlier, a lost and a truncated one."""
     folder = tmp_path_factory.mktemp("campaign")
     for seed in range(9):
         write_log(flight(seed), folder / f"ordinary-{seed}.mcap")
@@ -55,7 +55,7 @@ def test_what_failed_comes_first_then_what_stands_out(campaign: Path) -> None:
     assert [row.score for row in rows[:2]] == [inf, inf]
     assert "maneuver recover" in rows[0].problem
     assert rows[2].score > 5.0
-    assert rows[2].reason in {"sideward speed off command", "deviation over its bound"}
+    assert rows[2].reason in {"sideward speed error", "deviation over its bound"}
     assert all(2.0 * row.score < rows[2].score for row in rows[3:])
     assert len(rows) == 12
 
@@ -77,7 +77,7 @@ def test_a_spark_keeps_the_worst_moment(campaign: Path) -> None:
     assert max(row.spark) == pytest.approx(off.max(), abs=1e-4)
 
 
-def test_the_folder_is_reviewed_with_pages_for_the_first_and_an_honest_no(
+def test_the_folder_is_reviewed_with_pages_for_the_first_and_exit_code_1(
     campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     order = [
@@ -127,7 +127,7 @@ def test_two_flights_of_one_mission_stand_side_by_side(
     assert (tmp_path / "review" / "nominal-and-worst-case.html").is_file()
 
 
-def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
+def test_a_comparison_leaves_out_values_that_no_flight_has() -> None:
     assert "left their bounds" not in {name for name, *_ in comparison_rows([summarise(flight(1))] * 2)}
     summary = summarise(with_bounds_of(flight(1), synthetic_library()))
     rows = {name for name, *_ in comparison_rows([summary, summary])}
@@ -143,7 +143,7 @@ def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
         (["x.mcap"], "expected logs or one folder"),
     ],
 )
-def test_orders_that_make_no_sense_are_refused_in_one_line(
+def test_invalid_options_are_refused_in_one_line(
     campaign: Path, order: list[str], words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["review", str(campaign), *order]) == 2

@@ -261,11 +261,11 @@ def test_outside_the_contract_nothing_passes_wherever_it_went() -> None:
     rows = rows_of(20)
     inside = count_outcomes(FaultCase(fault, contract=True, expected=""), rows)
     outside = count_outcomes(FaultCase(fault, contract=False, expected=""), rows)
-    assert (inside.passed, inside.safe, inside.wrong) == (20, 20, 0)
-    assert (outside.passed, outside.safe, outside.wrong) == (None, 20, 0)
+    assert (inside.passed, inside.safe, inside.undetected_failure) == (20, 20, 0)
+    assert (outside.passed, outside.safe, outside.undetected_failure) == (None, 20, 0)
     assert merge_outcomes([inside, outside]).passed is None
     # 0 of 20: the share p with (1 - p)^20 = 0.05.
-    assert outside.wrong_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
+    assert outside.undetected_failure_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
     assert count_outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
     alarmed = rows_of(3, alarms=(Alarm(4.0, AlarmKind.TILT, 1.0, 0.5),))
     assert count_outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
@@ -333,7 +333,7 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
     document = json.loads(capsys.readouterr().out)
     (row,) = document["faults"]
     assert row["protected"]["acted"] == row["protected"]["flights"] == 1
-    assert row["protected"]["wrong"] == 0
+    assert row["protected"]["undetected_failure"] == 0
     assert row["protected"]["passed"] is None
     assert len(list((out / "flights").iterdir())) == 3
     assert "| `gps stuck 2 inf` | 1 | 1 | - |" in (out / "fault-matrix.md").read_text()
@@ -348,7 +348,11 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
         ("gps stuck 2 inf", "gps stuck two inf", "fault 'gps stuck two inf': expected 'gps stuck START"),
         ("gps stuck 2 inf", "gps asleep 2 inf", "no 'asleep' of gps"),
         ("tilt = 0.7", "tilt = 0", "envelope.tilt"),
-        ('expected = "alarm"\n', 'expected = "alarm"\n' + SMALL[SMALL.index("[[") :], "is there twice"),
+        (
+            'expected = "alarm"\n',
+            'expected = "alarm"\n' + SMALL[SMALL.index("[[") :],
+            "expected different faults, got",
+        ),
         (SMALL[SMALL.index("[[") :], "fault = []\n", "expected one or more"),
     ],
 )

@@ -73,7 +73,7 @@ def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:
     result = flown(mission, Settings(activation_interval=100.0, latency=Latency(0.0), aim=1.0))
     plan = nominal_planner(library).plan(mission)
     assert result.reached
-    assert result.activations == 1
+    assert result.replans == 1
     assert result.flown_time == pytest.approx(plan.cost, abs=0.01)
     assert result.predicted_time == pytest.approx(plan.cost)
 
@@ -119,8 +119,8 @@ def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_r
     result = fly_closed_loop(broken, mission, planner=planner, library=library, settings=settings)
     assert result.closest <= mission.tolerance  # it was there, but on no plan
     assert not result.reached
-    assert result.failures == result.activations - 1 > 0
-    assert result.fallbacks >= 1
+    assert result.failures == result.replans - 1 > 0
+    assert result.safe_stops >= 1
     assert broken.trim == 1
 
 
@@ -137,7 +137,7 @@ def test_without_a_first_plan_nothing_is_flown() -> None:
 def test_the_limit_of_plannings_ends_the_flight_as_not_reached() -> None:
     result = flown(shipped("gtmax-1"), Settings(max_activations=2))
     assert not result.reached
-    assert result.activations == 2
+    assert result.replans == 2
     assert result.flown_time == pytest.approx(sum(leg.duration for leg in result.legs))
     assert result.steps[-1].to_trim == 1  # given up in hover
 

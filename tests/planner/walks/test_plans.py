@@ -200,5 +200,5 @@ def test_a_plan_can_be_drawn_and_an_honest_no_cannot() -> None:
     assert axes.get_ylabel() == "north, m"
     still = one_trim(STILL)
     nowhere = Mission("far", HERE, 1, (10.0, 0.0), 1.0)
-    with pytest.raises(NothingToDrawError, match="nothing to draw: the plan for far is infeasible"):
+    with pytest.raises(NothingToDrawError, match="cannot draw the plan for far: expected a solution"):
         plan_picture(nominal_planner(still).plan(nowhere), still, nowhere)

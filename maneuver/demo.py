@@ -47,7 +47,7 @@ def demo(
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Goes the whole way in about a minute: fly, identify, plan, fly the plans, review.
+    """Flies, identifies, plans, flies the plans and reviews, in about a minute.
 
     A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
     plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.

@@ -1,4 +1,4 @@
-"""`maneuver fly`: a sequence, a mission or a whole campaign, flown by the simulated helicopter."""
+"""`maneuver fly`: sequences, missions and campaigns flown by the simulated helicopter."""
 
 import json as json_module
 from collections.abc import Mapping
@@ -87,7 +87,7 @@ def fly(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies the simulated helicopter and writes flight logs; give one of --sequence, --mission, --campaign.
+    """Flies a sequence, a mission or a campaign and writes flight logs.
 
     A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
     maneuver of its automaton once a flight; stopped in whatever way and started again, the same command flies
@@ -228,7 +228,7 @@ def _text(value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _SharedOptions:
-    """What all kinds of flight are told."""
+    """Options of every kind of flight."""
 
     library: str
     wind: str | None
@@ -239,7 +239,7 @@ class _SharedOptions:
     force: bool
 
     def check_targets(self, path: Path, asked: Path) -> None:
-        """Refuses a log, or a film beside it, that cannot be written, before any flying."""
+        """Checks that log and film can be written, before flying."""
         check_output_files(path, self.video, force=self.force, inputs=[asked, library_path(self.library)])
 
 

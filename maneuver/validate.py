@@ -92,7 +92,7 @@ def validate(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies missions in closed loop and compares with the plans: reached or not, flown time, predicted time.
+    """Flies missions in closed loop and compares them with their plans.
 
     Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
     --out the flights are kept as they come: the same command, started again, flies only what is missing.

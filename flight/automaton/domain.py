@@ -1,4 +1,4 @@
-"""Where a library holds: what is flown or planned outside its domain is named, never refused."""
+"""Domain of a library, and warnings for flights and plans outside it."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ _SPEED_TOLERANCE = 1e-6
 
 
 def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
-    """Returns a sentence where another vehicle flies than the library was identified from.
+    """Returns a warning where another vehicle flies than was identified.
 
     Args:
         library: states its domain in its conditions; older ones in their provenance.
@@ -24,7 +24,7 @@ def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str
 def air_domain_warnings(
     library: Library, *, wind: str, stronger: bool, altitude: float | None = None
 ) -> tuple[str, ...]:
-    """Returns a sentence for wind stronger than the library's, and for another altitude.
+    """Returns warnings for stronger wind and for another altitude.
 
     Args:
         library: states wind class and altitude.
@@ -44,7 +44,7 @@ def air_domain_warnings(
 def walk_domain_warnings(
     library: Library, trims: Sequence[int], coasting_times: Sequence[float]
 ) -> tuple[str, ...]:
-    """Returns a sentence for each kind of departure of a walk: trims, speeds, coasts that were never flown.
+    """Returns warnings for trims, speeds and coasts that were never flown.
 
     A coast between two maneuvers that is shorter than any flown is a departure even where it is no coast at
     all: every maneuver of the flights was entered from a trim that had been held for a time. The first trim

@@ -31,7 +31,7 @@ def interpolate(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Grows a library: trims on a grid inside the flown range, maneuvers between neighbouring trims.
+    """Interpolates trims and maneuvers on a grid inside the flown range.
 
     The errors of what was never flown are interpolated, and inflated by a factor at which the flown
     primitives, each left out in turn, would have had every flown sample inside the bounds that the others

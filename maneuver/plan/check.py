@@ -1,4 +1,4 @@
-"""`maneuver plan check`: whether a plan keeps its word, and what of it is proved."""
+"""`maneuver plan check`: validity of a plan, and its proved guarantees."""
 
 import json as json_module
 import sys
@@ -29,7 +29,7 @@ def check(
     max_trims: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Checks a plan against its library and mission, without the search and without the solver.
+    """Checks a plan against its library and mission, without the search.
 
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not

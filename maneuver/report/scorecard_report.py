@@ -18,7 +18,7 @@ MOST_ROWS = 24
 
 
 def print_scorecard(card: Scorecard) -> None:
-    """Prints the cells, why goals were not reached, and what may be promised."""
+    """Prints the scorecard, reasons for goals not reached, and time bounds."""
     console = Console(highlight=False)
     cells = card.cells if len(card.cells) <= MOST_ROWS else card.totals
     console.print(f"{_where(cells)}; medians of flown and planned time", soft_wrap=True)

@@ -38,7 +38,10 @@ VERBS = {
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
     "plan": ("maneuver.plan.plan:app", "A mission in, a plan out; `plan check` checks one."),
     "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
-    "faults": ("maneuver.faults:faults", "Flies faults in closed loop: safe, lost and said so, or wrong."),
+    "faults": (
+        "maneuver.faults:faults",
+        "Flies faults in closed loop: safe, detected loss, undetected failure.",
+    ),
     "import": ("maneuver.import_log:import_log", "A log of PX4 in, a flight log out."),
     "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),

@@ -161,5 +161,5 @@ class _Demo:
         return {
             whole: "the whole way: library, plans, flights",
             primitives: "the library that was identified",
-            folder / "flight.png": "one of the flights, commanded, believed and true",
+            folder / "flight.png": "one of the flights: command, estimate and truth",
         }

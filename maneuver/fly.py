@@ -47,10 +47,10 @@ LOST = 1
 LABELS = {
     "flown_time": "flown",
     "predicted_time": "planned",
-    "closest": "nearest to goal",
-    "activations": "plannings",
-    "failures": "without a plan",
-    "fallbacks": "ways to rest",
+    "closest": "least distance to goal",
+    "activations": "replans",
+    "failures": "failed replans",
+    "fallbacks": "safe stops",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }
@@ -124,7 +124,7 @@ def fly(
             longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         ideal_sensors: the vehicle believes the truth, at once.
-        adaptation: whether the controller's adaptive element learns.
+        adaptation: whether the controller's adaptive element adapts.
         fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
             exists stands in docs/helicopter.md, and in the answer to one that does not.
         wind_change: time in s and the wind class that it changes to, such as `20 light`; may be repeated.

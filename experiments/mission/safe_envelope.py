@@ -60,8 +60,8 @@ def first_exit(log: FlightLog, envelope: SafeEnvelope) -> EnvelopeExit | None:
     exits = [
         _exit(truth.time, tilt, envelope.tilt, "rad of roll or pitch"),
         _exit(truth.time, height, envelope.height, "m off the height held"),
-        _exit(truth.time, off, envelope.position, "m off where it takes itself to be"),
-        _exit(truth.time, turned, envelope.heading, "rad off where it takes itself to face"),
+        _exit(truth.time, off, envelope.position, "m position error of the estimate"),
+        _exit(truth.time, turned, envelope.heading, "rad heading error of the estimate"),
     ]
     if log.header.outcome != "completed":
         exits.append(EnvelopeExit(log.duration, log.header.outcome))

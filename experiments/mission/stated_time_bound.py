@@ -35,7 +35,7 @@ def stated_time_bounds(name: str, library: Library) -> tuple[TimeBound, ...]:
     found = read_time_bounds(path, library_hash=library_hash(library))
     if found is None:
         print(
-            f"{time_bounds_path(path).name} was found with another library: no time is promised",
+            f"{time_bounds_path(path).name} was found with another library: no time bound is stated",
             file=sys.stderr,
         )
     return found or ()
@@ -92,9 +92,7 @@ def time_bound_problems(
     least = said.factor * (thinking + (planner.plan(aimed_at).lower_bound or 0.0))
     if said.time >= least - said.factor * PROVED_OPTIMALITY:
         return ()
-    return (
-        f"time_promise.time: the loop foretells at least {least:.3f} s so stretched, got {said.time:.3f} s",
-    )
+    return (f"time_promise.time: the bound is at least {least:.3f} s, got {said.time:.3f} s",)
 
 
 def _mismatches(
@@ -105,7 +103,7 @@ def _mismatches(
         got = f"{said.policy} plans at gamma {said.gamma:g}"
         return (f"time_promise: is of {got}, this is a {plan.policy} plan at gamma {plan.gamma:g}",)
     if time_bounds and replace(said, time=None) != _time_bound_of(plan, mission, library, time_bounds):
-        return (f"time_promise: nothing like it stands beside {library.name} for such a plan: {said.source}",)
+        return (f"time_promise: no such bound is stated for {library.name} for such a plan: {said.source}",)
     return ("time_promise.time: is missing",) if time_bounds and said.time is None else ()
 
 

@@ -60,7 +60,7 @@ def walk_domain_warnings(
     if conditions.entry_trims is not None:
         strange = sorted(set(trims[:-1]) - set(conditions.entry_trims))
         if strange:
-            said.append(f"trims {_listed(strange)} are left by no maneuver that was flown")
+            said.append(f"no data: maneuvers leaving trims {_listed(strange)} were never flown")
     if conditions.speed_range is not None:
         slow, fast = conditions.speed_range
         speeds = {trim: library.trim(trim).velocity.forward for trim in trims}
@@ -87,15 +87,17 @@ def _coast_domain_warnings(
     averaged = library.conditions.trim_error_kind == "averaged"
     said = []
     if short:
-        unbounded = "; averaged errors do not bound them" if averaged else ""
-        said.append(f"{_trims_phrase(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
+        unbounded = "; averaged errors do not bound it" if averaged else ""
+        said.append(
+            f"coast {_trims_phrase(short)} (< {shortest:.1f} s) is shorter than any in the data{unbounded}"
+        )
     if long:
-        said.append(f"{_trims_phrase(long)} for more than {longest:.1f} s, as never flown")
+        said.append(f"coast {_trims_phrase(long)} (> {longest:.1f} s) is longer than any in the data")
     return said
 
 
 def _trims_phrase(trims: Sequence[int]) -> str:
-    return f"trim {trims[0]} is held" if len(trims) == 1 else f"trims {_listed(trims)} are held"
+    return f"in trim {trims[0]}" if len(trims) == 1 else f"in trims {_listed(trims)}"
 
 
 def _listed(trims: Sequence[int]) -> str:

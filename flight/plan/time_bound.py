@@ -51,9 +51,9 @@ class TimeBound(FileValue):
     @property
     def sentence(self) -> str:
         """Time bound in words."""
-        multiple = f"{self.factor:.2f} times what the loop foretells"
-        when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
-        return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
+        multiple = f"{self.factor:.2f} × predicted"
+        when = multiple if self.time is None else f"{self.time:.1f} s ({multiple})"
+        return f"{self.share:.0%} of flights finish within {when}, 95% confidence, from {self.source}"
 
 
 class _TimeBoundsFile(FileModel):

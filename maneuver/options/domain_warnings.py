@@ -25,9 +25,7 @@ def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequenc
         _print_warnings(library, found[0])
     elif any(found):
         outside = sum(bool(one) for one in found)
-        _print_warnings(
-            library, [f"{outside} of {len(found)} flights held trims, or left them, as never flown"]
-        )
+        _print_warnings(library, [f"{outside} of {len(found)} flights left the domain of the data"])
 
 
 def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None) -> None:

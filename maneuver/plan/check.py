@@ -78,7 +78,7 @@ def _print_verdict(
         return FAILED if wrong else 0
     for problem in wrong:
         print(problem)
-    print(f"{file}: {'fails its check' if wrong else 'keeps its word'}")
+    print(f"{file}: {'invalid' if wrong else 'valid'}")
     for heading, sentences in (("proved", said.proved), ("not proved", said.unproved)):
         for sentence in sentences:
             print(f"  {heading + ':':<12}{sentence}")

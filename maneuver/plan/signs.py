@@ -72,7 +72,7 @@ def signs(
     primitives, task = library_and_mission(file, plan, library=library, mission=mission)
     check_plan_origin(file, plan, primitives, task)
     for problem in plan_problems(plan, primitives, task):
-        raise BadFileError(file, f"the plan does not keep its word: {problem}")
+        raise BadFileError(file, f"invalid plan: {problem}")
     gamma = plan.gamma or WHOLE
     found = bound_independent_errors(
         primitives,

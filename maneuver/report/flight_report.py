@@ -91,7 +91,7 @@ def _facts(summary: Summary) -> Table:
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
     if summary.plans is not None:
-        failed = f", {plural(summary.failures, 'planning')} found none" if summary.failures else ""
+        failed = f", {plural(summary.failures, 'replan')} failed" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
     if summary.trims or summary.maneuvers:
         table.add_row("time-outs", str(summary.timeouts))

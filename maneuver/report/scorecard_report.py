@@ -35,9 +35,9 @@ def print_scorecard(card: Scorecard) -> None:
     for promise in card.promises:
         if promise.flights >= MOST_ROWS and promise.factor is not None:
             console.print(
-                f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights are "
-                f"within {promise.factor:.2f} times the prediction ({plural(promise.flights, 'flight')}); "
-                f"of others {promise.kept.count} of {promise.kept.of} are",
+                f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights finish "
+                f"within {promise.factor:.2f} × predicted ({plural(promise.flights, 'flight')}); "
+                f"on other missions {promise.kept.count} of {promise.kept.of} did",
                 soft_wrap=True,
             )
     for tube in card.tubes:

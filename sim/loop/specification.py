@@ -81,7 +81,7 @@ class FlightSpecification(FileModel):
         wind: wind class; `calm` switches wind and turbulence off.
         wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
             to within the heading error of settling; drawn from the seed where None.
-        adaptive: whether the controller's adaptive element learns.
+        adaptive: whether the controller's adaptive element adapts.
         altitude: above ground, m.
         ideal_navigation: whether the vehicle believes the truth, at once.
         faults: what goes wrong, with times from time 0.

@@ -129,7 +129,7 @@ def test_promised_times_go_with_the_plan(tmp_path: Path, capsys: pytest.CaptureF
     # The loop aims inside the tolerance, and thinks first: a little longer than the plan.
     assert made.factor * plan.cost < promised.time < made.factor * (plan.cost + 1.0)
     said = capsys.readouterr().out.replace("\n", " ")
-    assert f"90% of flights are there within {promised.time:.1f} s" in said
+    assert f"90% of flights finish within {promised.time:.1f} s" in said
     # Of the nominal policy nothing was found, and nothing for missions that want a heading.
     assert run(("plan", "gtmax-2", "--library", str(library), "--policy", "nominal")) == 0
     assert "of flights are there" not in capsys.readouterr().out

@@ -1,4 +1,4 @@
-"""Closed loop, on the second look: latency, hysteresis, learnt levels, ways to rest, what is written down."""
+"""Closed loop, on the second look: latency, hysteresis, learnt gamma, safe stops, what is written down."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Dataclasses that are their own file format: one declaration reads them, writes them and checks them."""
+"""Dataclasses that are their own file format."""
 
 import operator
 from collections.abc import Callable
@@ -14,7 +14,7 @@ Value = TypeVar("Value")
 
 
 class FileValue:
-    """Base of dataclasses that are their own file format: no unknown keys, no silent conversions.
+    """Base class of dataclasses that are their own file format.
 
     A file states every field that is not None, whether or not Python has a default for it, but for those that
     are `Omittable`. What a value works out by itself (`init=False`) is stated too, and worked out again.
@@ -39,7 +39,7 @@ class FileValue:
 
 @dataclass(frozen=True, slots=True)
 class InForm:
-    """Says of a value's type that it stands in files in another form.
+    """Annotation of a value whose form in files differs from its type.
 
     Attributes:
         form: type of that form.

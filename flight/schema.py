@@ -1,4 +1,4 @@
-"""The boundary between files and values: strict declarations, and errors that name the place in one line."""
+"""Strict parsing of files, with one-line errors that name the place."""
 
 import json
 import tomllib
@@ -27,7 +27,7 @@ class RepeatedKeyError(ValueError):
 
 
 class FileModel(BaseModel):
-    """Base of what stands in files: no unknown keys, no silent conversions, immutable."""
+    """Base class of file models: no unknown keys, no conversions, immutable."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
@@ -38,7 +38,7 @@ def schema_named(known: str) -> AfterValidator:
 
 
 def check_schema_name(schema: str, known: str) -> str:
-    """Returns the name of a file's schema, if it is the one that is known.
+    """Returns the schema name of a file if it is the known one.
 
     Raises:
         ValueError: it is another; says both.
@@ -100,12 +100,12 @@ def parse_json(
 
 
 def json_content(value: object, *, exclude_none: bool = True) -> Any:
-    """Returns a `FileValue` as plain JSON values, in the order of its fields, as its file states it."""
+    """Returns a `FileValue` as JSON values, in the order of its fields."""
     return _adapter(type(value)).dump_python(value, mode="json", by_alias=True, exclude_none=exclude_none)
 
 
 def json_schema(kind: type) -> dict[str, Any]:
-    """Returns the JSON Schema of a kind of value, described by the first paragraphs of docstrings."""
+    """Returns the JSON Schema of a value's type, described by docstrings."""
     schema = _adapter(kind).json_schema()
     for part in (schema, *schema["$defs"].values()):
         if "description" in part:
@@ -129,7 +129,7 @@ def refusing(source: Path | str) -> Iterator[None]:
 
 
 def check_unique_keys(text: str | bytes) -> None:
-    """Refuses JSON text with a key twice in one object: readers differ in which of the two they take.
+    """Checks that JSON text has no key twice in one object.
 
     Raises:
         RepeatedKeyError: there is one; says which.
@@ -174,7 +174,7 @@ def read_text(path: Path) -> str:
 
 
 def first_problem(error: ValidationError) -> str:
-    """Returns the first of a model's complaints as one line: place, what is wrong, what came."""
+    """Returns a model's first complaint in one line: place, problem, value."""
     details = error.errors(include_url=False)
     first = details[0]
     if first["type"] == "json_invalid":

@@ -1,4 +1,4 @@
-"""The command line: which verbs there are, and how every failure ends in one line."""
+"""Application: the verbs, and one line for every failure."""
 
 import os
 import signal

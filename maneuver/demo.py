@@ -47,7 +47,7 @@ def demo(
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Goes the whole way in about a minute: fly, identify, plan, fly the plans, review.
+    """Flies, identifies, plans, flies the plans and reviews, in about a minute.
 
     A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
     plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.
@@ -161,5 +161,5 @@ class _Demo:
         return {
             whole: "the whole way: library, plans, flights",
             primitives: "the library that was identified",
-            folder / "flight.png": "one of the flights, commanded, believed and true",
+            folder / "flight.png": "one of the flights: command, estimate and truth",
         }

@@ -1,4 +1,4 @@
-"""`maneuver faults`: every fault of a matrix flown in closed loop, with protection and without."""
+"""`maneuver faults`: faults flown in closed loop, with protection and without."""
 
 import json as json_module
 import sys
@@ -54,7 +54,7 @@ def faults(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies every fault of a matrix on missions drawn by chance, and counts what was safe, lost and wrong.
+    """Flies a fault matrix on random missions and counts the outcomes.
 
     Each fault is flown on the same missions in the same air, with the vehicle's protection and without it:
     alarms, on which it gives up its mission and goes to rest, and a margin before it takes itself to be at
@@ -107,7 +107,7 @@ def faults(
 
 @dataclass(frozen=True, slots=True)
 class _MatrixFlights:
-    """What all flights of a matrix have in common."""
+    """Settings that all flights of a fault matrix share."""
 
     matrix: FaultMatrix
     library: Library

@@ -1,4 +1,4 @@
-"""`maneuver fly`: a sequence, a mission or a whole campaign, flown by the simulated helicopter."""
+"""`maneuver fly`: sequences, missions and campaigns flown by the simulated helicopter."""
 
 import json as json_module
 from collections.abc import Mapping
@@ -47,8 +47,8 @@ LOST = 1
 LABELS = {
     "flown_time": "flown",
     "predicted_time": "planned",
-    "closest": "nearest to goal",
-    "failures": "without a plan",
+    "closest": "least distance to goal",
+    "failures": "failed replans",
     "safe_stops": "safe stops",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
@@ -86,7 +86,7 @@ def fly(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies the simulated helicopter and writes flight logs; give one of --sequence, --mission, --campaign.
+    """Flies a sequence, a mission or a campaign and writes flight logs.
 
     A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
     maneuver of its automaton once a flight; stopped in whatever way and started again, the same command flies
@@ -123,7 +123,7 @@ def fly(
             longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         ideal_sensors: the vehicle believes the truth, at once.
-        adaptation: whether the controller's adaptive element learns.
+        adaptation: whether the controller's adaptive element adapts.
         fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
             exists stands in docs/helicopter.md, and in the answer to one that does not.
         wind_change: time in s and the wind class that it changes to, such as `20 light`; may be repeated.
@@ -227,7 +227,7 @@ def _text(value: object) -> str:
 
 @dataclass(frozen=True, slots=True)
 class _SharedOptions:
-    """What all kinds of flight are told."""
+    """Options of every kind of flight."""
 
     library: str
     wind: str | None
@@ -238,7 +238,7 @@ class _SharedOptions:
     force: bool
 
     def check_targets(self, path: Path, asked: Path) -> None:
-        """Refuses a log, or a film beside it, that cannot be written, before any flying."""
+        """Checks that log and film can be written, before flying."""
         check_output_files(path, self.video, force=self.force, inputs=[asked, library_path(self.library)])
 
 

@@ -48,7 +48,7 @@ def order_campaign(
 def fly_ordered_campaign(
     order: CampaignOrder, folder: Path, *, job_executor: ExecutorOptions, force: bool
 ) -> tuple[int, dict[str, object]]:
-    """Flies what is missing of a campaign, and returns the exit code and what is said of it.
+    """Flies the missing flights of a campaign; returns exit code and report.
 
     Raises:
         FlightError: the campaign cannot be flown as asked, or the folder holds something else.

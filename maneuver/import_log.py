@@ -42,7 +42,7 @@ def import_log(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Makes a flight log of a ULog of PX4, of any MCAP with poses and velocities, or of a table.
+    """Imports a PX4 ULog, an MCAP file or a table.
 
     What the file does not hold is absent, not zero; review and identification use what is there.
 
@@ -157,7 +157,7 @@ def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
 
 
 def _warn(log: Path, flight: FlightLog) -> int:
-    """Says on stderr what cannot be right or is not all; returns the exit code."""
+    """Prints warnings about an imported log on stderr; returns the exit code."""
     apart = velocity_disagreement(flight.motion)
     if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
         print(

@@ -1,4 +1,4 @@
-"""`maneuver recover`: what is whole in a damaged log, as a log that opens."""
+"""`maneuver recover`: the intact part of a damaged log."""
 
 from pathlib import Path
 from typing import Annotated
@@ -22,7 +22,7 @@ def recover(
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Recovers a log that was cut short or damaged; any MCAP file, not only ours.
+    """Recovers the intact part of a truncated or damaged MCAP file.
 
     Every chunk and attachment whose checksum is right is kept, and the result is read again before it is said
     to be there. The exit code is 0 without loss, 3 with loss, 1 where nothing could be saved. A flight log

@@ -47,7 +47,7 @@ def regenerate(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies a campaign and identifies a library from its logs: `fly` and `identify` in one.
+    """Flies a campaign and identifies a library from its logs.
 
     Says before flying how many flights, flight hours and minutes it takes. --coverage and --confidence say
     how many flights: the fewest of which the largest deviations of a primitive cover that share of future

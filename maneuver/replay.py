@@ -1,4 +1,4 @@
-"""`maneuver replay`: flights flown again from their logs alone, and compared byte by byte."""
+"""`maneuver replay`: logged flights flown again, compared byte by byte."""
 
 import json as json_module
 from dataclasses import asdict, dataclass, replace
@@ -52,7 +52,7 @@ def replay(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies logged flights again, from nothing but their logs, and compares the logs byte by byte.
+    """Flies logged flights again from their logs and compares the bytes.
 
     A log carries what its flight was made of: specification with seed and faults, library, vehicle, mission
     and planner, and, where planning was timed by the clock, the times. The numeric back-end that the log

@@ -1,4 +1,4 @@
-"""`maneuver review`: a flight log for people: a summary, a page, pictures, a film."""
+"""`maneuver review`: a flight log as summary, page, pictures and film."""
 
 import json as json_module
 from dataclasses import asdict, dataclass
@@ -34,7 +34,7 @@ FAILED = 1
 
 @dataclass(frozen=True, slots=True)
 class _ReviewOptions:
-    """What is to be made of the logs, and where it goes."""
+    """Outputs of a review."""
 
     html: bool
     png: bool
@@ -67,7 +67,7 @@ def review(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Shows what was flown, commanded, believed and true: one log, several side by side, or a folder of them.
+    """Reviews one log, several side by side, or a folder of them.
 
     Prints a summary. A page is one file for a browser, with everything in it; it needs no network. Several
     logs are laid over one another, aligned at their starts. A folder's page lists its flights, those that
@@ -204,7 +204,7 @@ def _review_log(path: Path, label: str, library: Library | None) -> ReviewedFlig
 
 
 def _labels(logs: tuple[Path, ...]) -> list[str]:
-    """Returns what the logs are called: their stems, or with their folders where those are equal."""
+    """Returns labels of the logs: stems, with folders where those are equal."""
     stems = [path.stem for path in logs]
     if len(set(stems)) == len(stems):
         return stems
@@ -226,7 +226,7 @@ def _publish_page(flights: list[ReviewedFlight], page: Path, *, force: bool) -> 
 
 
 def _row_content(row: FlightRow) -> dict[str, object]:
-    """Returns a row as plain JSON values; a score without bound is null."""
+    """Returns a row as JSON values; null where a score is unbounded."""
     content = asdict(row)
     score = row.score if row.score < float("inf") else None
     return {**content, "path": str(row.path), "figures": dict(row.figures), "score": score}

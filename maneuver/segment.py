@@ -35,7 +35,7 @@ def segment(
     *,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Finds maneuvers in the motion alone and holds them against the commands of the same logs.
+    """Finds maneuvers from motion alone and compares them with the commands.
 
     A boundary counts as found within a second of the commanded one, between the same trims. The exit code
     is 1 where fewer than 98 % are found, or more than 2 % are spurious.

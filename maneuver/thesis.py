@@ -22,7 +22,7 @@ def thesis(
     markdown: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Prints what the thesis prints beside what is computed from its own tables, differences marked.
+    """Prints the thesis's figures beside computed ones, with differences marked.
 
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
     cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 27 to 33 follow, misprints marked.

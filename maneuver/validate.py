@@ -92,7 +92,7 @@ def validate(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies missions in closed loop and compares with the plans: reached or not, flown time, predicted time.
+    """Flies missions in closed loop and compares them with their plans.
 
     Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
     --out the flights are kept as they come: the same command, started again, flies only what is missing.
@@ -227,9 +227,7 @@ def _check_calibration(path: Path | None, suite: str, plant: str, *, plain: bool
     if (suite, plant) != ("random", "helicopter"):
         raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
     if not plain:
-        raise FlightError(
-            "--calibrate: expected the loop that `plan` promises for, got one with other settings"
-        )
+        raise FlightError("--calibrate: expected the default closed-loop settings, got others")
 
 
 def _calibrate(
@@ -239,7 +237,7 @@ def _calibrate(
         return
     made, lacking = find_time_bounds(results, share=BOUND_SHARE, seed=seed)
     for policy in lacking:
-        print(f"too few flights of {policy} reached their goal: it promises no time", file=sys.stderr)
+        print(f"{policy}: too few successful flights for a time bound", file=sys.stderr)
     text = time_bounds_text(made, library_hash=library_hash(library), command=_command())
     write_atomically(text.encode(), path, force=force)
 

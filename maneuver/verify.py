@@ -1,4 +1,4 @@
-"""`maneuver verify`: the checks of physics that need no test runner, every figure beside its bar."""
+"""`maneuver verify`: physics, margins and formats against their limits."""
 
 import json as json_module
 import sys
@@ -41,7 +41,7 @@ def verify(
     spectrum: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Measures the simulator against its bars; ends with 1 where one is missed.
+    """Measures the simulator against its limits; returns 1 on a miss.
 
     Examples:
         maneuver verify
@@ -109,7 +109,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[CheckResult]:
 
 
 def _library(wind: str) -> Library:
-    """Returns the thesis's Tables 9 and 10 with the rule by which a maneuver ends in a wind class."""
+    """Returns the thesis's library (Tables 9, 10) with a maneuver-end rule."""
     return campaign_library(find_campaign(_CAMPAIGN), wind)
 
 
@@ -128,7 +128,7 @@ def _check_navigation() -> Iterable[CheckResult]:
 
 
 def _median_displacement_error() -> float:
-    """Returns the median over the shipped library's maneuvers of their displacement errors, in m."""
+    """Returns the median displacement error of the shipped library's maneuvers, in metres."""
     maneuvers = find_library("gtmax-sim").maneuvers
     return median(hypot(maneuver.error.forward, maneuver.error.side) for maneuver in maneuvers)
 

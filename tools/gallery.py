@@ -1,4 +1,4 @@
-"""Makes the pictures of docs/review.md, and two of the README: `python -m tools.gallery`; needs Chromium.
+"""Maker of the pictures in docs and README: `python -m tools.gallery`.
 
 That of an imported log is made where the log is named: `python -m tools.gallery sample_px4_events.ulg`.
 `--check` writes nothing and exits with 1 where the page lacks a command or a picture.
@@ -90,7 +90,7 @@ SHOTS = (
 
 
 def main() -> int:
-    """Checks the page, or flies, reviews, and takes the pictures; returns the exit code."""
+    """Makes the pictures, or checks the page; returns the exit code."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -147,7 +147,7 @@ def _run_command(line: str, folder: Path) -> None:
 
 
 def _missing(page: Path) -> list[str]:
-    """Returns the commands and pictures of the gallery that a page does not show as it should."""
+    """Returns commands and pictures that a page lacks."""
     text = page.read_text(encoding="utf-8")
     shown = {line[2:] for line in text.splitlines() if line.startswith("$ ")}
     reviews = dict.fromkeys(f"review {shot.review} --html" for shot in SHOTS)

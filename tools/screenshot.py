@@ -1,4 +1,4 @@
-"""Pictures of pages as a browser draws them: Chromium, headless, by its command line alone."""
+"""Screenshots of pages by headless Chromium."""
 
 import shutil
 import subprocess

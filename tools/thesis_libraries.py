@@ -9,7 +9,7 @@ from identification.data_sheet import data_sheet
 
 
 def main() -> None:
-    """Writes both libraries with their data sheets, and the JSON Schema of library files."""
+    """Writes the thesis's libraries with data sheets, and the JSON Schema."""
     for library in (thesis_kinematic(), thesis_gtmax()):
         path = libraries.FOLDER / f"{library.name}.json"
         path.write_text(library_text(library), encoding="utf-8")

@@ -14,7 +14,7 @@ TrimErrorKind = Literal["instantaneous", "averaged", "assumed"]
 
 @dataclass(frozen=True)
 class Conditions(FileValue):
-    """Where a library's numbers hold.
+    """Conditions under which a library's numbers hold.
 
     Attributes:
         wind: wind class, such as `gtmax`; `not stated` for a library from a book.

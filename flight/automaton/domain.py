@@ -1,4 +1,4 @@
-"""Where a library holds: what is flown or planned outside its domain is named, never refused."""
+"""Domain of a library, and warnings for flights and plans outside it."""
 
 from collections.abc import Sequence
 
@@ -9,7 +9,7 @@ _SPEED_TOLERANCE = 1e-6
 
 
 def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
-    """Returns a sentence where another vehicle flies than the library was identified from.
+    """Returns a warning where another vehicle flies than was identified.
 
     Args:
         library: states its domain in its conditions; older ones in their provenance.
@@ -24,7 +24,7 @@ def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str
 def air_domain_warnings(
     library: Library, *, wind: str, stronger: bool, altitude: float | None = None
 ) -> tuple[str, ...]:
-    """Returns a sentence for wind stronger than the library's, and for another altitude.
+    """Returns warnings for stronger wind and for another altitude.
 
     Args:
         library: states wind class and altitude.
@@ -44,7 +44,7 @@ def air_domain_warnings(
 def walk_domain_warnings(
     library: Library, trims: Sequence[int], coasting_times: Sequence[float]
 ) -> tuple[str, ...]:
-    """Returns a sentence for each kind of departure of a walk: trims, speeds, coasts that were never flown.
+    """Returns warnings for trims, speeds and coasts that were never flown.
 
     A coast between two maneuvers that is shorter than any flown is a departure even where it is no coast at
     all: every maneuver of the flights was entered from a trim that had been held for a time. The first trim
@@ -60,7 +60,7 @@ def walk_domain_warnings(
     if conditions.entry_trims is not None:
         strange = sorted(set(trims[:-1]) - set(conditions.entry_trims))
         if strange:
-            said.append(f"trims {_listed(strange)} are left by no maneuver that was flown")
+            said.append(f"no data: maneuvers leaving trims {_listed(strange)} were never flown")
     if conditions.speed_range is not None:
         slow, fast = conditions.speed_range
         speeds = {trim: library.trim(trim).velocity.forward for trim in trims}
@@ -87,15 +87,17 @@ def _coast_domain_warnings(
     averaged = library.conditions.trim_error_kind == "averaged"
     said = []
     if short:
-        unbounded = "; averaged errors do not bound them" if averaged else ""
-        said.append(f"{_trims_phrase(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
+        unbounded = "; averaged errors do not bound it" if averaged else ""
+        said.append(
+            f"coast {_trims_phrase(short)} (< {shortest:.1f} s) is shorter than any in the data{unbounded}"
+        )
     if long:
-        said.append(f"{_trims_phrase(long)} for more than {longest:.1f} s, as never flown")
+        said.append(f"coast {_trims_phrase(long)} (> {longest:.1f} s) is longer than any in the data")
     return said
 
 
 def _trims_phrase(trims: Sequence[int]) -> str:
-    return f"trim {trims[0]} is held" if len(trims) == 1 else f"trims {_listed(trims)} are held"
+    return f"in trim {trims[0]}" if len(trims) == 1 else f"in trims {_listed(trims)}"
 
 
 def _listed(trims: Sequence[int]) -> str:

@@ -1,4 +1,4 @@
-"""A motion-primitive library: the maneuver automaton with the numbers of its vertices and edges."""
+"""Motion-primitive library: the maneuver automaton with its numbers."""
 
 import json
 from collections.abc import Iterable, Mapping
@@ -111,7 +111,7 @@ class Library(FileValue):
 
     @property
     def interpolated(self) -> tuple[InterpolationClaim, ...]:
-        """What is claimed of each primitive whose errors were interpolated; empty where all were flown."""
+        """Claim for each interpolated primitive; empty where all were flown."""
         claims = [trim.interpolated for trim in self.trims] + [row.interpolated for row in self.maneuvers]
         return tuple(claim for claim in claims if claim is not None)
 
@@ -141,7 +141,7 @@ class Library(FileValue):
             raise NoManeuverError(from_trim, to_trim, reachable) from None
 
     def successors(self, trim_id: int) -> tuple[int, ...]:
-        """Returns the ids of the trims that one maneuver reaches, in the library's order."""
+        """Returns the trims that one maneuver reaches, in the library's order."""
         return tuple(self._maneuvers[self.trim(trim_id).id])
 
     def maneuvers_along(self, trims: Iterable[int]) -> tuple[Maneuver, ...]:

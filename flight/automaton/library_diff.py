@@ -1,4 +1,4 @@
-"""What two libraries have different, number by number, primitive by primitive."""
+"""Differences between two libraries, number by number."""
 
 import json
 from collections.abc import Iterator
@@ -30,7 +30,7 @@ class LibraryDifference:
 
 
 def library_differences(first: Library, second: Library) -> tuple[LibraryDifference, ...]:
-    """Returns where two libraries differ, as their files would; primitives are matched by their ids."""
+    """Returns the differences of two libraries; primitives are matched by id."""
     one, two = _parts(first), _parts(second)
     found: list[LibraryDifference] = []
     for part in [*one, *(part for part in two if part not in one)]:
@@ -56,7 +56,7 @@ def _parts(library: Library) -> dict[str, dict[str, Value]]:
 
 
 def _flatten(content: Any, place: str = "") -> Iterator[tuple[str, Value]]:
-    """Yields every value with its place; an empty list or table is a value of its own."""
+    """Yields every value with its path; an empty container is a value."""
     items = (
         content.items()
         if isinstance(content, dict)

@@ -27,7 +27,7 @@ def parse_library(text: str | bytes, source: Path | str) -> Library:
 
 
 def library_text(library: Library) -> str:
-    """Returns the text of a library file: numbers round-trip exactly, equal libraries give equal bytes."""
+    """Returns a library as file text; numbers round-trip exactly."""
     return library.text
 
 

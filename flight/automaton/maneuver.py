@@ -1,4 +1,4 @@
-"""A maneuver: a transition between two trims with a fixed duration, displacement and heading change."""
+"""Maneuver: a fixed transition between two trims."""
 
 from dataclasses import dataclass, fields
 from math import isfinite
@@ -14,7 +14,7 @@ from .statistics import InterpolationClaim, Statistics
 
 @dataclass(frozen=True, slots=True)
 class ManeuverError(FileValue):
-    """Signed errors of a maneuver: seconds, metres forward and to the right at entry, radians."""
+    """Signed errors of a maneuver: s, m forward, m right, rad."""
 
     duration: float
     forward: float
@@ -31,7 +31,7 @@ class ManeuverError(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class ManeuverOutcome:
-    """What a maneuver does at one uncertainty level: seconds, and displacement in the entry body frame."""
+    """Duration and displacement of a maneuver at one gamma."""
 
     duration: float
     displacement: SE2
@@ -83,7 +83,7 @@ class Maneuver:
 
 @dataclass(frozen=True, slots=True)
 class DisplacementRow(FileValue):
-    """Where a maneuver ends, in the body frame at entry."""
+    """End position of a maneuver in the body frame at entry."""
 
     forward: Annotated[float, Field(description="metres, along the heading at entry")]
     side: Annotated[float, Field(description="metres, to the right of the heading at entry")]
@@ -91,7 +91,7 @@ class DisplacementRow(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class ManeuverRow(FileValue):
-    """A maneuver as it stands in files, where the heading change is beside the displacement."""
+    """A maneuver as it stands in files."""
 
     id: int
     from_trim: Annotated[int, Field(alias="from")]

@@ -1,4 +1,4 @@
-"""When a maneuver has ended: one rule for identification and for execution.
+"""Maneuver-end rule, one for identification and execution.
 
 The body velocity and yaw rate are inside the next trim's band, without leaving it, for a dwell time; the end
 is the end of the dwell. A maneuver that does not end before the time-out is counted as timed out.
@@ -18,7 +18,7 @@ from flight.se2 import Twist
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """Half widths around a trim's velocity: metres per second, metres per second, radians per second."""
+    """Half widths around a trim's velocity: m/s, m/s, rad/s."""
 
     forward: float
     side: float
@@ -30,7 +30,7 @@ class Band:
             raise ValueError(f"a band has positive half widths, got {self}")
 
     def contains(self, velocity: Twist, target: Twist) -> bool:
-        """Whether a velocity is inside the band around a target velocity."""
+        """Returns True where a velocity is inside the band around a target."""
         return (
             abs(velocity.forward - target.forward) <= self.forward
             and abs(velocity.side - target.side) <= self.side
@@ -63,7 +63,7 @@ def _rows(bands: Mapping[int, Band]) -> tuple[BandRow, ...]:
 
 @dataclass(frozen=True)
 class ManeuverEnd(FileValue):
-    """The rule's numbers, fixed before a campaign: a band for each trim, dwell and time-out in seconds."""
+    """Numbers of the maneuver-end rule: bands, dwell and time-out in seconds."""
 
     bands: Annotated[
         Mapping[int, Band],
@@ -82,7 +82,7 @@ class ManeuverEnd(FileValue):
 
 
 class ManeuverStatus(Enum):
-    """What the rule says after a sample."""
+    """Status of a maneuver after a sample."""
 
     UNDER_WAY = "under way"
     ENDED = "ended"
@@ -108,7 +108,7 @@ class ManeuverEndDetector:
         self._inside_since: float | None = None
 
     def update(self, time: float, velocity: Twist) -> ManeuverStatus:
-        """Takes the body velocity at a time (not decreasing) and says where the maneuver stands."""
+        """Takes a body velocity and returns the maneuver's status; times never decrease."""
         if not self._band.contains(velocity, self._target):
             self._inside_since = None
         elif self._inside_since is None:

@@ -1,4 +1,4 @@
-"""The one sign convention of errors, so that gamma = +1 means "fast and wide" for every primitive at once.
+"""Sign convention of errors: gamma = +1 means fast and wide.
 
 Signs come from the *nominal* trims and displacements, never from data, so that they cannot flip with a seed.
 """
@@ -11,7 +11,7 @@ from .maneuver import ManeuverError
 
 
 def signed_trim_error(size: Twist, velocity: Twist) -> Twist:
-    """Returns the error of a trim with the sign of its nominal value, positive where that is 0.
+    """Returns a trim's error with the nominal value's sign, positive at 0.
 
     Args:
         size: absolute errors, metres per second and radians per second.

@@ -1,4 +1,4 @@
-"""How an error was found: what was observed, how often, and what may be claimed from it."""
+"""Statistics of an error: samples, scatter, coverage claimed."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
@@ -19,7 +19,7 @@ SAME_FLIGHTS: Final = "same flights"
 
 @dataclass(frozen=True, slots=True)
 class ScalarStatistics:
-    """One number of a primitive over all its samples, in the number's own unit.
+    """Statistics of one number of a primitive, in its own unit.
 
     Attributes:
         name: the number's name in the library, such as `forward` or `duration`.
@@ -37,7 +37,7 @@ class ScalarStatistics:
 
 @dataclass(frozen=True, slots=True)
 class ScalarRow(FileValue):
-    """One number of a primitive over all its samples, in the number's own unit."""
+    """Statistics of one number of a primitive, as files state them."""
 
     mean: float
     standard_deviation: NonNegativeFloat
@@ -89,7 +89,7 @@ class Statistics(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class InterpolationClaim(FileValue):
-    """What may be claimed of a primitive whose errors were interpolated between flown ones.
+    """Coverage claim for primitives interpolated between flown ones.
 
     It is claimed of the kind as a whole: of the trims, or of the maneuvers, that were interpolated, a share
     of at least `coverage` holds `flights` flights with all numbers inside the bounds at once.
@@ -115,7 +115,7 @@ class InterpolationClaim(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class AveragedError(FileValue):
-    """The error of a trim's velocity averaged over a coast of some duration.
+    """Error of a trim's velocity averaged over a coast.
 
     Attributes:
         shortest: shortest duration that it holds for, seconds; never below the shortest coast flown.

@@ -1,4 +1,4 @@
-"""A trim: a body velocity that the vehicle holds for as long as it likes."""
+"""Trim: a body velocity that the vehicle can hold indefinitely."""
 
 from dataclasses import dataclass
 from typing import Annotated

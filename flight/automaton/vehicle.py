@@ -1,4 +1,4 @@
-"""What the receding horizon needs of something that flies primitives: a model, a simulator, an autopilot."""
+"""Protocol of vehicles that fly primitives: model, simulator, autopilot."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -60,7 +60,7 @@ class Vehicle(Protocol):
         """
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver that leaves the trim held now, to its end or its time-out.
+        """Performs a maneuver from the present trim, to its end or time-out.
 
         Raises:
             FlightLostError: the flight ended in the ground or diverged.

@@ -1,4 +1,4 @@
-"""Arrival at a goal: one judgement for the flight, its log and its scorecards."""
+"""Arrival at a goal: one judgement for flight, log and scorecard."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

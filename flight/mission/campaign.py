@@ -1,4 +1,4 @@
-"""An identification campaign: which automaton is flown, how often, in which wind, ended by which rule."""
+"""Identification campaign: automaton, number of flights, wind, maneuver-end rule."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ class NoRuleForWindError(FlightError):
 
 @dataclass(frozen=True)
 class Campaign(FileValue):
-    """What is fixed before the first flight.
+    """Settings of a campaign, fixed before its first flight.
 
     Attributes:
         schema: of its file, which need not say.

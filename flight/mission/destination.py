@@ -1,4 +1,4 @@
-"""Where a flight is to go, and when its true track first gets there."""
+"""Destination of a flight and first arrival of its true track."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ Track = Float[np.ndarray, "n 4"]
 
 @dataclass(frozen=True, slots=True)
 class Destination:
-    """Where a flight is to go, and what counts as there.
+    """Goal position and heading with their tolerances.
 
     Attributes:
         position: north and east in metres.
@@ -29,7 +29,7 @@ class Destination:
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """How near a flight came.
+    """First arrival at a goal, and the least distance to it.
 
     Attributes:
         time: seconds since the start at which the tolerance was entered; None where it never was.
@@ -42,7 +42,7 @@ class Arrival:
 
 
 def first_arrival(tracks: Sequence[Track], destination: Destination) -> Arrival:
-    """Returns when the true track, taken as a polyline, first enters the goal's tolerance disc.
+    """Returns the first entry of a polyline into the goal's tolerance.
 
     Where a heading is wanted, it must be held there too; the heading between two points is interpolated.
 
@@ -82,7 +82,7 @@ def _distance_to_goal(
 def _shares_inside_goal(
     begin: Float[np.ndarray, "n 4"], end: Float[np.ndarray, "n 4"], destination: Destination
 ) -> Float[np.ndarray, "n 2"]:
-    """Returns from which to which share of each piece it is at the goal; never: first above second."""
+    """Returns the shares of each piece at which it enters and leaves."""
     offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
     # |offset + s way| = tolerance, a quadratic in s.
     a, b = (way**2).sum(axis=1), (offset * way).sum(axis=1)
@@ -105,7 +105,7 @@ def _restrict_to_heading(
     end: Float[np.ndarray, "n"],
     destination: Destination,
 ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]:
-    """Narrows the shares to where the heading is the one wanted; pieces turn by less than half a turn."""
+    """Restricts the shares to where the heading is inside its tolerance."""
     off = begin - (destination.heading or 0.0)
     off = off - 2 * np.pi * np.round(off / (2 * np.pi))
     turn = end - begin

@@ -1,4 +1,4 @@
-"""Faults: what goes wrong in a flight, where, from when to when, and by how much.
+"""Faults of a flight: place, kind, start, duration, size.
 
 In words, as on the command line: where, what, start and duration in seconds (`inf` for the rest of the
 flight), then the sizes of its kind: `gps dropout 10 2`, `gyro bias 5 inf 0 0 0.05`, `pedal slow 12 4 0.1`.
@@ -19,7 +19,7 @@ SERVOS = ("lateral", "longitudinal", "collective", "pedal")
 
 @dataclass(frozen=True, slots=True)
 class FaultParameter:
-    """One number of a fault: its name, its unit, the least and the largest that make sense."""
+    """Parameter of a fault: name, unit, least and largest value."""
 
     name: str
     unit: str
@@ -29,7 +29,7 @@ class FaultParameter:
 
 @dataclass(frozen=True, slots=True)
 class FaultKind:
-    """What can go wrong at a place.
+    """Kind of fault of one place.
 
     Attributes:
         where: sensor, servo, `controller`, `wind` or `vehicle`.
@@ -136,7 +136,7 @@ class Fault(FileModel):
 
     @property
     def kind(self) -> FaultKind:
-        """What can be said of all faults like this one.
+        """Kind of the fault, with what holds for all of its kind.
 
         Raises:
             ValueError: there is no such kind.

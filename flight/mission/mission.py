@@ -68,7 +68,7 @@ class Mission(FileValue):
 
     @property
     def destination(self) -> Destination:
-        """Where the mission leads, without the trim wanted there."""
+        """Goal of the mission without the trim wanted there."""
         return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
 
 

@@ -1,4 +1,4 @@
-"""A sequence: trims to be flown one after the other, a coasting time each; the thesis's scripts."""
+"""Sequence: trims flown in order, with a coasting time each."""
 
 from dataclasses import dataclass
 from math import isfinite

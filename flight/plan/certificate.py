@@ -1,4 +1,4 @@
-"""The proof that no plan is faster, or that there is none: walk by walk, a tree of boxes of coasting times.
+"""Proof of a lower bound, walk by walk: trees of boxes of times.
 
 A box is cut in two at one coasting time, again and again; each part that is not cut is refuted by
 multipliers (`docs/planner.md` says how). A tree is written as a line of text, every node before its parts,
@@ -24,7 +24,7 @@ _LONGEST_PLACE = 4
 
 @dataclass(frozen=True, slots=True)
 class BoxSplit:
-    """Divides a box: first the part before the time, then the part after it.
+    """Split of a box at a coasting time: first the part before it.
 
     Attributes:
         place: of the trim in the walk, from 0.
@@ -52,7 +52,7 @@ class BoxLeaf:
 
 @dataclass(frozen=True, slots=True)
 class InfeasibilityCertificate(FileValue):
-    """Why one walk is not faster.
+    """Proof that one walk is not faster.
 
     Attributes:
         sequence: trim ids.
@@ -67,7 +67,7 @@ class InfeasibilityCertificate(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class Certificate(FileValue):
-    """The proof of a plan's lower bound; without a lower bound, the proof that there is no plan.
+    """Proof of a plan's lower bound, or that there is no plan.
 
     Attributes:
         max_trims: longest walk considered.
@@ -79,7 +79,7 @@ class Certificate(FileValue):
 
 
 def write_tree(nodes: list[BoxSplit | BoxLeaf]) -> str:
-    """Returns a tree as text; its nodes are in order, each before its parts."""
+    """Returns a tree as text, each node before its parts."""
     return " ".join(_token(node) for node in nodes)
 
 

@@ -1,4 +1,4 @@
-"""A motion plan: a walk in the maneuver automaton with its coasting times, and what it promises."""
+"""Motion plan: a walk in the automaton with its coasting times."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -24,7 +24,7 @@ SCHEMA = "maneuver-plan/1"
 
 
 class PlanContradictionError(BadFileError):
-    """A plan file is well formed, but what it says in one place is not what it says in another."""
+    """Plan file that contradicts itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -107,12 +107,12 @@ class Plan(FileValue):
 
     @property
     def found(self) -> bool:
-        """Whether there is something to fly."""
+        """True where the plan has a walk to fly."""
         return bool(self.scenarios)
 
     @property
     def deciding(self) -> Scenario:
-        """The scenario with the largest cost; its coasting times are the ones flown.
+        """Scenario with the largest cost; its coasting times are flown.
 
         Raises:
             ValueError: there is no plan.

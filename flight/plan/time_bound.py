@@ -1,4 +1,4 @@
-"""A time that most flights keep: a factor on what the loop foretells, found by flying other missions.
+"""Time bound: a factor on the predicted time, found by flights.
 
 It is no part of a library, whose numbers are of primitives, but stands beside it: `NAME.times.toml` beside
 `NAME.json`, with the library's hash.
@@ -19,7 +19,7 @@ SUFFIX = ".times.toml"
 
 @dataclass(frozen=True, slots=True)
 class TimeBound(FileValue):
-    """What share of flights is at the goal within what multiple of the time that the loop foretells.
+    """Share of flights that finish within a multiple of the predicted time.
 
     Attributes:
         policy: of the plans.
@@ -50,10 +50,10 @@ class TimeBound(FileValue):
 
     @property
     def sentence(self) -> str:
-        """What is promised, for people."""
-        multiple = f"{self.factor:.2f} times what the loop foretells"
-        when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
-        return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
+        """Time bound in words."""
+        multiple = f"{self.factor:.2f} × predicted"
+        when = multiple if self.time is None else f"{self.time:.1f} s ({multiple})"
+        return f"{self.share:.0%} of flights finish within {when}, 95% confidence, from {self.source}"
 
 
 class _TimeBoundsFile(FileModel):
@@ -93,7 +93,7 @@ def time_bounds_text(promises: Sequence[TimeBound], *, library_hash: str, comman
 
 
 def read_time_bounds(library: Path, *, library_hash: str) -> tuple[TimeBound, ...] | None:
-    """Returns what is promised of plans with a library; nothing where no file stands beside it.
+    """Returns the time bounds stated beside a library; none without a file.
 
     Args:
         library: its path.

@@ -39,7 +39,7 @@ def audit(
     max_trims: Count = 4,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Says how often the optimal time falls as gamma rises, where it does not, and which primitive is why.
+    """Counts how often the optimal time falls as gamma rises.
 
     Every error is signed so that gamma = +1 means fast and wide. Whether a mission then takes least time at
     gamma = +1 and most at gamma = -1 is measured: the best walk of each mission at gamma -1, 0 and +1. Where
@@ -119,7 +119,7 @@ def _describe(library: Library, number: PrimitiveScalar) -> str:
 
 
 def _by_the_rule(library: Library, number: PrimitiveScalar) -> bool:
-    """Whether an error has the sign that the convention gives it."""
+    """Returns True where an error has the convention's sign."""
     if number.kind == "trim":
         trim = library.trim(number.id)
         return bool(

@@ -25,7 +25,7 @@ def diff(
     numbers: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Says what changed from one library to another, per primitive. The exit code is 1 where they differ.
+    """Compares two libraries, primitive by primitive.
 
     For example:
 

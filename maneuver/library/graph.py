@@ -1,4 +1,4 @@
-"""`maneuver library graph`: a library's automaton as a picture, as the thesis draws Figures 3 and 4."""
+"""`maneuver library graph`: the automaton as a picture (thesis, Figures 3 and 4)."""
 
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +19,7 @@ def graph(
     numbers: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Draws the directed graph of a library: trims by yaw rate and forward speed, maneuvers as arrows.
+    """Draws the automaton: trims by yaw rate and speed, maneuvers as arrows.
 
     For example:
 

@@ -31,7 +31,7 @@ def interpolate(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Grows a library: trims on a grid inside the flown range, maneuvers between neighbouring trims.
+    """Interpolates trims and maneuvers on a grid inside the flown range.
 
     The errors of what was never flown are interpolated, and inflated by a factor at which the flown
     primitives, each left out in turn, would have had every flown sample inside the bounds that the others
@@ -51,7 +51,7 @@ def interpolate(
         rate_step: of the grid, rad/s.
         coverage: share of the grown primitives that are to hold as many flights as were flown.
         confidence: of that share.
-        name: of the grown library; OUT's by default.
+        name: of the interpolated library; OUT's by default.
         force: overwrite OUT.
         json: print the library as JSON.
     """
@@ -75,11 +75,11 @@ def interpolate(
         sys.stdout.write(library_text(grown.library))
         return 0
     print(
-        f"{plural(len(grown.library.trims), 'trim')}, {grown.trims} of them grown; "
-        f"{plural(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them grown"
+        f"{plural(len(grown.library.trims), 'trim')}, {grown.trims} of them interpolated; "
+        f"{plural(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them interpolated"
     )
     for kind, claim in (("trims", grown.trim_claim), ("maneuvers", grown.maneuver_claim)):
-        print(f"grown {kind}: {describe_claim(claim)}")
+        print(f"interpolated {kind}: {describe_claim(claim)}")
     for fit in grown.fits:
         print(
             f"{fit.number:24s} off by {fit.cross_validation_error:.4f} where left out, "

@@ -37,7 +37,7 @@ def kinematic(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Makes a library of assumed trims, durations and percent errors by kinematics (thesis, 2.6.1, 3.2.1).
+    """Makes a library from assumed trims, durations and errors (thesis, 2.6.1, 3.2.1).
 
     Its numbers are shown beside those of another library of the same edges: Tables 6 and 8 as printed, where
     FILE is the thesis's own, which is also an example of such a file.
@@ -87,7 +87,7 @@ def _matching_maneuver(row: Maneuver, library: Library) -> Maneuver | None:
 
 
 def _numbers(row: Maneuver, other: Maneuver | None) -> Iterator[tuple[str, str, bool]]:
-    """Yields each number with its error; the other library's where it differs; whether it is the same."""
+    """Yields each number with its error, and whether another library's agrees."""
     for name, (value, error), (known, known_error) in zip(
         ROUNDING, _pairs(row), _pairs(other) if other else ((None, None),) * len(ROUNDING), strict=True
     ):

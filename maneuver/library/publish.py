@@ -11,7 +11,7 @@ from runtime.atomic_write import check_output_files, file_target, remove_partial
 
 
 def check_library_target(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
-    """Refuses, before any work is done, a library that could not be written with its data sheet.
+    """Checks that a library and its data sheet can be written.
 
     Raises:
         FlightError: as `check_output_files`.
@@ -22,7 +22,7 @@ def check_library_target(path: Path, *, force: bool, inputs: Iterable[Path] = ()
 
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:
-    """Writes a library and its data sheet, each whole or not at all."""
+    """Writes a library and its data sheet atomically."""
     sheet = path.with_suffix(".md")
     for target, text in ((path, library_text(library)), (sheet, data_sheet(library))):
         remove_partial_files(target.parent, of=target.name)

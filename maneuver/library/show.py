@@ -75,7 +75,7 @@ def show(
 
 @app.command
 def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = False) -> int:
-    """Checks a library: its file, its references, and how its errors are signed.
+    """Checks a library's file, references and error signs.
 
     A broken library ends with exit code 2 and one line that names the place. Remarks do not make a library
     fail: the tables of the thesis have rows whose signs follow no rule.
@@ -102,7 +102,7 @@ def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = Fa
 
 
 def remarks(library: Library) -> list[str]:
-    """Returns what a user of the library should know: errors that break the sign rule, trims that trap."""
+    """Returns warnings: errors against the sign convention, trims without a way out."""
     said = []
     for trim in library.trims:
         if trim.error != signed_trim_error(trim.error, trim.velocity):

@@ -1,4 +1,4 @@
-"""`maneuver library trends`: how primitives change with speed and yaw rate (thesis, Figures 7 to 9)."""
+"""`maneuver library trends`: primitives against speed and yaw rate (thesis, Figures 7 to 9)."""
 
 import json as json_module
 import sys
@@ -33,7 +33,7 @@ def trends(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Shows how errors and displacements change with speed and yaw rate, as tables and as a picture.
+    """Shows errors and displacements against speed and yaw rate.
 
     The library is one that was flown for this; campaign `trends` has straight flight in steps of 8 ft/s up to
     80 ft/s, and turns in steps of 0.1 rad/s.
@@ -106,7 +106,7 @@ def _points(rows: Sequence[SpeedStep] | Sequence[TurnStep], across: str, up: str
 
 
 def _tables(seen: Trends) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
-    """Yields a headline, column heads and rows for each figure; feet beside metres."""
+    """Yields title, headings and rows of each figure, in metres and feet."""
     yield (
         "Forward error over speed (Figure 7)",
         ("ft/s", "m/s", "largest deviation, m/s", "%", "flights"),

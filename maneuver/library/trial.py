@@ -58,7 +58,7 @@ def run_trial(
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Tests what a library claims: flies anew and counts the flights that stay inside the bounds.
+    """Tests a library's coverage claim on new flights.
 
     A flight is inside the bounds of a primitive when all its numbers are, at once. The new flights have air
     and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
@@ -139,7 +139,7 @@ def _sample_and_flights(
 
 
 def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tuple[FlightSpecification, ...]:
-    """Returns flights by the library's own schedule, with seeds that no campaign has.
+    """Returns flights by the library's own schedule with new seeds.
 
     Raises:
         FlightError: the library does not say how it was flown.
@@ -159,7 +159,7 @@ def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tupl
 
 
 def _coasting_range(library: Library) -> tuple[float, float]:
-    """Returns the shortest and longest coasting time that a library's flights were given, in seconds.
+    """Returns shortest and longest coasting time of a library's flights, in seconds.
 
     Raises:
         FlightError: the library does not say how it was flown.
@@ -185,7 +185,7 @@ def _fly(
 
 
 def _fly_and_cut(specification: FlightSpecification, library: Library, of: StateJudged) -> FlightEvidence:
-    """Flies once and keeps the primitives; no log is written, so the seed stands for its bytes."""
+    """Flies once and returns the segments; writes no log."""
     log = fly_specification(specification, library)
     return extract_evidence(log, name=specification.name, sha256=f"seed {specification.seed}", of=of)
 

@@ -1,4 +1,4 @@
-"""Warnings on stderr where something is flown or planned outside a library's domain."""
+"""Warnings about flights and plans outside a library's domain."""
 
 import sys
 from collections.abc import Iterable, Sequence
@@ -9,12 +9,12 @@ from flightlog.header import FlightHeader
 
 
 def warn_of_walk(library: Library, trims: Sequence[int], coasting_times: Sequence[float]) -> None:
-    """Warns by name where a walk leaves the domain of the library that it was planned with."""
+    """Warns where a walk leaves the domain of its library."""
     _print_warnings(library, walk_domain_warnings(library, trims, coasting_times))
 
 
 def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequence[float]]]) -> None:
-    """Warns where flights left the domain of their library: of one by name, of more how many.
+    """Warns where flights left the domain of their library.
 
     Args:
         library: planned and flown with.
@@ -25,9 +25,7 @@ def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequenc
         _print_warnings(library, found[0])
     elif any(found):
         outside = sum(bool(one) for one in found)
-        _print_warnings(
-            library, [f"{outside} of {len(found)} flights held trims, or left them, as never flown"]
-        )
+        _print_warnings(library, [f"{outside} of {len(found)} flights left the domain of the data"])
 
 
 def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None) -> None:
@@ -63,7 +61,7 @@ def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
 
 
 def _is_stronger(wind: str, stated: str) -> bool:
-    """Whether a wind class is stronger than another; never where one of them is not known here."""
+    """Returns True where one wind class is known to be stronger."""
     from sim.wind.wind import WIND_CLASSES
 
     both = WIND_CLASSES.get(wind), WIND_CLASSES.get(stated)

@@ -1,4 +1,4 @@
-"""What work is done with: processes of this machine, or a cluster; and how files come back."""
+"""Options for the executor: local processes, or a Dask cluster."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -16,7 +16,7 @@ from .numbers import Count
 
 @dataclass(frozen=True, slots=True)
 class ExecutorOptions:
-    """What a command is told of who works.
+    """Executor that a command uses.
 
     Attributes:
         workers: processes of this machine; one for each processor by default.

@@ -1,4 +1,4 @@
-"""What a folder holds of some work, in words: `--status`."""
+"""Status of a folder of jobs: `--status`."""
 
 import json
 from collections.abc import Sequence
@@ -12,7 +12,7 @@ _NAMED = 5
 
 
 def print_status(seen: JobStoreStatus[Result], *, as_json: bool) -> int:
-    """Prints what is there, and returns the exit code: 0 where nothing is missing."""
+    """Prints a folder's status; returns 0 where nothing is missing."""
     listed = {
         "whole": seen.paths(JobState.WHOLE),
         "missing": seen.paths(JobState.MISSING),

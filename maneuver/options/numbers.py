@@ -1,4 +1,4 @@
-"""Numbers on the command line: whole ones are taken as they are, never rounded; times are above 0."""
+"""Number types of options: whole counts, never rounded; positive times."""
 
 from collections.abc import Sequence
 from math import inf

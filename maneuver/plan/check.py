@@ -1,4 +1,4 @@
-"""`maneuver plan check`: whether a plan keeps its word, and what of it is proved."""
+"""`maneuver plan check`: validity of a plan, and its proved guarantees."""
 
 import json as json_module
 import sys
@@ -29,7 +29,7 @@ def check(
     max_trims: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Checks a plan against its library and mission, without the search and without the solver.
+    """Checks a plan against its library and mission, without the search.
 
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
@@ -78,7 +78,7 @@ def _print_verdict(
         return FAILED if wrong else 0
     for problem in wrong:
         print(problem)
-    print(f"{file}: {'fails its check' if wrong else 'keeps its word'}")
+    print(f"{file}: {'invalid' if wrong else 'valid'}")
     for heading, sentences in (("proved", said.proved), ("not proved", said.unproved)):
         for sentence in sentences:
             print(f"  {heading + ':':<12}{sentence}")

@@ -52,7 +52,7 @@ def plan(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Plans a mission: the trims, and how long to hold each, so that the goal is reached in the least time.
+    """Plans a mission: trims and coasting times of least total time.
 
     The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
     and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of

@@ -1,4 +1,4 @@
-"""`maneuver plan --pareto`: the price of robustness as a table, as JSON and as a picture."""
+"""`maneuver plan --pareto`: price of robustness as table, JSON and picture."""
 
 import io
 import json as json_module
@@ -28,7 +28,7 @@ SCHEMA = "maneuver-prices/1"
 def print_prices(
     library: Library, mission: Mission, *, out: Path | None, picture: Path | None, force: bool, json: bool
 ) -> int:
-    """Shows the curve; returns the exit code, 1 where the mission has no nominal plan."""
+    """Prints the price curve; returns 1 where there is no nominal plan."""
     curve = price_curve(library, mission)
     document = json_module.dumps(_content(library, mission, curve), indent=2, allow_nan=False) + "\n"
     if out is not None:
@@ -48,7 +48,7 @@ def print_prices(
 
 
 def png_bytes(figure: "Figure") -> bytes:
-    """Returns a figure as a PNG file's bytes, the same for the same figure."""
+    """Returns a figure as PNG bytes without a time stamp."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()

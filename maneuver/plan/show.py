@@ -1,4 +1,4 @@
-"""A plan for people: the walk with its times, every scenario's cost, and what is promised."""
+"""Printed plan: walk, coasting times, cost of each scenario, guarantees."""
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -10,7 +10,7 @@ from planner.check.guarantees import describe_gamma_range, describe_lower_bound
 
 
 def print_plan(answer: Plan, library: Library) -> None:
-    """Prints a plan for people: the walk with its times, and every scenario's cost."""
+    """Prints a plan: walk, coasting times and the cost of each scenario."""
     console = Console(highlight=False)
     if not answer.found:
         console.print(f"{answer.mission}: {answer.status}: {answer.reason}", soft_wrap=True)

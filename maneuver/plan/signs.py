@@ -44,7 +44,7 @@ def signs(
     boxes: Count = MOST_TIME_BOXES,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Lets every primitive of a plan err on its own: how slow it may get, and how far from the goal.
+    """Bounds time and miss of a plan under independent errors.
 
     Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
     their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
@@ -72,7 +72,7 @@ def signs(
     primitives, task = library_and_mission(file, plan, library=library, mission=mission)
     check_plan_origin(file, plan, primitives, task)
     for problem in plan_problems(plan, primitives, task):
-        raise BadFileError(file, f"the plan does not keep its word: {problem}")
+        raise BadFileError(file, f"invalid plan: {problem}")
     gamma = plan.gamma or WHOLE
     found = bound_independent_errors(
         primitives,
@@ -124,7 +124,7 @@ def _print_bounds(found: IndependentErrorBounds) -> None:
 
 
 def _describe_errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
-    """Returns which errors there are, in shares of the largest where these are no corners."""
+    """Returns errors in shares of the largest where they are no corners."""
     told = (
         f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
         for name, error in zip(names, errors, strict=True)

@@ -1,4 +1,4 @@
-"""What `maneuver review` prints: a flight, several side by side, a campaign."""
+"""Text report of `maneuver review`: a flight, several, or a campaign."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -24,7 +24,7 @@ MOST_DEPARTURES, MOST_FLIGHTS = 8, 12
 
 
 def summary_content(summary: Summary) -> dict[str, Any]:
-    """Returns the summary as plain JSON values; what the log does not hold is null."""
+    """Returns a summary as JSON values; null where data are missing."""
     content = asdict(summary)
     if summary.bounds is not None:
         for violation in content["bounds"]["violations"]:
@@ -91,7 +91,7 @@ def _facts(summary: Summary) -> Table:
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
     if summary.plans is not None:
-        failed = f", {plural(summary.failures, 'planning')} found none" if summary.failures else ""
+        failed = f", {plural(summary.failures, 'replan')} failed" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")
     if summary.trims or summary.maneuvers:
         table.add_row("time-outs", str(summary.timeouts))

@@ -18,7 +18,7 @@ MOST_ROWS = 24
 
 
 def print_scorecard(card: Scorecard) -> None:
-    """Prints the cells, why goals were not reached, and what may be promised."""
+    """Prints the scorecard, reasons for goals not reached, and time bounds."""
     console = Console(highlight=False)
     cells = card.cells if len(card.cells) <= MOST_ROWS else card.totals
     console.print(f"{_where(cells)}; medians of flown and planned time", soft_wrap=True)
@@ -35,9 +35,9 @@ def print_scorecard(card: Scorecard) -> None:
     for promise in card.time_bounds:
         if promise.flights >= MOST_ROWS and promise.factor is not None:
             console.print(
-                f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights are "
-                f"within {promise.factor:.2f} times the prediction ({plural(promise.flights, 'flight')}); "
-                f"of others {promise.kept.count} of {promise.kept.of} are",
+                f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights finish "
+                f"within {promise.factor:.2f} × predicted ({plural(promise.flights, 'flight')}); "
+                f"on other missions {promise.kept.count} of {promise.kept.of} did",
                 soft_wrap=True,
             )
     for tube in card.tubes:

@@ -1,4 +1,4 @@
-"""What the thesis prints beside what is computed, as text: for a terminal, and as Markdown."""
+"""Text and Markdown report of printed beside computed figures of the thesis."""
 
 from collections.abc import Sequence
 

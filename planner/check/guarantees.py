@@ -28,9 +28,7 @@ def guarantees_of(plan: Plan) -> Guarantees:
     if plan.found:
         levels = ", ".join(f"{scenario.gamma:g}" for scenario in plan.scenarios)
         exactly = "" if plan.certificate is None else ", in interval arithmetic too"
-        proved.append(
-            f"flown again the sequence ends at the goal at gamma {levels}, in the times stated{exactly}"
-        )
+        proved.append(f"the sequence ends at the goal at gamma {levels}, in the times stated{exactly}")
     if plan.miss is not None:
         proved.append(
             f"the same coasting times end within {plan.miss:.4f} m of the goal {describe_gamma_range(plan)}"
@@ -44,7 +42,7 @@ def guarantees_of(plan: Plan) -> Guarantees:
     if plan.policy == "price-of-robustness" and plan.found:
         unproved += _price_sentences(plan)
     if plan.time_promise is not None:
-        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not flown again")
+        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not repeated here")
     return Guarantees(tuple(proved), tuple(unproved))
 
 

@@ -174,7 +174,7 @@ def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
     """
     if not plan.tail:
         missing = plan.policy != "committed" and _fails_to_rest(plan.sequence[-1], library)
-        return [f"tail: missing, though trim {plan.sequence[-1]} leads to rest"] if missing else []
+        return [f"tail: missing, though trim {plan.sequence[-1]} has a safe stop"] if missing else []
     try:
         library.maneuvers_along((plan.sequence[-1], *plan.tail))
         end = library.trim(plan.tail[-1]).velocity

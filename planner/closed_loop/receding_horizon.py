@@ -90,7 +90,7 @@ class _Loop:
         steps, _ = self._left.window(thinking)
         promise = self._planner.plan(self._mission_ahead(steps, share=0.0))
         self._record.predicted_time = thinking + promise.cost
-        reason = f"{self._settings.max_activations} plannings did not lead to the goal"
+        reason = f"{self._settings.max_activations} replans did not reach the goal"
         for _ in range(self._settings.max_activations):
             ended = self._replan()
             if self._record.claimed:

@@ -38,11 +38,11 @@ def test_inside_the_domain_nothing_is_said() -> None:
 def test_each_departure_is_named() -> None:
     assert walk_domain_warnings(LIBRARY, (1, 2, 3, 1), (2.0, 1.0, 9.0, 2.0)) == (
         "trims 3 are outside the speeds flown, 0 to 2 m/s",
-        "trim 2 is held for less than 2.0 s, as never flown",
-        "trim 3 is held for more than 8.0 s, as never flown",
+        "coast in trim 2 (< 2.0 s) is shorter than any in the data",
+        "coast in trim 3 (> 8.0 s) is longer than any in the data",
     )
     assert walk_domain_warnings(LIBRARY, (1, 2, 4, 2), (2.0,) * 4) == (
-        "trims 4 are left by no maneuver that was flown",
+        "no data: maneuvers leaving trims 4 were never flown",
     )
     assert vehicle_domain_warnings(LIBRARY, vehicle_hash="b" * 64) == (
         "the vehicle is bbbbbbbbbbbb, the library was identified from aaaaaaaaaaaa",

@@ -129,7 +129,7 @@ def test_the_scorecard_counts_every_flight(capsys: pytest.CaptureFixture[str]) -
     assert len({row["seed"] for row in flown}) == 2
 
 
-def test_a_flight_that_runs_out_of_plannings_counts_as_not_reached(
+def test_a_flight_that_runs_out_of_replans_counts_as_not_reached(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     """The negative control: one planning and one second are not enough for any mission."""

@@ -68,7 +68,7 @@ def test_proved_and_claimed_are_told_apart_in_text_and_json(
     code, told, text = check(tmp_path, capsys, case()[0])
     assert (code, told["passed"], told["problems"]) == (0, True, [])
     assert [word.split(":")[0] for word in told["unproved"]] == ["optimal"]
-    assert "keeps its word\n  proved:     flown again" in text
+    assert "valid\n  proved:     the sequence ends" in text
     assert "  not proved: optimal: no plan takes less than" in text
 
 

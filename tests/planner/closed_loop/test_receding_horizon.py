@@ -93,7 +93,7 @@ def test_open_loop_the_same_errors_miss() -> None:
     result = flown(shipped("gtmax-2"), Settings(activation_interval=100.0, max_activations=1), gamma=-1.0)
     assert not result.reached
     assert result.closest > 0.9144
-    assert "plannings did not lead to the goal" in result.reason
+    assert "replans did not reach the goal" in result.reason
 
 
 def test_a_started_maneuver_is_finished_before_planning_again() -> None:
@@ -134,7 +134,7 @@ def test_without_a_first_plan_nothing_is_flown() -> None:
     assert result.reason == "no plan from the start: refused"
 
 
-def test_the_limit_of_plannings_ends_the_flight_as_not_reached() -> None:
+def test_the_limit_of_replans_ends_the_flight_as_not_reached() -> None:
     result = flown(shipped("gtmax-1"), Settings(max_activations=2))
     assert not result.reached
     assert result.replans == 2

@@ -133,4 +133,4 @@ def test_a_plan_that_does_not_keep_its_word_is_not_trusted(
     path = tmp_path / "plan.json"
     path.write_text(plan_text(replace(plan, gamma=0.25)))
     assert run(["plan", "signs", str(path)]) == 2
-    assert "does not keep its word: scenarios" in capsys.readouterr().err
+    assert "invalid plan: scenarios" in capsys.readouterr().err

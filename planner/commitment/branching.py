@@ -9,9 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flight.automaton.library import Library
+from planner.walks.boxes import joined
 from planner.walks.walk import Walk
 
-from .boxes import SLACK, Boxes, Known, examine, joined
+from .boxes import SLACK, Known, TimeBoxes, examine
 from .descent import Descended, Descent
 from .fan import Sheaf
 from .levels import telling_levels
@@ -151,7 +152,7 @@ class Branching:
         self._begun[:] = 0
         if best.found is not None:
             self._learn(self.walks.index(best.walk), best.found)
-        while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
+        while len(open_) and nodes < self._most_nodes and best.value > enough:
             if perf_counter() > self._until:
                 break
             keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
@@ -164,7 +165,7 @@ class Branching:
             radius = self.task.tolerance if soonest else min(best.value - gap, FAR)
             time = min(best.value - gap, limit) if soonest else limit
             whole = open_.take(chosen)
-            nodes += 2 * len(whole.rows)
+            nodes += 2 * len(whole)
             children = self._examined(whole, radius, time)
             if pause:
                 pause -= 1
@@ -172,36 +173,34 @@ class Branching:
                 improved = self._improved(best, children, limit, soonest=soonest)
                 vain = 0 if improved.value < best.value else min(vain + 1, LONGEST_PAUSE)
                 best, pause = improved, vain
-            open_ = joined([open_.take(~chosen), children])
+            open_ = joined(open_.take(~chosen), children)
         keys = self.fixed[open_.rows] + open_.seconds if soonest else open_.miss
         left = float(keys.min(initial=inf))
         bound = min(left, best.value - gap)
         complete = left == inf or left > best.value - gap
         return Best(best.walk, best.found, best.value, bound, complete, nodes)
 
-    def _examined(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+    def _examined(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
         """Returns what remains of both halves of boxes."""
         swing = np.abs(self._sheaf.rate[0][boxes.rows]) * (boxes.high - boxes.low)
         large = (swing > LARGE).any(axis=1)
-        parts = [
-            self._roughly(boxes.take(large), radius, time),
-            self._closely(boxes.take(~large), radius, time),
-        ]
-        return joined(parts)
+        return joined(
+            self._roughly(boxes.take(large), radius, time), self._closely(boxes.take(~large), radius, time)
+        )
 
-    def _roughly(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+    def _roughly(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
         """Returns what remains of halves, looked at in the middle and at the ends of the levels."""
-        halves = boxes.halves()
+        halves = boxes.halves(boxes.widest)
         rows, budget = halves.rows, time - self.fixed[halves.rows]
         known = Known(np.zeros((len(rows), 3), dtype=complex), np.zeros((len(rows), 2)))
         fan = self._three.take(rows)
         return examine(fan, halves, self.task, known, radius=radius, budget=budget)
 
-    def _closely(self, boxes: Boxes, radius: float, time: float) -> Boxes:
+    def _closely(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
         """Returns what remains of halves, looked at where the whole misses most and where that is known."""
-        off = self._everywhere.take(boxes.rows).ends(0.5 * (boxes.low + boxes.high))[0] - self.task.goal
+        off = self._everywhere.take(boxes.rows).ends(boxes.middle)[0] - self.task.goal
         inside = np.tile(telling_levels(self._grid, off, PEAKS), (2, 1))
-        halves = boxes.halves()
+        halves = boxes.halves(boxes.widest)
         rows, budget = halves.rows, time - self.fixed[halves.rows]
         ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
         levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])
@@ -210,7 +209,7 @@ class Branching:
         fan, known = self._sheaf.at(rows, levels), Known(pulls, self._twists[rows])
         return examine(fan, halves, self.task, known, radius=radius, budget=budget)
 
-    def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> Boxes:
+    def _whole(self, bounds: Float[np.ndarray, "walks"], limit: float) -> TimeBoxes:
         """Returns all times that walks may coast, for each number of full turns to a wanted heading."""
         rows = np.flatnonzero(bounds <= limit)
         trims = self._sheaf.rate.shape[2]
@@ -232,11 +231,11 @@ class Branching:
         turns: Int[np.ndarray, "n"],
         high: Float[np.ndarray, "n trims"],
         bounds: Float[np.ndarray, "walks"],
-    ) -> Boxes:
-        boxes = Boxes.of(rows, turns, np.zeros_like(high), high)
+    ) -> TimeBoxes:
+        boxes = TimeBoxes.of(rows, turns, np.zeros_like(high), high)
         return replace(boxes, seconds=np.maximum(bounds[rows] - self.fixed[rows], 0.0))
 
-    def _improved(self, best: Best, children: Boxes, limit: float, *, soonest: bool) -> Best:
+    def _improved(self, best: Best, children: TimeBoxes, limit: float, *, soonest: bool) -> Best:
         if best.found is not None and soonest:
             keys = self.fixed[children.rows] + children.seconds
         else:

@@ -7,7 +7,6 @@ some trim is held for longer than the middle asks for: a detour, but one that ar
 
 from dataclasses import dataclass, field
 from math import inf
-from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -17,7 +16,7 @@ from flight.se2 import wrap_angle
 from planner.kernel.exact import best_of_each
 from planner.walks.goal import EQUALITY_TOLERANCE, goal_seen, wants_heading
 
-from .bound import ROUNDING
+from .bound import ROUNDING, BoundedBoxes
 from .closing import Closed, Way, close, ways
 from .enclosure import enclose
 from .error_path import ErrorPath
@@ -41,48 +40,6 @@ COSTS = 0.3
 """Share of a detour's seconds that it costs, at least, as a rule."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Boxes:
-    """Boxes of errors.
-
-    Attributes:
-        middle: error variables in the middle of each.
-        width: half widths.
-        bound: seconds that suffice for each; infinite where none are known.
-    """
-
-    middle: Float[np.ndarray, "n variables"]
-    width: Float[np.ndarray, "n variables"]
-    bound: Float[np.ndarray, "n"]
-
-    @classmethod
-    def whole(cls, variables: int) -> Self:
-        """Returns the one box of all errors."""
-        return cls(np.zeros((1, variables)), np.ones((1, variables)), np.array([inf]))
-
-    def take(self, which: Bool[np.ndarray, "n"] | Int[np.ndarray, "m"]) -> "Boxes":
-        """Returns some of them."""
-        return Boxes(self.middle[which], self.width[which], self.bound[which])
-
-    def halves(self, place: Int[np.ndarray, "n"]) -> "Boxes":
-        """Returns both halves of each, cut along the variables at these places."""
-        rows = np.arange(len(place))
-        width, shift = self.width.copy(), np.zeros_like(self.width)
-        width[rows, place] *= 0.5
-        shift[rows, place] = width[rows, place]
-        middle = np.concatenate([self.middle - shift, self.middle + shift])
-        return Boxes(middle, np.tile(width, (2, 1)), np.tile(self.bound, 2))
-
-
-def joined(one: Boxes, two: Boxes) -> Boxes:
-    """Returns all boxes in one."""
-    return Boxes(
-        np.concatenate([one.middle, two.middle]),
-        np.concatenate([one.width, two.width]),
-        np.concatenate([one.bound, two.bound]),
-    )
-
-
 @dataclass(eq=False)
 class Look:
     """What is known of a batch of boxes.
@@ -98,7 +55,7 @@ class Look:
         dear: what a second counts for, beside a second that answering times may become shorter, in ranks.
     """
 
-    boxes: Boxes
+    boxes: BoundedBoxes
     cost: Float[np.ndarray, "n"]
     times: Float[np.ndarray, "n trims"]
     dear: float
@@ -130,7 +87,7 @@ class Answers:
         """Returns the seconds that errors take, with the best times for each."""
         return best_of_each(self._path.table(errors), self._mission)[0]
 
-    def close(self, boxes: Boxes, enough: float) -> Look:
+    def close(self, boxes: BoundedBoxes, enough: float) -> Look:
         """Returns bounds for boxes, as close as they are to be had.
 
         Args:
@@ -144,7 +101,7 @@ class Answers:
             self._blame(look)
         return look
 
-    def coarse(self, boxes: Boxes, enough: float) -> Look:
+    def coarse(self, boxes: BoundedBoxes, enough: float) -> Look:
         """Returns bounds for boxes by the shortest detours that give any; arguments as in `close`."""
         look = self._begun(boxes, dear=0.0)
         if np.isfinite(look.cost).all():
@@ -153,7 +110,7 @@ class Answers:
             self._blame(look)
         return look
 
-    def _begun(self, boxes: Boxes, *, dear: float) -> Look:
+    def _begun(self, boxes: BoundedBoxes, *, dear: float) -> Look:
         return Look(boxes, *best_of_each(self._path.table(boxes.middle), self._mission), dear)
 
     def _blame(self, look: Look) -> None:

@@ -11,9 +11,9 @@ from flight.automaton.library import Library
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission, read_mission
 from flight.se2 import SE2, Twist
-from planner.independent_errors.bound import Bounded
+from planner.independent_errors.bound import Bounded, BoundedBoxes
 from planner.independent_errors.corners import furthest_corner
-from planner.independent_errors.enclosed_answers import Answers, Boxes
+from planner.independent_errors.enclosed_answers import Answers
 from planner.independent_errors.enclosure import enclose
 from planner.independent_errors.error_path import Each, ErrorPath, error_path
 from planner.independent_errors.independent_errors import trust
@@ -168,7 +168,7 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
     answers, count = Answers(path, mission), len(path.names)
     width = rng.uniform(0.05, 0.6, (60, 1)) * rng.uniform(0, 1, (60, count))
     middle = (1 - width) * rng.choice([-1.0, 1.0], (60, count))
-    boxes = Boxes(middle, width, np.full(60, inf))
+    boxes = BoundedBoxes(middle - width, middle + width, np.full(60, inf))
     for look in (answers.close(boxes, 0.0), answers.coarse(boxes, 0.0)):
         assert np.isfinite(look.bound).sum() > 20
         for box in np.flatnonzero(np.isfinite(look.bound)).tolist():
@@ -200,7 +200,7 @@ def test_times_that_errors_make_negative_prove_nothing() -> None:
         goal = complex(path.at(middle).end(rng.uniform(0, 1, (1, len(turns))))[0])
         mission = Mission("near", SE2.identity(), 1, (goal.real, goal.imag), tolerance=0.0)
         answers = Answers(path, mission)
-        bound = answers.close(Boxes(middle, width, np.full(1, inf)), 0.0).bound[0]
+        bound = answers.close(BoundedBoxes(middle - width, middle + width, np.full(1, inf)), 0.0).bound[0]
         drawn = rng.uniform(-1, 1, (300, count))
         drawn[::2] = np.sign(drawn[::2])
         assert answers.costs(middle + drawn * width).max() <= bound + 1e-6

@@ -12,7 +12,7 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
-from planner.commitment.boxes import Boxes, Known, examine
+from planner.commitment.boxes import Known, TimeBoxes, examine
 from planner.commitment.committed import Committed
 from planner.commitment.fan import fan
 from planner.commitment.levels import telling_levels
@@ -56,12 +56,12 @@ def test_no_box_loses_coasting_times_that_are_allowed(seed: int) -> None:
         task = Task(goal, miss, gamma, bool(off < 3), float(heading[0].mean()) + 2 * pi, off * 1.01 + 1e-3)
         size = 10 ** rng.uniform(-2, 1.2)
         low = np.maximum(times - rng.uniform(0, size, (1, count)), 0)
-        boxes = Boxes.of(none, none - 1, low, times + rng.uniform(0, size, (1, count)))
+        boxes = TimeBoxes.of(none, none - 1, low, times + rng.uniform(0, size, (1, count)))
         pulls = rng.normal(size=(1, 3)) + 1j * rng.normal(size=(1, 3))
         twists = rng.normal(size=(1, 2)) * (rng.random((1, 2)) < 0.7)
         budget = np.array([times.sum() + 10 ** rng.uniform(-6, 0)])
         left = examine(numbers, boxes, task, Known(pulls, twists), radius=miss * (1 + 1e-9), budget=budget)
-        assert len(left.rows) == 1
+        assert len(left) == 1
         assert (left.low <= times + 1e-7).all()
         assert (left.high >= times - 1e-7).all()
         assert left.seconds[0] <= times.sum() + 1e-7

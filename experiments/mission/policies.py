@@ -1,15 +1,12 @@
 """The policies: how they are named on the command line, what can be flown, and a planner for each name."""
 
-from collections.abc import Mapping
 from math import inf
 from typing import Literal, get_args
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
 from flight.plan.plan import Policy as PlannedPolicy
 from planner.policies.nominal import nominal_planner
 from planner.policies.policy import Planner
-from planner.policies.price_of_robustness import PriceOfRobustness
 from planner.policies.worst_case import worst_case_planner
 
 FlownPolicy = Literal["nominal", "worst-case", "calibrated", "committed"]
@@ -27,16 +24,6 @@ GAMMA, ALPHA = 1.0, 1.2
 
 CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
 """Minima over coasting times at levels known beforehand, which `planner.proof.certify_plan` can prove."""
-
-HEEDED: Mapping[str, tuple[PlannedPolicy, ...]] = {
-    "--gamma": ("worst-case", "committed"),
-    "--alpha": ("price-of-robustness",),
-    "--max-nodes": ("nominal", "worst-case", "committed"),
-    "--deadline": ("nominal", "worst-case", "committed"),
-    "--horizon": ("committed",),
-    "--certify": CERTIFIABLE,
-}
-"""Which policies heed an option of `maneuver plan`; given with another it is refused, not ignored."""
 
 
 def planner_of(
@@ -82,27 +69,6 @@ def planner_of(
 
             return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
         case "price-of-robustness":
+            from planner.policies.price_of_robustness import PriceOfRobustness
+
             return PriceOfRobustness(library, alpha)
-
-
-def refuse_misfits(policy: PlannedPolicy | None, options: Mapping[str, object], *, pareto: bool) -> None:
-    """Refuses an option that would be ignored.
-
-    Args:
-        policy: that is asked for, if any is.
-        options: what was given, by name; None or False where nothing was.
-        pareto: whether the price of robustness is asked for, which heeds none of them.
-
-    Raises:
-        FlightError: there is one; says what it goes with.
-    """
-    given = [option for option, value in options.items() if value is not None and value is not False]
-    if pareto and (policy or given):
-        first = given[0] if given else "--policy"
-        raise FlightError(
-            f"{first} does not go with --pareto, which plans for the worst case from gamma 0 to 1"
-        )
-    chosen = policy or DEFAULT_POLICY
-    for option in given:
-        if chosen not in HEEDED[option]:
-            raise FlightError(f"{option} goes with --policy {' or '.join(HEEDED[option])}, got {chosen}")

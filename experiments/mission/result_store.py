@@ -14,7 +14,7 @@ from flightlog.file.writer import log_bytes
 from flightlog.identity import difference, identity
 from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import refuse_folder, remove_partials
-from runtime.code_version import code_version
+from runtime.code_version import code_version, judging_version
 from runtime.executor import Means
 from runtime.job import Done, Found, State, refuse_other_code
 from runtime.job_store import accept_others, complete, refuse_to_replace
@@ -104,8 +104,8 @@ def _digest(result: MissionResult) -> str:
 
 
 def code_here() -> str:
-    """Returns the version of the code that flies missions here, and how it searches for plans."""
-    return f"{code_version()}, plans {SEARCH_BACKEND}"
+    """Returns the versions of the code that flies missions here and that judges them, and how it plans."""
+    return f"{code_version()}, judged by {judging_version()}, plans {SEARCH_BACKEND}"
 
 
 def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of, refuse_misfits
+from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of
 from experiments.mission.time_bound import promised_times, with_promise
 from flight.automaton.library import Library
 from flight.errors import FlightError
@@ -21,6 +21,7 @@ from runtime.atomic_write import publish_bytes, refuse_files
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
 from .check import check
+from .heeded import refuse_misfits
 from .prices import png, show_prices
 from .show import show
 from .signs import signs

@@ -65,15 +65,6 @@ def read_toml(path: Path, model: type[Model], build: Callable[[Model], Value]) -
     return parse_json(as_json, path, model, build)
 
 
-def read_json(path: Path, model: type[Model], build: Callable[[Model], Value]) -> Value:
-    """Reads a JSON file into a model, and builds a value from the model.
-
-    Raises:
-        BadFileError: names the file and the first place in it that is wrong.
-    """
-    return parse_json(read_text(path), path, model, build)
-
-
 def parse_json(
     text: str | bytes, source: Path | str, model: type[Model], build: Callable[[Model], Value]
 ) -> Value:

@@ -20,8 +20,9 @@ from sim.campaign_flight import fly_sequence
 from sim.loop import backend as backends
 from sim.loop.backend import Backend, OtherBitsError, best_backend, name_backend, realise, same_bits
 from sim.loop.specification import FlightSpecification
-from sim.replay import AnotherVehicleError, replay
+from sim.replay import AnotherVehicleError
 from sim.simulated_helicopter import SimulatedHelicopter
+from tests.support.commands_flown import replay
 
 HAS_COMPILER = best_backend() is Backend.COMPILED
 needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="there is no C compiler that works")

@@ -23,11 +23,11 @@ from maneuver.app import run
 from planner.policies.adaptive_gamma import GAMMAS, CalibratedGamma
 from scenarios.find import find_library, find_mission
 from sim.loop.specification import Departure, FlightSpecification, parse_specification
-from sim.replay import replay
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import BEYOND, LIMITS, limits_for
 from sim.wind.turbulence_meter import FIRST, IN_STILL_AIR, STRAIGHT, TURNING, TurbulenceMeter
 from sim.wind.wind import WIND_CLASSES
+from tests.support.commands_flown import replay
 
 LIBRARY = find_library("gtmax-sim")
 

@@ -1,15 +1,12 @@
 """Policies by their names on the command line."""
 
-from collections.abc import Mapping
 from math import inf
 from typing import Literal, get_args
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
 from flight.plan.plan import Policy as PlannedPolicy
 from planner.policies.nominal import nominal_planner
 from planner.policies.policy import Planner
-from planner.policies.price_of_robustness import PriceOfRobustness
 from planner.policies.worst_case import worst_case_planner
 
 FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
@@ -27,16 +24,6 @@ GAMMA, ALPHA = 1.0, 1.2
 
 CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
 """Policies whose optima at known gammas `planner.proof.certify_plan` can prove."""
-
-OPTION_POLICIES: Mapping[str, tuple[PlannedPolicy, ...]] = {
-    "--gamma": ("worst-case", "committed"),
-    "--alpha": ("price-of-robustness",),
-    "--max-nodes": ("nominal", "worst-case", "committed"),
-    "--deadline": ("nominal", "worst-case", "committed"),
-    "--horizon": ("committed",),
-    "--certify": CERTIFIABLE,
-}
-"""Policies for which an option of `maneuver plan` is valid; otherwise it is refused."""
 
 
 def planner_of(
@@ -82,29 +69,6 @@ def planner_of(
 
             return CommittedPlanner(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
         case "price-of-robustness":
+            from planner.policies.price_of_robustness import PriceOfRobustness
+
             return PriceOfRobustness(library, alpha)
-
-
-def check_policy_options(
-    policy: PlannedPolicy | None, options: Mapping[str, object], *, pareto: bool
-) -> None:
-    """Checks that no option would be ignored.
-
-    Args:
-        policy: the requested policy, if any.
-        options: options by name; None or False where not given.
-        pareto: True for `--pareto`, with which none of them is valid.
-
-    Raises:
-        FlightError: an option is not valid with the policy.
-    """
-    given = [option for option, value in options.items() if value is not None and value is not False]
-    if pareto and (policy or given):
-        first = given[0] if given else "--policy"
-        raise FlightError(f"--pareto plans the worst case from gamma 0 to 1: expected no {first}, got one")
-    chosen = policy or DEFAULT_POLICY
-    for option in given:
-        if chosen not in OPTION_POLICIES[option]:
-            raise FlightError(
-                f"{option}: expected --policy {' or '.join(OPTION_POLICIES[option])}, got {chosen}"
-            )

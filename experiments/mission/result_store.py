@@ -14,7 +14,7 @@ from flightlog.file.writer import log_bytes
 from flightlog.identity import flight_identity, identity_difference
 from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import check_output_folder, remove_partial_files
-from runtime.code_version import code_version
+from runtime.code_version import code_version, evaluation_version
 from runtime.executor import JobExecutor
 from runtime.job import JobResult, JobState, JobStatus, check_code_version
 from runtime.job_store import allow_other_files, check_no_replacement, complete
@@ -108,8 +108,8 @@ def _digest(result: MissionResult) -> str:
 
 
 def code_identity() -> str:
-    """Returns the version of the code that flies missions here, and how it searches for plans."""
-    return f"{code_version()}, plans {SEARCH_BACKEND}"
+    """Returns the versions of the code that flies missions here and that judges them, and how it plans."""
+    return f"{code_version()}, judged by {evaluation_version()}, plans {SEARCH_BACKEND}"
 
 
 def stored_task(task: MissionTask, folder: Path) -> StoredTask:

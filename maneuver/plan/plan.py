@@ -8,7 +8,7 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, check_policy_options, planner_of
+from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of
 from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
 from flight.automaton.library import Library
 from flight.errors import FlightError
@@ -21,6 +21,7 @@ from runtime.atomic_write import check_output_files, write_atomically
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
 from .check import check
+from .policy_options import check_policy_options
 from .prices import png_bytes, print_prices
 from .show import print_plan
 from .signs import signs

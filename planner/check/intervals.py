@@ -81,11 +81,6 @@ class Interval:
         wide = as_interval(other)
         return Interval(np.minimum(self.low, wide.low), np.maximum(self.high, wide.high))
 
-    def intersection(self, other: Operand) -> "Interval":
-        """Returns what both hold; where that is nothing, `low` exceeds `high`."""
-        wide = as_interval(other)
-        return Interval(np.maximum(self.low, wide.low), np.minimum(self.high, wide.high))
-
     def __neg__(self) -> "Interval":
         """Exact."""
         return Interval(-self.high, -self.low)

@@ -49,7 +49,8 @@ class Settings:
         """Refuses a loop that cannot run."""
         if not 0 < self.activation_interval <= LONGEST_INTERVAL:
             raise ValueError(
-                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, got {self.activation_interval} s"
+                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
+                f"got {self.activation_interval} s"
             )
         if self.max_activations < 1:
             raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")

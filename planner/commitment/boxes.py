@@ -9,7 +9,9 @@ seconds, and bounds the largest miss from below.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float, Int
+from jaxtyping import Complex, Float, Int
+
+from planner.walks.boxes import Boxes
 
 from .committed_task import CommittedTask
 from .inequalities import LinearInequalities, least_sum, least_values, tighten_offsets
@@ -23,15 +25,13 @@ AFTER_PULLS = 3
 """Where the known directions stand among all, from the last."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TimeBoxes:
-    """Boxes of coasting times.
+@dataclass(frozen=True, eq=False)
+class TimeBoxes(Boxes):
+    """Boxes of coasting times in seconds.
 
     Attributes:
         rows: which walk each belongs to.
         turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
-        low: smallest times in seconds.
-        high: largest times in seconds.
         seconds: that all times in the box take together, at least.
         miss: metres that the largest miss of each set of times in the box exceeds, at least.
         near: metres that the times in the middle miss by at most, at the levels looked at.
@@ -40,8 +40,6 @@ class TimeBoxes:
 
     rows: Int[np.ndarray, "n"]
     turns: Int[np.ndarray, "n"]
-    low: Float[np.ndarray, "n trims"]
-    high: Float[np.ndarray, "n trims"]
     seconds: Float[np.ndarray, "n"]
     miss: Float[np.ndarray, "n"]
     near: Float[np.ndarray, "n"]
@@ -57,52 +55,7 @@ class TimeBoxes:
     ) -> "TimeBoxes":
         """Returns boxes about which nothing is known yet."""
         nothing = np.zeros(len(rows))
-        return cls(rows, turns, low, high, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
-
-    def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "TimeBoxes":
-        """Returns some of them."""
-        return TimeBoxes(
-            self.rows[which],
-            self.turns[which],
-            self.low[which],
-            self.high[which],
-            self.seconds[which],
-            self.miss[which],
-            self.near[which],
-            self.widest[which],
-        )
-
-    def halves(self) -> "TimeBoxes":
-        """Returns both halves of each, with what is known of the whole."""
-        at = np.arange(len(self.rows))
-        middle = 0.5 * (self.low[at, self.widest] + self.high[at, self.widest])
-        below, above = self.high.copy(), self.low.copy()
-        below[at, self.widest] = middle
-        above[at, self.widest] = middle
-        return join_time_boxes(
-            [
-                TimeBoxes(
-                    self.rows, self.turns, self.low, below, self.seconds, self.miss, self.near, self.widest
-                ),
-                TimeBoxes(
-                    self.rows, self.turns, above, self.high, self.seconds, self.miss, self.near, self.widest
-                ),
-            ]
-        )
-
-
-def join_time_boxes(parts: list[TimeBoxes]) -> TimeBoxes:
-    """Returns all boxes in one."""
-    return TimeBoxes(
-        np.concatenate([part.rows for part in parts]),
-        np.concatenate([part.turns for part in parts]),
-        np.concatenate([part.low for part in parts]),
-        np.concatenate([part.high for part in parts]),
-        np.concatenate([part.seconds for part in parts]),
-        np.concatenate([part.miss for part in parts]),
-        np.concatenate([part.near for part in parts]),
-        np.concatenate([part.widest for part in parts]),
-    )
+        return cls(low, high, rows, turns, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,7 +90,7 @@ def contract_boxes(
         radius: metres within which every level must end.
         budget: seconds that the coasting times of each box may take together.
     """
-    middle, width = 0.5 * (boxes.low + boxes.high), 0.5 * (boxes.high - boxes.low)
+    middle, width = boxes.middle, boxes.width
     end, heading, along = walk_batch.ends(middle)
     off = end - task.goal
     fastest = walk_batch.fastest(along, width, boxes.high)
@@ -160,10 +113,10 @@ def contract_boxes(
     kept = open_ & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
     return TimeBoxes(
-        boxes.rows,
-        boxes.turns,
         np.maximum(middle + below, 0.0),
         middle + above,
+        boxes.rows,
+        boxes.turns,
         np.maximum(boxes.seconds, seconds),
         np.maximum(boxes.miss, miss),
         np.abs(off).max(axis=1),

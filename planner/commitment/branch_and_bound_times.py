@@ -9,9 +9,10 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flight.automaton.library import Library
+from planner.walks.boxes import joined
 from planner.walks.walk import Walk
 
-from .boxes import SLACK, CutDirections, TimeBoxes, contract_boxes, join_time_boxes
+from .boxes import SLACK, CutDirections, TimeBoxes, contract_boxes
 from .committed_task import CommittedTask
 from .local_search import LocalOptimum, LocalSearch
 from .walk_batch import LinearWalkBatch
@@ -153,7 +154,7 @@ class BranchAndBound:
         self._begun[:] = 0
         if best.found is not None:
             self._record_cut_directions(self.walks.index(best.walk), best.found)
-        while len(open_.rows) and nodes < self._most_nodes and best.value > enough:
+        while len(open_) and nodes < self._most_nodes and best.value > enough:
             if perf_counter() > self._until:
                 break
             keys = self.fixed[open_.rows] + open_.seconds if minimise_time else open_.miss
@@ -166,7 +167,7 @@ class BranchAndBound:
             radius = self.task.tolerance if minimise_time else min(best.value - gap, FAR)
             time = min(best.value - gap, limit) if minimise_time else limit
             whole = open_.take(chosen)
-            nodes += 2 * len(whole.rows)
+            nodes += 2 * len(whole)
             children = self._contract(whole, radius, time)
             if pause:
                 pause -= 1
@@ -174,7 +175,7 @@ class BranchAndBound:
                 improved = self._improve(best, children, limit, minimise_time=minimise_time)
                 vain = 0 if improved.value < best.value else min(vain + 1, LONGEST_PAUSE)
                 best, pause = improved, vain
-            open_ = join_time_boxes([open_.take(~chosen), children])
+            open_ = joined(open_.take(~chosen), children)
         keys = self.fixed[open_.rows] + open_.seconds if minimise_time else open_.miss
         left = float(keys.min(initial=inf))
         bound = min(left, best.value - gap)
@@ -185,15 +186,14 @@ class BranchAndBound:
         """Returns what remains of both halves of boxes."""
         swing = np.abs(self._sheaf.rate[0][boxes.rows]) * (boxes.high - boxes.low)
         large = (swing > LARGE).any(axis=1)
-        parts = [
+        return joined(
             self._contract_coarsely(boxes.take(large), radius, time),
             self._contract_closely(boxes.take(~large), radius, time),
-        ]
-        return join_time_boxes(parts)
+        )
 
     def _contract_coarsely(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
         """Returns what remains of halves, looked at in the middle and at the ends of the levels."""
-        halves = boxes.halves()
+        halves = boxes.halves(boxes.widest)
         rows, budget = halves.rows, time - self.fixed[halves.rows]
         known = CutDirections(np.zeros((len(rows), 3), dtype=complex), np.zeros((len(rows), 2)))
         walk_batch = self._three.take(rows)
@@ -201,9 +201,9 @@ class BranchAndBound:
 
     def _contract_closely(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
         """Returns what remains of halves, looked at where the whole misses most and where that is known."""
-        off = self._everywhere.take(boxes.rows).ends(0.5 * (boxes.low + boxes.high))[0] - self.task.goal
+        off = self._everywhere.take(boxes.rows).ends(boxes.middle)[0] - self.task.goal
         inside = np.tile(worst_levels(self._grid, off, PEAKS), (2, 1))
-        halves = boxes.halves()
+        halves = boxes.halves(boxes.widest)
         rows, budget = halves.rows, time - self.fixed[halves.rows]
         ends = np.tile(self._grid[[0, -1]], (len(rows), 1))
         levels = np.hstack([ends[:, :1], self._matter[rows], inside, ends[:, 1:]])

@@ -1,6 +1,13 @@
 """The worst over a box of errors: what was found, and what nothing exceeds."""
 
 from dataclasses import dataclass
+from math import inf
+from typing import Self
+
+import numpy as np
+from jaxtyping import Float
+
+from planner.walks.boxes import Boxes
 
 ROUNDING = 1e-9
 """Metres and seconds that every bound is widened by."""
@@ -24,3 +31,19 @@ class BoundedMaximum:
     errors: tuple[float, ...]
     bound: float
     boxes: int
+
+
+@dataclass(frozen=True, eq=False)
+class BoundedBoxes(Boxes):
+    """Boxes of error variables.
+
+    Attributes:
+        bound: what no errors of each exceed, seconds or metres; infinite where none is known.
+    """
+
+    bound: Float[np.ndarray, "n"]
+
+    @classmethod
+    def whole(cls, variables: int) -> Self:
+        """Returns the one box of all errors."""
+        return cls(-np.ones((1, variables)), np.ones((1, variables)), np.array([inf]))

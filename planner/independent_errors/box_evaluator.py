@@ -7,7 +7,6 @@ some trim is held for longer than the middle asks for: a detour, but one that ar
 
 from dataclasses import dataclass, field
 from math import inf
-from typing import Self
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
@@ -17,7 +16,7 @@ from flight.se2 import wrap_angle
 from planner.kernel.exact import best_times
 from planner.walks.goal_condition import EQUALITY_TOLERANCE, goal_from_start, wants_heading
 
-from .bounded_maximum import ROUNDING
+from .bounded_maximum import ROUNDING, BoundedBoxes
 from .closure import Closure, ClosureTimes, close_chain, closures_of
 from .enclosure import enclose_end
 from .error_path import ErrorPath
@@ -41,48 +40,6 @@ COSTS = 0.3
 """Share of a detour's seconds that it costs, at least, as a rule."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ErrorBoxes:
-    """Boxes of errors.
-
-    Attributes:
-        middle: error variables in the middle of each.
-        width: half widths.
-        bound: seconds that suffice for each; infinite where none are known.
-    """
-
-    middle: Float[np.ndarray, "n variables"]
-    width: Float[np.ndarray, "n variables"]
-    bound: Float[np.ndarray, "n"]
-
-    @classmethod
-    def whole(cls, variables: int) -> Self:
-        """Returns the one box of all errors."""
-        return cls(np.zeros((1, variables)), np.ones((1, variables)), np.array([inf]))
-
-    def take(self, which: Bool[np.ndarray, "n"] | Int[np.ndarray, "m"]) -> "ErrorBoxes":
-        """Returns some of them."""
-        return ErrorBoxes(self.middle[which], self.width[which], self.bound[which])
-
-    def halves(self, place: Int[np.ndarray, "n"]) -> "ErrorBoxes":
-        """Returns both halves of each, cut along the variables at these places."""
-        rows = np.arange(len(place))
-        width, shift = self.width.copy(), np.zeros_like(self.width)
-        width[rows, place] *= 0.5
-        shift[rows, place] = width[rows, place]
-        middle = np.concatenate([self.middle - shift, self.middle + shift])
-        return ErrorBoxes(middle, np.tile(width, (2, 1)), np.tile(self.bound, 2))
-
-
-def join_error_boxes(one: ErrorBoxes, two: ErrorBoxes) -> ErrorBoxes:
-    """Returns all boxes in one."""
-    return ErrorBoxes(
-        np.concatenate([one.middle, two.middle]),
-        np.concatenate([one.width, two.width]),
-        np.concatenate([one.bound, two.bound]),
-    )
-
-
 @dataclass(eq=False)
 class BoxState:
     """What is known of a batch of boxes.
@@ -98,7 +55,7 @@ class BoxState:
         weight: what a second counts for, beside a second that answering times may become shorter, in ranks.
     """
 
-    boxes: ErrorBoxes
+    boxes: BoundedBoxes
     cost: Float[np.ndarray, "n"]
     times: Float[np.ndarray, "n trims"]
     weight: float
@@ -130,7 +87,7 @@ class BoxEvaluator:
         """Returns the seconds that errors take, with the best times for each."""
         return best_times(self._path.table(errors), self._mission)[0]
 
-    def fine_bounds(self, boxes: ErrorBoxes, enough: float) -> BoxState:
+    def fine_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
         """Returns bounds for boxes, as close as they are to be had.
 
         Args:
@@ -144,7 +101,7 @@ class BoxEvaluator:
             self._set_sensitivity(state)
         return state
 
-    def coarse_bounds(self, boxes: ErrorBoxes, enough: float) -> BoxState:
+    def coarse_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
         """Returns bounds for boxes by the shortest detours that give any; arguments as in `fine_bounds`."""
         state = self._initial_state(boxes, weight=0.0)
         if np.isfinite(state.cost).all():
@@ -153,7 +110,7 @@ class BoxEvaluator:
             self._set_sensitivity(state)
         return state
 
-    def _initial_state(self, boxes: ErrorBoxes, *, weight: float) -> BoxState:
+    def _initial_state(self, boxes: BoundedBoxes, *, weight: float) -> BoxState:
         return BoxState(boxes, *best_times(self._path.table(boxes.middle), self._mission), weight)
 
     def _set_sensitivity(self, state: BoxState) -> None:

@@ -24,14 +24,12 @@ class Enclosure:
         middle: north + i east in metres.
         slope: metres for each error variable.
         radius: metres.
-        along: how fast the end moves with each coasting time at the middle, metres per second.
         influence: metres of radius that each variable is roughly to blame for.
     """
 
     middle: Complex[np.ndarray, "n"]
     slope: Complex[np.ndarray, "n variables"]
     radius: Float[np.ndarray, "n"]
-    along: Complex[np.ndarray, "n trims"]
     influence: Float[np.ndarray, "n variables"]
 
 
@@ -89,8 +87,7 @@ def enclose_end(
     radius = coasts.sum(axis=1) + maneuvers.sum(axis=1) + (pushed + bent * np.abs(swing)).sum(axis=1)
     length = np.abs(stretch).sum(axis=1) + np.abs(numbers.displacement).sum(axis=1)
     influence = width * (np.abs(after).max(axis=1) * length[:, None] + np.abs(slope))
-    along = closure.facing * np.exp(1j * numbers.rate * times) * numbers.velocity + numbers.rate * arm
-    return Enclosure(closure.end, slope, radius, along, influence)
+    return Enclosure(closure.end, slope, radius, influence)
 
 
 def _first_moment(angle: np.ndarray) -> np.ndarray:

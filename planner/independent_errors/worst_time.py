@@ -1,8 +1,8 @@
 """The slowest errors: how long a walk takes at most when every error is its own and the times answer it.
 
-Boxes of errors are taken worst first; those whose bound (`answers.py`) is not enough are halved, along the
-variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A bound
-holds however few boxes were looked at; more make it closer.
+Boxes of errors are taken worst first; those whose bound (`enclosed_answers`) is not enough are halved, along
+the variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A
+bound holds however few boxes were looked at; more make it closer.
 """
 
 from collections.abc import Callable
@@ -13,9 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.mission.mission import Mission
+from planner.walks.boxes import joined
 
-from .bounded_maximum import GAP, ROUNDING, BoundedMaximum
-from .box_evaluator import FOREVER, BoxEvaluator, BoxState, ErrorBoxes, join_error_boxes
+from .bounded_maximum import GAP, ROUNDING, BoundedBoxes, BoundedMaximum
+from .box_evaluator import FOREVER, BoxEvaluator, BoxState
 from .error_path import ErrorPath
 
 MOST_TIME_BOXES = 4000
@@ -26,6 +27,9 @@ after the last what is left, on boxes that still have none."""
 
 BATCH = 128
 """Boxes that are looked at together."""
+
+LookAt = Callable[[BoundedBoxes, float], BoxState]
+"""Gives bounds to boxes, no closer than some seconds."""
 
 
 def worst_time_bound(
@@ -46,7 +50,7 @@ def worst_time_bound(
         NoMachineCodeError: there is no C compiler that works.
     """
     evaluator = BoxEvaluator(path, mission)
-    whole = ErrorBoxes.whole(len(path.names))
+    whole = BoundedBoxes.whole(len(path.names))
     search = _Search(evaluator, whole, known, gap)
     search.branch(evaluator.fine_bounds, int(QUICK * most))
     if search.bounded.bound == inf:
@@ -69,7 +73,9 @@ class _Search:
         gap: share of the bound at which the search is content.
     """
 
-    def __init__(self, evaluator: BoxEvaluator, whole: ErrorBoxes, known: BoundedMaximum, gap: float) -> None:
+    def __init__(
+        self, evaluator: BoxEvaluator, whole: BoundedBoxes, known: BoundedMaximum, gap: float
+    ) -> None:
         self._answers, self._open, self._known, self._gap = evaluator, whole, known, gap
         self._looked, self._close = 0, 0.0
 
@@ -79,9 +85,7 @@ class _Search:
         bound = max(float(self._open.bound.max(initial=0.0)), self._close) + ROUNDING
         return replace(self._known, bound=max(bound, self._known.found), boxes=self._looked)
 
-    def branch(
-        self, evaluate: Callable[[ErrorBoxes, float], BoxState], most: int, *, above: float = 0.0
-    ) -> None:
+    def branch(self, evaluate: LookAt, most: int, *, above: float = 0.0) -> None:
         """Looks at boxes, worst first, and halves those whose bound is not enough.
 
         Args:
@@ -104,7 +108,7 @@ class _Search:
     def _enough(self) -> float:
         return self._known.found * (1 + self._gap)
 
-    def _evaluate(self, evaluate: Callable[[ErrorBoxes, float], BoxState], above: float) -> None:
+    def _evaluate(self, evaluate: LookAt, above: float) -> None:
         worst = np.argsort(-self._open.bound, kind="stable")[:BATCH]
         chosen = np.zeros(len(self._open.bound), dtype=bool)
         chosen[worst[self._open.bound[worst] > above]] = True
@@ -118,9 +122,7 @@ class _Search:
         self._close = max(self._close, float(bound[enough].max(initial=0.0)))
         looked = replace(state.boxes, bound=bound)
         halves = looked.take(~enough & ~fine).halves(state.sensitivity[~enough & ~fine].argmax(axis=1))
-        self._open = join_error_boxes(
-            self._open.take(~chosen), join_error_boxes(looked.take(~enough & fine), halves)
-        )
+        self._open = joined(self._open.take(~chosen), looked.take(~enough & fine), halves)
 
     def _record_slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
         """Notes slower errors than were known."""

@@ -2,7 +2,7 @@
 
 An interval of levels is bearable if one walk takes no longer than the limit at all of them, at those of the
 other sign, and at 0: coasting times that answer the level, as they would any other error
-(`free_errors/answers.py`), show it for all at once. Intervals in which they do not are halved.
+(`independent_errors.enclosed_answers`), show it for all at once. Intervals in which they do not are halved.
 """
 
 from functools import cache
@@ -11,7 +11,8 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.independent_errors.box_evaluator import BoxEvaluator, ErrorBoxes
+from planner.independent_errors.bounded_maximum import BoundedBoxes
+from planner.independent_errors.box_evaluator import BoxEvaluator
 from planner.independent_errors.error_path import error_path
 from planner.walks.kinematics import NegativeDurationError
 from planner.walks.walk import Walk
@@ -51,10 +52,9 @@ def certified_gamma(library: Library, mission: Mission, *, limit: float, gamma: 
 
 
 def _is_certified(evaluator: BoxEvaluator, low: float, high: float, limit: float) -> bool:
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
     if evaluator.costs(np.zeros((1, 1)))[0] > limit:
         return False
-    both = ErrorBoxes(np.array([[middle], [-middle]]), np.full((2, 1), half), np.full(2, np.inf))
+    both = BoundedBoxes(np.array([[low], [-high]]), np.array([[high], [-low]]), np.full(2, np.inf))
     return bool((evaluator.fine_bounds(both, limit).bound <= limit).all())
 
 

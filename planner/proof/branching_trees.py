@@ -1,7 +1,6 @@
 """Boxes of coasting times of many walks, cut until multipliers refute each of them."""
 
 from math import inf
-from time import perf_counter
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -38,9 +37,9 @@ def root_boxes(problems: WalkProblems, target: float) -> tuple[PerTrim, PerTrim]
 class BranchingTrees:
     """The trees of some walks at one level, grown together, all boxes of a depth at once."""
 
-    def __init__(self, problems: WalkProblems, target: float, until: float) -> None:
+    def __init__(self, problems: WalkProblems, target: float) -> None:
         self._flown, self._problems = problems, problems.straightened(target)
-        self._target, self._until = target, until
+        self._target = target
         self.ways: dict[int, tuple[float, ...]] = {}
         count = len(problems.rate)
         self.left: Bool[np.ndarray, "walks"] = np.zeros(count, dtype=bool)
@@ -78,7 +77,7 @@ class BranchingTrees:
             self.reached[rows[some][found]] = True
             self.ways |= dict(zip(rows[some][found].tolist(), map(tuple, times[found].tolist()), strict=True))
             spent += np.bincount(rows, minlength=len(spent))
-            late = (spent > effort) | (perf_counter() > self._until)
+            late = spent > effort
             self.left |= self.reached | (late & np.isin(np.arange(len(spent)), rows[some]))
             some &= ~self.left[rows]
             place, time = _choose_cuts(

@@ -34,17 +34,12 @@ class ProofFailure:
 
     Attributes:
         walk: the one that was not refuted.
-        times: with which it reaches the goal in less time at every level; nothing where the effort, or the
-            time, was not enough to tell.
+        reached: whether it reaches the goal in less time at every level; where not, the effort was not enough
+            to tell.
     """
 
     walk: Walk
-    times: tuple[tuple[float, ...], ...] = ()
-
-    @property
-    def reached(self) -> bool:
-        """Whether the walk is known to be faster."""
-        return bool(self.times)
+    reached: bool = False
 
 
 def certify(
@@ -52,8 +47,6 @@ def certify(
     mission: Mission,
     gammas: Sequence[float],
     lower_bound: float,
-    *,
-    until: float = inf,
 ) -> Certificate | ProofFailure:
     """Proves that no walk has a worst time below a bound.
 
@@ -62,7 +55,6 @@ def certify(
         mission: from where to where, and how deep.
         gammas: the uncertainty levels.
         lower_bound: seconds; infinite to prove that there is no plan at all.
-        until: reading of `time.perf_counter` at which to give up.
 
     Raises:
         UnknownTrimError: the library lacks the start or goal trim.
@@ -90,7 +82,7 @@ def certify(
                 )
                 if not len(rows):
                     continue
-                branching = BranchingTrees(levels[level], lower_bound, until)
+                branching = BranchingTrees(levels[level], lower_bound)
                 branching.branch(rows, effort)
                 reached[rows, level] |= branching.reached[rows]
                 ways |= {(row, level): times for row, times in branching.ways.items()}
@@ -116,9 +108,8 @@ def _fastest_known(
     rows: list[int], every: tuple[Walk, ...], ways: dict[tuple[int, int], tuple[float, ...]], levels: int
 ) -> ProofFailure:
     """Returns the walk that coasts least, of those known to be faster than the bound."""
-    times = {row: tuple(ways[row, level][: len(every[row])] for level in range(levels)) for row in rows}
-    best = min(rows, key=lambda row: max(map(sum, times[row])))
-    return ProofFailure(every[best], times[best])
+    best = min(rows, key=lambda row: max(sum(ways[row, level][: len(every[row])]) for level in range(levels)))
+    return ProofFailure(every[best], reached=True)
 
 
 def _levels_by_bound(levels: list[WalkProblems], target: float) -> Int[np.ndarray, "walks levels"]:

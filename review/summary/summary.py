@@ -21,10 +21,6 @@ from .bound_check import BoundCheck, check_bounds
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
-Track = Float[np.ndarray, "m 2"]
-
-# Numerical tolerance in metres for a goal tolerance of 0.
-EQUALITY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,9 @@ from sim.loop.backend import (
     same_bits,
 )
 from sim.loop.specification import FlightSpecification
-from sim.replay import VehicleMismatchError, replay
+from sim.replay import VehicleMismatchError
 from sim.simulated_helicopter import SimulatedHelicopter
+from tests.support.commands_flown import replay
 
 HAS_COMPILER = best_backend() is Backend.COMPILED
 needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="there is no C compiler that works")

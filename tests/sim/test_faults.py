@@ -24,9 +24,9 @@ from review.summary.summary import summarise
 from scenarios.find import find_campaign
 from sim.faults.fault_schedule import FaultWindow, fault_window
 from sim.loop.specification import FlightOptions, FlightSpecification, NoSensorsError, parse_specification
-from sim.replay import replay
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import read_parameters
+from tests.support.commands_flown import replay
 
 LIBRARY: Library = campaign_library(find_campaign("gtmax"), "gtmax")
 SERVO_RATE = read_parameters().servos.rate

@@ -22,8 +22,9 @@ from flightlog.primitives import PrimitiveKind, flown_primitives
 from sim.campaign_flight import fly_sequence, fly_specification
 from sim.loop.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.loop.streams import Stream, random_stream
-from sim.replay import VehicleMismatchError, replay
+from sim.replay import VehicleMismatchError
 from sim.simulated_helicopter import SimulatedHelicopter
+from tests.support.commands_flown import replay
 
 BARE = read_library(libraries.FOLDER / "thesis-gtmax.json")
 # Forward, side (m/s), yaw rate (rad/s); wider than each trim's scatter in the wind class `gtmax`.

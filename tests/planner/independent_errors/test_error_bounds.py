@@ -11,8 +11,8 @@ from flight.automaton.library import Library
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission, read_mission
 from flight.se2 import SE2, Twist
-from planner.independent_errors.bounded_maximum import BoundedMaximum
-from planner.independent_errors.box_evaluator import BoxEvaluator, ErrorBoxes
+from planner.independent_errors.bounded_maximum import BoundedBoxes, BoundedMaximum
+from planner.independent_errors.box_evaluator import BoxEvaluator
 from planner.independent_errors.corners import furthest_corner
 from planner.independent_errors.enclosure import enclose_end
 from planner.independent_errors.error_path import ErrorGranularity, ErrorPath, error_path
@@ -169,7 +169,7 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
     answers, count = BoxEvaluator(path, mission), len(path.names)
     width = rng.uniform(0.05, 0.6, (60, 1)) * rng.uniform(0, 1, (60, count))
     middle = (1 - width) * rng.choice([-1.0, 1.0], (60, count))
-    boxes = ErrorBoxes(middle, width, np.full(60, inf))
+    boxes = BoundedBoxes(middle - width, middle + width, np.full(60, inf))
     for look in (answers.fine_bounds(boxes, 0.0), answers.coarse_bounds(boxes, 0.0)):
         assert np.isfinite(look.bound).sum() > 20
         for box in np.flatnonzero(np.isfinite(look.bound)).tolist():
@@ -201,7 +201,9 @@ def test_times_that_errors_make_negative_prove_nothing() -> None:
         goal = complex(path.at(middle).end(rng.uniform(0, 1, (1, len(turns))))[0])
         mission = Mission("near", SE2.identity(), 1, (goal.real, goal.imag), tolerance=0.0)
         answers = BoxEvaluator(path, mission)
-        bound = answers.fine_bounds(ErrorBoxes(middle, width, np.full(1, inf)), 0.0).bound[0]
+        bound = answers.fine_bounds(BoundedBoxes(middle - width, middle + width, np.full(1, inf)), 0.0).bound[
+            0
+        ]
         drawn = rng.uniform(-1, 1, (300, count))
         drawn[::2] = np.sign(drawn[::2])
         assert answers.costs(middle + drawn * width).max() <= bound + 1e-6

@@ -23,7 +23,6 @@ from maneuver.app import run
 from planner.policies.adaptive_gamma import GAMMAS, AdaptiveGammaPlanner
 from scenarios.find import find_library, find_mission
 from sim.loop.specification import FlightOptions, FlightSpecification, parse_specification
-from sim.replay import replay
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS, TURBULENCE_FACTOR, alarm_limits
 from sim.wind.turbulence_meter import (
@@ -34,6 +33,7 @@ from sim.wind.turbulence_meter import (
     TurbulenceMeter,
 )
 from sim.wind.wind import WIND_CLASSES
+from tests.support.commands_flown import replay
 
 LIBRARY = find_library("gtmax-sim")
 

@@ -65,7 +65,7 @@ def test_no_box_loses_coasting_times_that_are_allowed(seed: int) -> None:
         left = contract_boxes(
             numbers, boxes, task, CutDirections(pulls, twists), radius=miss * (1 + 1e-9), budget=budget
         )
-        assert len(left.rows) == 1
+        assert len(left) == 1
         assert (left.low <= times + 1e-7).all()
         assert (left.high >= times - 1e-7).all()
         assert left.seconds[0] <= times.sum() + 1e-7

@@ -19,7 +19,6 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from planner.check.plan_check import problems
 from planner.commitment.committed import Committed
-from planner.walks.goal import EQUALITY_TOLERANCE
 from planner.walks.kinematics import motion
 from planner.walks.walk import walks
 from tests.oracles.statements import Question
@@ -126,7 +125,7 @@ def brute_force(
             if near is None:
                 continue
             miss = min(miss, near[1])
-            if near[1] <= max(mission.tolerance, EQUALITY_TOLERANCE):
+            if near[1] <= mission.destination.reach:
                 times = question.committed(near[0])
                 cost = min(cost, fixed + sum(near[0] if times is None else times))
     return cost, miss

@@ -11,7 +11,7 @@ from pydantic import AfterValidator, Field, FiniteFloat, PositiveInt, model_vali
 from flight.schema import FileModel, read_toml, schema_named
 from flight.se2 import SE2
 
-from .goal import Destination
+from .goal import Destination, slack_of
 
 SCHEMA = "maneuver-mission/1"
 """What a file may name itself; one that does not is of this version."""
@@ -68,7 +68,8 @@ class Mission:
     @property
     def destination(self) -> Destination:
         """Where the mission leads, without the trim wanted there."""
-        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
+        slack = slack_of(*self.start.position, *self.goal, self.tolerance)
+        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance, slack)
 
 
 def _within(value: float, most: float, unit: str) -> float:

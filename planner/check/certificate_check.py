@@ -19,7 +19,7 @@ from flight.plan.certificate import Certificate, Cut, Leaf, Refutation, read_tre
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
 
-from .certified_bound import GOAL_EQUALITY, Leaves, bound
+from .certified_bound import Leaves, bound
 from .interval_walk import scaled, straightened, walk_numbers
 from .intervals import TURN, PoseBox, hypot, interval
 
@@ -153,9 +153,9 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
         except (ValueError, FlightError):
             # Said elsewhere: there is no such walk, or no such time.
             continue
-        wrong = not end <= max(mission.tolerance, GOAL_EQUALITY)
-        if mission.goal_heading is not None and mission.heading_tolerance < pi:
-            wrong |= not heading <= max(mission.heading_tolerance, GOAL_EQUALITY)
+        wrong = not end <= mission.destination.reach
+        if mission.destination.wants_heading:
+            wrong |= not heading <= mission.destination.heading_reach
         if wrong:
             found.append(f"scenario gamma {scenario.gamma:g}: not proved to end at the goal")
     return tuple(found)

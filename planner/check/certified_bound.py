@@ -11,9 +11,6 @@ from flight.mission.mission import Mission
 from .interval_walk import Complex, Numbers, WalkNumbers, exact
 from .intervals import TURN, Interval, cos, hypot, interval, sin, sqrt, square
 
-GOAL_EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
-
 ANGLE_SLACK = 1e-11
 """Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
 
@@ -38,7 +35,7 @@ def bound(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> Numbers:
     kappa = interval(leaves.kappa)
     m = Complex(interval(leaves.north), interval(-leaves.east))
     goal = _goal(mission)
-    tolerance = interval(max(mission.tolerance, GOAL_EQUALITY)) + walk.astray
+    tolerance = interval(mission.destination.reach) + walk.astray
     reach = hypot(interval(leaves.north), interval(leaves.east)) * tolerance
     total = kappa * walk.fixed - (m * goal).real - reach
     way, slope = exact(0.0, 0.0), interval(np.zeros(len(leaves.low)))
@@ -91,10 +88,10 @@ def _headings(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> list[Inter
         if place.rate is not None:
             heading = heading + place.rate * Interval(leaves.low[:, index], leaves.high[:, index])
         spans.append(heading)
-    if mission.goal_heading is None or mission.heading_tolerance >= pi:
+    if mission.goal_heading is None or not mission.destination.wants_heading:
         return spans
     wanted = interval(mission.goal_heading) - mission.start.heading - walk.turned
-    width = float((interval(max(mission.heading_tolerance, GOAL_EQUALITY)) + walk.askew).high)
+    width = float((interval(mission.destination.heading_reach) + walk.askew).high)
     turns = [index for index, place in enumerate(walk.places) if place.rate is not None]
     last = turns[-1] if turns else 0
     return [span if index < last else _wanted(span, wanted, width) for index, span in enumerate(spans)]

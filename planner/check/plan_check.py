@@ -13,7 +13,6 @@ from flight.plan.plan import Plan, Scenario
 from flight.se2 import Twist
 
 from .certificate_check import certificate_problems, unproved_ends
-from .certified_bound import GOAL_EQUALITY
 from .committed_check import committed_problems
 
 END_AGREEMENT = 1e-6
@@ -236,11 +235,11 @@ def _end(scenario: Scenario, position: complex, heading: float, mission: Mission
     if not (apart <= END_AGREEMENT and abs(_turn(heading - scenario.end.heading)) <= END_AGREEMENT):
         found.append(f"end: flown again it ends {apart:.3g} m from the stated end")
     miss = abs(position - complex(*mission.goal))
-    if not miss <= max(mission.tolerance, GOAL_EQUALITY):
+    if not miss <= mission.destination.reach:
         found.append(f"goal: missed by {miss:.6g} m, allowed are {mission.tolerance} m")
     if mission.goal_heading is not None:
         off = abs(_turn(heading - mission.goal_heading))
-        if not off <= max(mission.heading_tolerance, GOAL_EQUALITY):
+        if not off <= mission.destination.heading_reach:
             found.append(f"goal heading: off by {off:.6g} rad, allowed are {mission.heading_tolerance} rad")
     return found
 

@@ -22,7 +22,6 @@ from planner.kernel.exact import least_costs_of_each
 from planner.kernel.tables import tables
 from planner.policies.nominal import Nominal
 from planner.policies.worst_case import WorstCase
-from planner.walks.goal import EQUALITY_TOLERANCE
 from planner.walks.kinematics import motion, refuse_gamma, refuse_negative_durations
 from planner.walks.walk import Walk, walks
 
@@ -277,4 +276,4 @@ def _committed(plan: Plan, mission: Mission) -> Plan:
     if not plan.found:
         return replace(plan, policy="committed")
     miss = plan.deciding.end.distance_to(mission.goal) + ROUNDING
-    return replace(plan, policy="committed", miss=min(miss, max(mission.tolerance, EQUALITY_TOLERANCE)))
+    return replace(plan, policy="committed", miss=min(miss, mission.destination.reach))

@@ -5,7 +5,7 @@ from jaxtyping import Float
 
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.goal import EQUALITY_TOLERANCE, wants_heading
+from planner.walks.goal import wants_heading
 
 from .batch import Batch
 
@@ -16,7 +16,7 @@ def least_costs(batch: Batch, mission: Mission) -> Float[np.ndarray, "rows"]:
     What the maneuvers leave of the distance must be flown. A trim brings the end nearer at no more than its
     speed, and a turning trim by no more than the diameter of its circle: the fastest trims are used first.
     """
-    distance = mission.start.distance_to(mission.goal) - max(mission.tolerance, EQUALITY_TOLERANCE)
+    distance = mission.start.distance_to(mission.goal) - mission.destination.reach
     left = distance - np.abs(batch.displacement).sum(axis=1)
     speed = np.abs(batch.velocity)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -40,4 +40,4 @@ def _heading_out_of_reach(batch: Batch, mission: Mission) -> Float[np.ndarray, "
     fixed = mission.start.heading + batch.turn.sum(axis=1)
     off = np.array([abs(wrap_angle(heading - mission.goal_heading)) for heading in fixed])
     never_turns: Float[np.ndarray, "rows"] = (batch.rate == 0).all(axis=1)
-    return never_turns & (off > max(mission.heading_tolerance, EQUALITY_TOLERANCE))
+    return never_turns & (off > mission.destination.heading_reach)

@@ -12,19 +12,25 @@ from math import inf
 from typing import Any
 
 import casadi
+import numpy as np
 
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
 from planner.walks.answer import Times
-from planner.walks.goal import reaches, wants_heading
+from planner.walks.goal import goal_seen, reaches, wants_heading
 from planner.walks.kinematics import Motion
 from planner.walks.symbolic_motion import symbolic_motion
+
+from .batch import Batch
 
 SOLVER_MARGIN = 1e-7
 """Share of a tolerance by which a statement is stricter than the check: solvers relax bounds by 1e-8."""
 
 HEADING_MARGIN = 3e-8
 """Share of a heading, or radians where that is below one, for the same reason."""
+
+ROUNDS_TO_MEET = 3
+"""Of Newton's method, from where a solver stopped."""
 
 _QUIET: dict[str, Any] = {"print_time": False, "error_on_fail": False, "show_eval_warnings": False}
 
@@ -127,8 +133,26 @@ def solve(
         half_width = max(mission.heading_tolerance - margin, 0.0)
         low, high = [*low, nearest - half_width], [*high, nearest + half_width]
     answer = run(x0=list(start_times), p=_parameters(motion, mission), lbx=0, ubx=inf, lbg=low, ubg=high)
-    times = tuple(max(float(time), 0.0) for time in answer["x"].nonzeros())
+    times = _met(motion, mission, [max(float(time), 0.0) for time in answer["x"].nonzeros()])
     return times if reaches(motion.end(mission.start, times), mission) else None
+
+
+def _met(motion: Motion, mission: Mission, times: list[float]) -> Times:
+    """Returns times moved by least to what is to be met exactly: solvers stop where it is nearly met."""
+    batch, start = Batch.of([motion]), mission.start
+    goal, exact_heading = goal_seen(mission), wants_heading(mission) and mission.heading_tolerance == 0
+    known = np.array([times])
+    held = known[0] > 0
+    for _ in range(ROUNDS_TO_MEET if mission.tolerance == 0 or exact_heading else 0):
+        end, heading = batch.end(known)
+        moves, rows, off = batch.end_velocities(known)[0] * held, [], []
+        if mission.tolerance == 0:
+            rows, off = [moves.real, moves.imag], [(end[0] - goal).real, (end[0] - goal).imag]
+        if exact_heading:
+            rows.append(batch.rate[0] * held)
+            off.append(wrap_angle(heading[0] + start.heading - (mission.goal_heading or 0.0)))
+        known[0] -= np.linalg.lstsq(np.array(rows), np.array(off), rcond=None)[0]
+    return tuple(np.maximum(known[0], 0.0).tolist())
 
 
 def _nearest_turn(heading: float, mission: Mission) -> float:

@@ -11,7 +11,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
-from planner.walks.goal import EQUALITY_TOLERANCE
+from flight.mission.goal import SLACK
 
 from .batch import Batch
 from .two_times import Times, close, meet_disc
@@ -245,6 +245,6 @@ def _arrived(
     possible = (times >= -1e-9).all(axis=1) & (times < 1e6).all(axis=1)
     rows, times, aims = rows[possible], np.maximum(times[possible], 0), aims[possible]
     end, heading = batch.take(rows).end(times)
-    there = np.abs(end - goal.centre) <= max(goal.tolerance, EQUALITY_TOLERANCE) + 1e-9
+    there = np.abs(end - goal.centre) <= goal.tolerance + SLACK
     rows, times, aims, heading = rows[there], times[there], aims[there], heading[there]
     return Starts(rows, times, aims, batch.fixed_time[rows] + times.sum(axis=1) + goal.detour(heading))

@@ -15,9 +15,8 @@ from jaxtyping import Bool, Float, Int
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
 from planner.kernel.exact import best_of_each
-from planner.walks.goal import EQUALITY_TOLERANCE, goal_seen, wants_heading
+from planner.walks.goal import goal_seen, wants_heading
 
-from .bound import ROUNDING
 from .closing import Closed, Way, close, ways
 from .enclosure import enclose
 from .error_path import ErrorPath
@@ -234,7 +233,7 @@ class Answers:
             look.boxes.width[row],
             times,
             goal=goal,
-            tolerance=max(self._mission.tolerance, EQUALITY_TOLERANCE),
+            tolerance=self._mission.destination.reach,
             way=way,
         )
 
@@ -276,6 +275,6 @@ class Answers:
             return np.ones(len(closed.holds), dtype=bool)
         wanted = mission.goal_heading - mission.start.heading
         off = np.array([abs(wrap_angle(one - wanted)) for one in closed.heading.middle.tolist()])
-        allowed = max(mission.heading_tolerance, EQUALITY_TOLERANCE) + ROUNDING
+        allowed = mission.destination.heading_reach
         faces: Bool[np.ndarray, "m"] = off + closed.heading.reach <= allowed
         return faces

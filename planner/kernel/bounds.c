@@ -79,7 +79,7 @@ static int out_of_reach(const Row *row, const Active *on, double seconds)
     static const double aside[] = {0, 0.5, -0.5, 1.1, -1.1, 1.8, -1.8};
     for (int way = 0; way < 7; way++) {
         double direction = toward + aside[way], fastest = 0;
-        double wanted = there * cos(bearing - direction) - MAX(row->tolerance, 2e-7) - 1e-9;
+        double wanted = there * cos(bearing - direction) - reach(row);
         for (int k = 0; k < row->trims; k++) {
             wanted -= row->size_D[k] * best_cosine(row->bearing_D[k] - direction, low[k], high[k]);
             if (!((mask >> k) & 1)) continue;
@@ -95,7 +95,7 @@ static int out_of_reach(const Row *row, const Active *on, double seconds)
 
 static double to_cover(const Row *row)
 {
-    double distance = cabs(row->goal) - MAX(row->tolerance, 2e-7);
+    double distance = cabs(row->goal) - reach(row);
     for (int k = 0; k < row->trims; k++) distance -= row->size_D[k];
     return distance;
 }

@@ -65,21 +65,21 @@ static void given_u(Problem *p, int doubled)
 }
 
 /* The corner between two sides of a triangle, from the differences of its sides: cosines of corners between the
- * radii of slow turns all round to 1. NAN where the third side is too long or too short. */
-static double corner(double one, double two, double third)
+ * radii of slow turns all round to 1. NAN where the third side is too long or too short by more than the slack. */
+static double corner(double one, double two, double third, double slack)
 {
-    double near = (third - (one - two)) * (third + (one - two)), far = (one + two - third) * (one + two + third);
-    double slack = 1e-12 * one * two;
-    if (!(near >= -slack && far >= -slack)) return NAN;
+    double short_by = third - fabs(one - two), long_by = one + two - third;
+    if (!(short_by >= -slack && long_by >= -slack)) return NAN;
+    double near = short_by * (third + fabs(one - two)), far = long_by * (one + two + third);
     return 2 * atan2(sqrt(MAX(0.0, near)), sqrt(MAX(0.0, far)));
 }
 
-/* A straight coast meets a circle: |offset + line t| = radius. */
-static int meets(cplx line, cplx offset, double radius, double *times)
+/* A straight coast meets a circle, or passes it by no more than the slack: |offset + line t| = radius. */
+static int meets(cplx line, cplx offset, double radius, double slack, double *times)
 {
     double square = dot(line, line), along = dot(line, offset), area = cross(line, offset), size = cabs(offset);
+    if (!(fabs(area) <= (radius + slack) * sqrt(square) && square > 0)) return 0;
     double inside = radius * radius * square - area * area;
-    if (!(inside >= -1e-12 * radius * radius * square && square > 0)) return 0;
     /* The root that does not cancel, and the other from their product. */
     double larger = -along - copysign(sqrt(MAX(0.0, inside)), along);
     times[0] = larger / square;
@@ -95,7 +95,7 @@ static void determined(Problem *p)
     heading[p->free + 1] = p->last;
     if (d > 0 && p->free == 1) {
         cplx A = p->stretch[0].A;
-        double opening = corner(p->stretch[0].size, cabs(rest), d);
+        double opening = corner(p->stretch[0].size, cabs(rest), d, p->row->slack);
         for (int way = -1; way <= 1 && opening == opening; way += 2) {
             heading[1] = turned(carg(rest / A) + way * opening);
             from_headings(p->row, p->on, heading, straight, 0);
@@ -104,7 +104,7 @@ static void determined(Problem *p)
     }
     if (d == 0 && p->free == 2) {
         cplx A = p->stretch[0].A, B = p->stretch[1].A;
-        double opening = M_PI - corner(cabs(A), cabs(B), cabs(rest));
+        double opening = M_PI - corner(cabs(A), cabs(B), cabs(rest), p->row->slack);
         for (int way = -1; way <= 1 && opening == opening; way += 2) {
             cplx bent = turned(way * opening - carg(B / A));
             heading[1] = rest / (A + bent * B);
@@ -125,7 +125,8 @@ static void determined(Problem *p)
     int within = p->free == 1 && !p->fixed;
     const Stretch *s = &p->stretch[0];
     double times[2], radius = within ? cabs(rest) : d > 0 ? d : s->size;
-    int count = within ? meets(s->w, s->A, radius, times) : meets(-p->fixed_velocity[0], rest, radius, times);
+    int count = within ? meets(s->w, s->A, radius, p->row->slack, times)
+                       : meets(-p->fixed_velocity[0], rest, radius, p->row->slack, times);
     for (int i = 0; i < count; i++) {
         straight[within ? s->straight : p->fixed_place[0]] = times[i];
         if (within) heading[1] = rest / (s->A + times[i] * s->w);

@@ -18,9 +18,9 @@ static int has_pole(const Problem *p, const Stretch *s)
 
 static void lay(const Problem *p, Samples *s)
 {
-    /* Cosines of equal steps up to a right angle, the first of 1e-6. */
+    /* Cosines of equal steps up to a right angle: from u = 0, where the goal is at the edge of reach. */
     static const double steps[INTERVALS] = {
-        0.9999999999995, 0.9951847266721969, 0.9807852804032304, 0.9569403357322088,
+        1.0, 0.9951847266721969, 0.9807852804032304, 0.9569403357322088,
         0.9238795325112867, 0.881921264348355, 0.8314696123025452, 0.773010453362737,
         0.7071067811865476, 0.6343932841636455, 0.5555702330196023, 0.4713967368259978,
         0.38268343236508984, 0.29028467725446233, 0.19509032201612833, 0.09801714032956077};
@@ -73,7 +73,8 @@ static int one_sign(const Problem *p, unsigned choice, const Samples *s, int i, 
         high += MAX(first, last);
         size += fabs(first);
     }
-    return low > 1e-9 + ROUNDING * size || high < -1e-9 - ROUNDING * size;
+    double slack = p->row->slack + ROUNDING * size;
+    return low > slack || high < -slack;
 }
 
 /* All roots between two points with one choice of signs. */

@@ -24,7 +24,6 @@
 #define FORBIDDEN 1e9     /* s */
 #define TOO_LONG 1e4      /* s/m */
 #define ROUNDS 8
-#define AMID 1e-6         /* rad; headings wanted are looked for that much further */
 
 typedef struct { double low, high; } Range;
 
@@ -64,7 +63,7 @@ static int lay_grid(Chain *c, double left, double right)
 /* The parts of the grid where the heading at the end is as wanted; 0 if they are too many. */
 static int find_wanted(Chain *c, const Row *row)
 {
-    double slack = row->heading_tolerance + AMID;
+    double slack = row->heading_tolerance + row->heading_slack;
     c->wants_heading = row->wants_heading && slack < M_PI;
     c->wanted_ranges = 0;
     if (!c->wants_heading) return 1;
@@ -175,7 +174,7 @@ static cplx missed(const Row *row, const Chain *c, cplx m, double f[][ANGLES], i
 /* The bound that m gives, and the way in which it rises with m. */
 static double dual_bound(const Row *row, const Chain *c, cplx m, cplx *slope)
 {
-    double f[MOST + 1][ANGLES], g[ANGLES], hidden = 0, tolerance = MAX(row->tolerance, 2e-7);
+    double f[MOST + 1][ANGLES], g[ANGLES], hidden = 0, tolerance = reach(row);
     for (int i = 0; i < c->angles; i++) g[i] = FORBIDDEN;
     g[c->left] = 0;
     for (int j = 0; j < c->stretches; j++) {

@@ -10,6 +10,7 @@ from jaxtyping import Float
 
 from flight.automaton.library import Library
 from flight.errors import FlightError
+from flight.mission.goal import SLACK
 from flight.mission.mission import Mission
 from planner.walks.answer import Answer
 from planner.walks.goal import goal_seen, wants_heading
@@ -22,18 +23,8 @@ MOST = 12
 
 NO_LIMIT = 2**62
 
-EQUALITY = 1e-6
-"""Metres, radians: a tolerance up to this means equality."""
-
-INSIDE = 1e-9
-"""Metres: how far inside a tolerance the kernel aims; twice what it forgives."""
-
-HEADING_INSIDE = 1e-12
-"""Radians, likewise. A heading to be met exactly is met to within what counts as equal: over long ways each
-millionth of a radian is worth milliseconds."""
-
-EQUAL_TURNS = 2
-"""With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
+FORGIVEN = 0.99
+"""Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
 
 
 class NoKernelError(FlightError):
@@ -43,7 +34,16 @@ class NoKernelError(FlightError):
         super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
-_NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
+_NUMBERS = (
+    "north",
+    "east",
+    "tolerance",
+    "slack",
+    "heading",
+    "heading_tolerance",
+    "heading_slack",
+    "seconds",
+)
 
 
 class _Task(ctypes.Structure):
@@ -105,7 +105,7 @@ class ExactSearch:
         )
         if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
             raise MemoryError("the list of walks")
-        return self._read(found, every, mission)
+        return self._read(found, every)
 
     def _prepare(
         self, start_trim: int, max_trims: int, goal_trim: int | None
@@ -116,16 +116,14 @@ class ExactSearch:
             table.fill(structure)
         return every, structures
 
-    def _read(self, found: _Answer, every: tuple[Table, ...], mission: Mission) -> Answer:
-        hidden = wants_heading(mission) and any(table.equal_turns > EQUAL_TURNS for table in every)
-        exhausted = bool(found.complete) and not hidden
-        bound = found.least if hidden else found.bound
+    def _read(self, found: _Answer, every: tuple[Table, ...]) -> Answer:
+        exhausted = bool(found.complete)
         if found.walk < 0:
-            return Answer((), (), (), inf if exhausted else bound, exhausted)
+            return Answer((), (), (), found.bound, exhausted)
         walk = tuple(every[found.table].walks[found.walk].tolist())
         levels = range(len(self._gammas))
         times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
-        return Answer(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
+        return Answer(walk, times, tuple(found.costs[: len(levels)]), found.bound, exhausted)
 
 
 def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "walks"]:
@@ -177,17 +175,14 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
     return _Task(
         goal.real,
         goal.imag,
-        _aimed(mission.tolerance),
+        mission.tolerance,
+        FORGIVEN * mission.destination.slack,
         (mission.goal_heading or 0.0) - start.heading,
-        max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
+        mission.heading_tolerance,
+        FORGIVEN * SLACK,
         seconds,
         int(wants_heading(mission)),
         levels,
         tables,
         most_nodes,
     )
-
-
-def _aimed(tolerance: float) -> float:
-    """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
-    return tolerance - INSIDE if tolerance > EQUALITY else 0.0

@@ -88,20 +88,20 @@ static void isolate(const Problem *p, const double *signs, double low, double hi
 {
     double s = 0.5 * (low + high), w = 0.5 * (high - low);
     Series t = series(p, signs, s, low);
-    double rounding = ROUNDING * t.size;
+    /* Within the slack a sum that touches 0, or ends at it, counts as a root. */
+    double rounding = ROUNDING * t.size, near = p->row->slack + rounding;
     double bends = fabs(t.second) * w + 0.5 * fabs(t.third) * w * w + t.fourth * w * w * w / 6;
-    if (fabs(t.value) > fabs(t.slope) * w + bends * w + rounding) return;
+    if (fabs(t.value) > fabs(t.slope) * w + bends * w + near) return;
     if (halved && piece_too_long(p, signs, low, high)) return;
     if (bends < fabs(t.slope)) {
         double slope, first = sum(p, signs, low, &slope), last = sum(p, signs, high, &slope);
         if ((first > 0) != (last > 0)) refine(p, signs, low, high, first);
-        /* A root that rounding may have moved beyond an end is worth a try. */
-        else if (fabs(first) <= rounding) found(p, signs, low);
-        else if (fabs(last) <= rounding) found(p, signs, high);
+        else if (fabs(first) <= near) found(p, signs, low);
+        else if (fabs(last) <= near) found(p, signs, high);
         return;
     }
     /* What rounding hides is no further told apart. */
-    if (fabs(t.slope) * w + bends * w <= rounding || halved > MOST_HALVED) { found(p, signs, s); return; }
+    if (fabs(t.slope) * w + bends * w <= TOLD_APART * near || halved > MOST_HALVED) { found(p, signs, s); return; }
     isolate(p, signs, low, s, halved + 1);
     isolate(p, signs, s, high, halved + 1);
 }

@@ -11,7 +11,7 @@ typedef struct {
 } Table;
 
 typedef struct {
-    double goal_north, goal_east, tolerance, heading, heading_tolerance, seconds;
+    double goal_north, goal_east, tolerance, slack, heading, heading_tolerance, heading_slack, seconds;
     long wants_heading, levels, tables, most_nodes;
 } Task;
 
@@ -59,6 +59,8 @@ static void load(Row *row, const Task *task, const Table *table, long index)
     row->fixed = table->fixed[index];
     row->goal = task->goal_north + I * task->goal_east;
     row->tolerance = task->tolerance;
+    row->slack = task->slack;
+    row->heading_slack = task->heading_slack;
     row->wants_heading = (int)task->wants_heading;
     row->heading = task->heading - table->turned[index];
     row->heading_tolerance = task->heading_tolerance;
@@ -70,7 +72,7 @@ static double bound_of(const Row *row)
 {
     Active on;
     choose(row, &on, (1u << row->trims) - 1);
-    if (row->wants_heading && fabs(off_turns(row->heading)) > MAX(row->heading_tolerance, 1e-6)) {
+    if (row->wants_heading && fabs(off_turns(row->heading)) > row->heading_tolerance + row->heading_slack) {
         int turns = 0;
         for (int k = 0; k < row->trims; k++) turns |= row->rate[k] != 0;
         if (!turns) return INFINITY;
@@ -124,7 +126,7 @@ static int solved(Search *s, const Entry *entry, const Levels *every, int most)
         Row row = every->row[level];
         row.best = s->answer->cost;
         if (most < MOST) {
-            double aside = MAX(0, NEAR_THE_EDGE * row.tolerance - 4e-7);
+            double aside = NEAR_THE_EDGE * row.tolerance;
             row.goal += aside / length(row.worth) * row.worth;
             row.tolerance = 0;
         }

@@ -1,6 +1,18 @@
 /* Which sets of times may be not 0 in a walk, and the best of their candidates. */
 #include "duality.c"
 
+/* Whether all times are turns at one rate. With the heading at the end bound they then take as long in whatever way
+ * they share it: no multiplier is worth their seconds, and the times that are best form a family. Where it has no
+ * member with a time that is 0, that would be found with fewer times, its member with the least first time is inside,
+ * so it is found with seconds that only the first time costs. */
+static int share_a_heading(const Row *row, const Active *on)
+{
+    double rate = row->rate[on->place[0]];
+    for (int i = 0; i < on->count; i++)
+        if (!(fabs(row->rate[on->place[i]] - rate) <= SAME_RATE * fabs(rate))) return 0;
+    return on->bound_heading && fabs(rate) > row->straight;
+}
+
 /* Candidates of one set of times, the heading at the end free or bound to a limit. */
 static void examine(Row *row, Active *on)
 {
@@ -8,6 +20,7 @@ static void examine(Row *row, Active *on)
     cplx A[MOST + 1] = {0};
     double inverse[MOST + 2] = {0}, rate[MOST + 2] = {0};
     int straight[MOST + 1][2], straights[MOST + 1] = {0}, stretch = 0, next = 0, count = 0;
+    on->shared = share_a_heading(row, on);
     for (int k = 0; k < row->trims; k++) {
         A[stretch] += row->D[k];
         if (next >= on->count || on->place[next] != k) continue;
@@ -16,7 +29,7 @@ static void examine(Row *row, Active *on)
             A[stretch] -= row->C[k];
             A[++stretch] = row->C[k];
             rate[stretch] = row->rate[k];
-            inverse[stretch] = 1 / row->rate[k];
+            if (!on->shared || stretch == 1) inverse[stretch] = 1 / row->rate[k];
         } else {
             if (straights[stretch] == 2) return;
             straight[stretch][straights[stretch]++] = k;

@@ -54,7 +54,9 @@ static void take(const Problem *p, Point *point)
     cplx heading[MOST + 2], alpha = point->alpha / cabs(point->alpha);
     for (int j = 0; j < p->free; j++) heading[j + 1] = alpha * point->chi[j];
     heading[p->free + 1] = p->last;
-    from_headings(p->row, p->on, heading, point->straight, alpha / point->u);
+    /* At the edge of reach no multiplier is finite, and to turns that share a heading the goal is worth nothing. */
+    int worth = point->u > 0 && !p->on->shared;
+    from_headings(p->row, p->on, heading, point->straight, worth ? alpha / point->u : 0);
 }
 
 static double E_of(const Stretch *one, double s) { return sqrt(one->above + s * s); }

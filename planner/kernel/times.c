@@ -31,13 +31,12 @@
 #define LONG 1e4          /* s; as long as no plan is known that says how long a coast can be */
 #define INTERVALS 16      /* samples along a curve of candidates */
 #define SMALL 1e-9        /* s; shorter times are 0 */
-#define FAR 1e5           /* m; on a longer way rounding is more than INSIDE */
 #define ROUNDING 1e-15    /* of the largest term of a sum */
+#define SAME_RATE 1e-12   /* of a yaw rate */
 #define EXACT 1e-12       /* rad; rounding of a heading ... */
 #define BLUR 3e-8         /* rad; ... and near the end of its curve */
 #define MOST_HALVED 60    /* times that a piece of a curve is halved */
-#define INSIDE 5e-10      /* m; candidates aim that much and more inside what is allowed ... */
-#define HEADING_INSIDE 5e-13 /* rad; ... and that much: to a slow turn a radian is worth many seconds */
+#define TOLD_APART 0.1    /* of the slack; pieces that vary by less are no further halved */
 
 typedef double complex cplx;
 
@@ -51,10 +50,11 @@ typedef struct {
     const cplx *W, *C, *D;       /* velocity, centre of the turn, displacement of the maneuver before */
     double fixed;                /* s in maneuvers */
     cplx goal;
-    double tolerance;            /* m */
+    double tolerance;            /* m; candidates use all of it ... */
+    double slack;                /* m; ... and may be off by that much more through rounding */
     int wants_heading;
     double heading;              /* what coasting has to turn, rad, modulo full turns */
-    double heading_tolerance;
+    double heading_tolerance, heading_slack;
     const double *bearing_D, *bearing_W, *size_D, *speed;  /* D and W, polar */
     double best;                 /* s; only faster ones are kept */
     cplx worth;                  /* s/m; near the multiplier of the best times */
@@ -67,6 +67,7 @@ typedef struct {                 /* times that are taken to be not 0 */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */
+    int shared;                  /* whether turns at one rate share a bound heading */
     double slowest;              /* rad/s; of those that turn at all */
     int slow;                    /* whether straight lines stand for slow turns */
     int blurred;                 /* whether turns are so slow that rounding of a heading is much of their time */
@@ -81,6 +82,9 @@ typedef struct {                 /* a stretch whose heading is free */
     int other;                   /* a second one; -1 without */
     cplx w_other;
 } Stretch;
+
+/* m from the goal that count as reached. */
+static double reach(const Row *row) { return row->tolerance + row->slack; }
 
 static double cross(cplx one, cplx two) { return creal(one) * cimag(two) - cimag(one) * creal(two); }
 static double dot(cplx one, cplx two) { return creal(one) * creal(two) + cimag(one) * cimag(two); }
@@ -220,23 +224,24 @@ static int newton(const Row *row, const Active *on, double *times, cplx m)
     return 1;
 }
 
-/* Keeps times that reach the goal faster than the best so far. */
-static void keep(Row *row, double *times)
+/* Keeps times that reach the goal faster than the best so far; returns whether they reach it. */
+static int keep(Row *row, double *times)
 {
     double cost = row->fixed, turn;
     for (int k = 0; k < row->trims; k++) {
-        if (!(times[k] >= -SMALL)) return;
+        if (!(times[k] >= -SMALL)) return 0;
         if (times[k] < 0) times[k] = 0;
         cost += times[k];
     }
-    if (!(cost < row->best)) return;
     cplx end = motion(row, times, 0, &turn);
-    if (!(cabs(end - row->goal) <= MAX(row->tolerance + INSIDE, 2e-7))) return;
+    if (!(cabs(end - row->goal) <= reach(row))) return 0;
     if (row->wants_heading
-        && !(fabs(off_turns(turn - row->heading)) <= MAX(row->heading_tolerance + HEADING_INSIDE, 2e-7)))
-        return;
+        && !(fabs(off_turns(turn - row->heading)) <= row->heading_tolerance + row->heading_slack))
+        return 0;
+    if (!(cost < row->best)) return 1;
     row->best = cost;
     memcpy(row->times, times, sizeof(double) * row->trims);
+    return 1;
 }
 
 static void propose(Row *row, const Active *on, const double *of_active, cplx m)
@@ -251,17 +256,17 @@ static void propose(Row *row, const Active *on, const double *of_active, cplx m)
     if (!(cost < row->best + (on->slow || on->blurred ? 0.05 * cost : 10 * slack))) return;
     double guess[MOST];
     memcpy(guess, times, sizeof(guess));
-    /* Where two times move the end alike, or at the edge of reach, the equations are singular; the guess may do. */
-    if (!newton(row, on, times, m)) { keep(row, guess); return; }
+    int solved = newton(row, on, times, m);
     double way = 0, tolerance = row->tolerance;
     for (int i = 0; i < on->count; i++) way += row->speed[on->place[i]] * times[on->place[i]];
-    if (way > FAR && tolerance > 0) {
+    if (solved && EXACT / 100 * way > row->slack && tolerance > 0) {
         /* The end is rounded in proportion to the way: so much further inside. */
         row->tolerance = MAX(0.5 * tolerance, tolerance - EXACT / 100 * way);
         newton(row, on, times, m);
         row->tolerance = tolerance;
     }
-    keep(row, times);
+    /* Where two times move the end alike, or at the edge of reach, the equations are singular; the guess may do. */
+    if (!solved || !keep(row, times)) keep(row, guess);
 }
 
 /* Times of the active turns from the headings after them; straight times are given. */

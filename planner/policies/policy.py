@@ -22,11 +22,6 @@ if TYPE_CHECKING:
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
-FREEDOM = (
-    "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
-    "that the search does not see"
-)
-
 NOT_PROVED = (
     "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
     "are better did not end"
@@ -152,9 +147,7 @@ class LibraryPlanner:
         )
 
     def _doubt(self, mission: Mission) -> str:
-        if not self._exact.can(mission):
-            return NOT_PROVED
-        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
+        return STOPPED if self._exact.can(mission) else NOT_PROVED
 
     def _verified(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:

@@ -22,9 +22,6 @@ from .tracking import VELOCITIES, navigation_error, tracking_error
 Column = Float[np.ndarray, "n"]
 Track = Float[np.ndarray, "m 2"]
 
-# Metres; a tolerance of 0 means equality, and this is what equality means.
-EQUALITY = 1e-6
-
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveCount:

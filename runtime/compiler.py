@@ -31,34 +31,37 @@ def cache_folder() -> Path:
     return (Path(root) if root else Path("~/.cache").expanduser()) / "maneuver-automaton"
 
 
-def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *IEEE_FLAGS)) -> Path:
-    """Returns the shared library of a C source, compiled now unless it was before.
+def shared_library(
+    sources: Sequence[Path], *, headers: Sequence[Path] = (), flags: Sequence[str] = ("-O2", *IEEE_FLAGS)
+) -> Path:
+    """Returns the shared library of C sources, compiled now unless it was before.
 
     Args:
-        sources: files; the last one is compiled and includes the others.
+        sources: files; the library is named for the last one.
+        headers: what they include.
         flags: of the compiler.
 
     Raises:
         NoMachineCodeError: there is no compiler, it failed, or there is nowhere to write.
     """
-    path = cache_folder() / f"{sources[-1].stem}-{_fingerprint(sources, flags)}.so"
+    path = cache_folder() / f"{sources[-1].stem}-{_fingerprint([*sources, *headers], flags)}.so"
     try:
         if not path.is_file():
-            _compile(sources[-1], path, flags)
+            _compile(sources, path, flags)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NoMachineCodeError(str(error)) from None
     return path
 
 
-def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
-    """Compiles a source into a file, whole or not at all."""
+def _compile(sources: Sequence[Path], path: Path, flags: Sequence[str]) -> None:
+    """Compiles sources into a file, whole or not at all."""
     compiler = next(filter(None, map(shutil.which, COMPILERS)), None)
     if compiler is None:
         raise NoMachineCodeError("there is none")
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         made = Path(folder) / path.name
-        command = [compiler, *flags, str(source), "-o", str(made), "-lm"]
+        command = [compiler, *flags, *map(str, sources), "-o", str(made), "-lm"]
         done = subprocess.run(command, check=False, capture_output=True, timeout=_PATIENCE)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
@@ -66,7 +69,7 @@ def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
         made.replace(path)
 
 
-def _fingerprint(sources: Sequence[Path], flags: Sequence[str]) -> str:
-    text = b"".join(source.read_bytes() for source in sources)
+def _fingerprint(files: Sequence[Path], flags: Sequence[str]) -> str:
+    text = b"".join(file.read_bytes() for file in files)
     machine = (tuple(flags), platform.machine(), platform.system())
     return sha256(text + repr(machine).encode()).hexdigest()[:16]

@@ -6,30 +6,38 @@ from pathlib import Path
 
 from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-SOURCES = (
-    "times.c",
-    "stretches.c",
-    "roots.c",
-    "curves.c",
-    "closed_forms.c",
-    "bounds.c",
-    "duality.c",
-    "sets.c",
-    "search.c",
+FOLDER = Path(__file__).parent
+
+COASTING = (
+    "motion",
+    "newton",
+    "stretches",
+    "roots",
+    "curves",
+    "closed_forms",
+    "bounds",
+    "dual_bound",
+    "active_sets",
+    "units",
 )
-"""Each includes the one before it."""
+"""Units that solve one walk at one level."""
+
+SOURCES = (*(FOLDER / "coasting" / f"{unit}.c" for unit in COASTING), FOLDER / "search.c")
+HEADERS = (FOLDER / "kernel.h", FOLDER / "coasting" / "coasting.h")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of
 # optimising would take as long again to compile, and make a tenth.
-FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = (
+    *("-O1", *IEEE_FLAGS, "-std=gnu11", "-fvisibility=hidden"),
+    *("-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math"),
+)
 
 
 @cache
 def kernel() -> ctypes.CDLL | None:
     """Returns the compiled kernel, or None where it cannot be had."""
-    folder = Path(__file__).parent
     try:
-        return ctypes.CDLL(str(shared_library([folder / name for name in SOURCES], flags=FLAGS)))
+        return ctypes.CDLL(str(shared_library(SOURCES, headers=HEADERS, flags=FLAGS)))
     except (NoMachineCodeError, OSError):
         return None
 

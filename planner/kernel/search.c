@@ -1,5 +1,5 @@
 /* The best walk over all rows. */
-#include "sets.c"
+#include "kernel.h"
 #include <stdlib.h>
 #include <time.h>
 
@@ -44,7 +44,7 @@ static int by_bound(const void *one, const void *other)
 /* Against the goal, at 5 m/s. */
 static cplx first_worth(cplx goal) { return cabs(goal) > 0 ? -0.2 * goal / cabs(goal) : -0.2; }
 
-static void load(Row *row, const Task *task, const Table *table, long index)
+static void load(Problem *row, const Task *task, const Table *table, long index)
 {
     long at = index * table->trims;
     row->trims = table->trims;
@@ -64,24 +64,12 @@ static void load(Row *row, const Task *task, const Table *table, long index)
     row->wants_heading = (int)task->wants_heading;
     row->heading = task->heading - table->turned[index];
     row->heading_tolerance = task->heading_tolerance;
-    row->worth = first_worth(row->goal);
+    row->multiplier = first_worth(row->goal);
     row->straight = row->hardly_bent = 0;
 }
 
-static double bound_of(const Row *row)
-{
-    Active on;
-    choose(row, &on, (1u << row->trims) - 1);
-    if (row->wants_heading && fabs(off_turns(row->heading)) > row->heading_tolerance + row->heading_slack) {
-        int turns = 0;
-        for (int k = 0; k < row->trims; k++) turns |= row->rate[k] != 0;
-        if (!turns) return INFINITY;
-    }
-    return row->fixed + least_time(row, &on, to_cover(row));
-}
-
 /* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */
-typedef struct { Row row[MOST]; int order[MOST]; } Levels;
+typedef struct { Problem row[MOST]; int order[MOST]; } Levels;
 
 /* Whether some level cannot beat the best so far. */
 static int excluded(Search *s, const Entry *entry, Levels *every)
@@ -89,11 +77,11 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
     int levels = (int)s->task->levels;
     double bounds[MOST], best = s->answer->cost;
     for (int level = 0; level < levels; level++) {
-        Row *row = &every->row[level];
+        Problem *row = &every->row[level];
         load(row, s->task, &s->tables[entry->table], (long)entry->walk * levels + level);
-        bounds[level] = bound_of(row);
+        bounds[level] = lower_bound(row);
         row->best = best;
-        row->worth = s->worth[level];
+        row->multiplier = s->worth[level];
     }
     for (int done = 0; done < levels; done++) {
         int level = 0;
@@ -101,15 +89,11 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
         if (bounds[level] >= best) return 1;
         bounds[level] = -1;
         every->order[done] = level;
-        Row *row = &every->row[level];
+        Problem *row = &every->row[level];
         s->answer->nodes++;
         if (best == INFINITY) continue;
-        Active all;
-        unsigned mask = (1u << row->trims) - 1;
-        choose(row, &all, mask);
-        if (out_of_reach(row, &all, best - row->fixed)) return 1;
-        int out = refuted(row, mask, ROUNDS, &row->worth);
-        s->worth[level] = row->worth;
+        int out = cannot_beat(row);
+        s->worth[level] = row->multiplier;
         if (out) return 1;
     }
     return 0;
@@ -123,17 +107,17 @@ static int solved(Search *s, const Entry *entry, const Levels *every, int most)
     double costs[MOST], times[MOST * MOST], worst = 0;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
-        Row row = every->row[level];
+        Problem row = every->row[level];
         row.best = s->answer->cost;
         if (most < MOST) {
             double aside = NEAR_THE_EDGE * row.tolerance;
-            row.goal += aside / length(row.worth) * row.worth;
+            row.goal += aside / length(row.multiplier) * row.multiplier;
             row.tolerance = 0;
         }
         solve(&row, most);
         if (!(row.best < s->answer->cost)) return 0;
         costs[level] = row.best;
-        worst = MAX(worst, row.best);
+        worst = greater(worst, row.best);
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     s->answer->cost = worst;
@@ -166,10 +150,10 @@ static long list(const Task *task, const Table *tables, Entry *entries)
     for (int t = 0; t < task->tables; t++)
         for (int w = 0; w < tables[t].walks; w++) {
             double bound = 0;
-            Row row;
+            Problem row;
             for (int level = 0; level < task->levels; level++) {
                 load(&row, task, &tables[t], (long)w * task->levels + level);
-                bound = MAX(bound, bound_of(&row));
+                bound = greater(bound, lower_bound(&row));
             }
             if (bound < INFINITY) entries[used++] = (Entry){bound, t, w, 1};
         }
@@ -211,7 +195,7 @@ static void finish(Search *s, Entry *entries, long used)
 static void polish(const Task *task, const Table *tables, Answer *answer)
 {
     for (int level = 0; answer->walk >= 0 && level < task->levels; level++) {
-        Row row;
+        Problem row;
         load(&row, task, &tables[answer->table], answer->walk * task->levels + level);
         row.best = answer->costs[level];
         memcpy(row.times, answer->times + level * MOST, sizeof(row.times));
@@ -222,7 +206,7 @@ static void polish(const Task *task, const Table *tables, Answer *answer)
 }
 
 /* The walk whose worst level is best. */
-int search(const Task *task, const Table *tables, Answer *answer)
+PUBLIC int search(const Task *task, const Table *tables, Answer *answer)
 {
     Search s = {.task = task, .tables = tables, .answer = answer, .began = clock_now()};
     long total = 0;
@@ -245,10 +229,10 @@ int search(const Task *task, const Table *tables, Answer *answer)
 }
 
 /* The least cost of every row on its own, infinite where it does not reach the goal, and its times. */
-void each(const Task *task, const Table *table, double *costs, double *times)
+PUBLIC void each(const Task *task, const Table *table, double *costs, double *times)
 {
     for (long index = 0; index < table->walks; index++) {
-        Row row;
+        Problem row;
         load(&row, task, table, index);
         row.best = INFINITY;
         solve(&row, MOST);

@@ -23,10 +23,10 @@ LARGE = 1e3
 
 
 def slack_of(*sizes: float) -> float:
-    """Returns the slack of a problem in metres.
+    """Returns the slack for rounding, in metres or seconds.
 
     Args:
-        sizes: of the numbers that it is stated in, metres.
+        sizes: of the numbers that a problem is stated in, likewise.
     """
     return SLACK * max(1.0, sum(map(abs, sizes)) / LARGE)
 

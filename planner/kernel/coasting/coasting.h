@@ -80,8 +80,6 @@ int update_best(Problem *p, double *times);
 
 /* newton.c: times corrected on the true motion. */
 int solve_linear(double *M, double *b, int n);
-void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m);
-void times_of(const Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, double *times);
 void propose_headings(Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, cplx m);
 
 /* stretches.c: one stretch as a function of u. */

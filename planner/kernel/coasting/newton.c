@@ -178,7 +178,7 @@ static int make_stationary(const Problem *p, const ActiveSet *on, double *times,
 }
 
 /* Corrects times that may be best, and keeps them if they are; m is their multiplier, 0 where there is none. */
-void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m)
+static void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m)
 {
     double times[MOST] = {0}, guess[MOST], cost = p->fixed, way = 0, tolerance = p->tolerance;
     for (int i = 0; i < on->count; i++) cost += of_active[i];
@@ -202,24 +202,37 @@ void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m)
     if (!solved || !update_best(p, times)) update_best(p, guess);
 }
 
-/* Times of the active turns from the headings after them; straight times are given. */
-void times_of(const Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, double *times)
+/* Times of the active turns from the headings after them; straight times are given. A turn by less than nothing is a
+ * full one but for that; one that may be by nothing, with rounding, is either. Returns how many there are of these. */
+static int times_of(const Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, int full,
+                    double *times)
 {
+    int unclear = 0;
     cplx before = 1;
     for (int i = 0, j = 0; i < on->count; i++) {
         double rate = p->rate[on->place[i]];
-        if (fabs(rate) <= p->straight) { times[i] = straight[on->place[i]]; continue; }
+        if (fabs(rate) <= p->straight) {
+            times[i] = straight[on->place[i]];
+            continue;
+        }
         cplx after = heading[++j];
-        double angle = carg(after * conj(before)), time = angle / rate;
-        if (time < 0 && fabs(angle) > (on->blurred ? BLUR : HEADING_ROUNDING)) time += 2 * PI / fabs(rate);
-        times[i] = time;
+        double angle = carg(after * conj(before));
+        int nothing = fabs(angle) <= (on->blurred ? BLUR : HEADING_ROUNDING);
+        times[i] = angle / rate;
+        unclear += times[i] < 0 && nothing;
+        if (times[i] < 0 && (full || !nothing)) times[i] += 2 * PI / fabs(rate);
         before = after;
     }
+    return unclear;
 }
 
+/* The candidates that have given headings after their turns. */
 void propose_headings(Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, cplx m)
 {
     double times[MOST];
-    times_of(p, on, heading, straight, times);
+    int unclear = times_of(p, on, heading, straight, 0, times);
+    propose(p, on, times, m);
+    if (!unclear) return;
+    times_of(p, on, heading, straight, 1, times);
     propose(p, on, times, m);
 }

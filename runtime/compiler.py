@@ -41,20 +41,23 @@ def cache_folder() -> Path:
     return (Path(root) if root else Path("~/.cache").expanduser()) / "maneuver-automaton"
 
 
-def shared_library(sources: Sequence[Path], *, flags: Sequence[str] = ("-O2", *IEEE_FLAGS)) -> Path:
-    """Returns the shared library of a C source, compiled if needed.
+def shared_library(
+    sources: Sequence[Path], *, headers: Sequence[Path] = (), flags: Sequence[str] = ("-O2", *IEEE_FLAGS)
+) -> Path:
+    """Returns the shared library of C sources, compiled if needed.
 
     Args:
-        sources: source files; the last one is compiled and includes the others.
+        sources: source files; the library is named for the last one.
+        headers: header files.
         flags: compiler flags.
 
     Raises:
         NoMachineCodeError: there is no compiler, it failed, or the cache cannot be written.
     """
-    path = cache_folder() / f"{sources[-1].stem}-{_fingerprint(sources, flags)}.so"
+    path = cache_folder() / f"{sources[-1].stem}-{_fingerprint([*sources, *headers], flags)}.so"
     try:
         if not path.is_file():
-            _compile(sources[-1], path, flags)
+            _compile(sources, path, flags)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise NoMachineCodeError(str(error)) from None
     return path
@@ -74,13 +77,13 @@ def compiler_command() -> tuple[str, ...]:
     raise NoMachineCodeError("there is none")
 
 
-def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
-    """Compiles a source into a file, whole or not at all."""
+def _compile(sources: Sequence[Path], path: Path, flags: Sequence[str]) -> None:
+    """Compiles sources into a file atomically."""
     compiler = compiler_command()
     path.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=path.parent) as folder:
         made = Path(folder) / path.name
-        command = [*compiler, *flags, str(source), "-o", str(made), "-lm"]
+        command = [*compiler, *flags, *map(str, sources), "-o", str(made), "-lm"]
         done = subprocess.run(command, check=False, capture_output=True, timeout=_COMPILER_TIMEOUT)
         if done.returncode:
             said = done.stderr.decode(errors="replace").strip().splitlines()
@@ -88,7 +91,7 @@ def _compile(source: Path, path: Path, flags: Sequence[str]) -> None:
         made.replace(path)
 
 
-def _fingerprint(sources: Sequence[Path], flags: Sequence[str]) -> str:
-    text = b"".join(source.read_bytes() for source in sources)
+def _fingerprint(files: Sequence[Path], flags: Sequence[str]) -> str:
+    text = b"".join(file.read_bytes() for file in files)
     machine = (tuple(flags), platform.machine(), platform.system())
     return sha256(text + repr(machine).encode()).hexdigest()[:16]

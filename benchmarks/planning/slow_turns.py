@@ -58,12 +58,11 @@ def main(seed: int, seconds: float) -> int:
         missions += 1
         least = inf
         for table in tables(library, (0.0,), mission.start_trim, mission.max_trims, None):
-            hidden = table.equal_turns > 2 and mission.goal_heading is not None
             costs = least_costs(table, mission)
             least = min(least, float(costs.min()))
             for walk, cost in zip(map(tuple, table.walks.tolist()), costs.tolist(), strict=True):
                 other = _least(library, walk, mission, rng)
-                if hidden or min(cost, other) > LONGEST:
+                if min(cost, other) > LONGEST:
                     continue
                 compared += 1
                 reached += other < inf

@@ -1,4 +1,4 @@
-"""Destination of a flight and first arrival of its true track."""
+"""Destination of a flight, its tolerance, and first arrival of its track."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,7 +7,28 @@ from math import inf, pi
 import numpy as np
 from jaxtyping import Float
 
+from flight.se2 import SE2, wrap_angle
+
 Track = Float[np.ndarray, "n 4"]
+
+SLACK = 1e-9
+"""Metres and radians by which rounding may leave an end outside a tolerance of 0 or more.
+
+Tolerances are closed sets. An end is the sum of some hundred rounded terms: on ways of 10^5 m they are less
+than this, which is far less than any flight shows.
+"""
+
+LARGE = 1e3
+"""Metres; of larger problems the slack is the 10^-12th part, as numbers round to a part of their size."""
+
+
+def slack_of(*sizes: float) -> float:
+    """Returns the slack for rounding, in metres or seconds.
+
+    Args:
+        sizes: of the numbers that a problem is stated in, likewise.
+    """
+    return SLACK * max(1.0, sum(map(abs, sizes)) / LARGE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,12 +40,35 @@ class Destination:
         tolerance: radius in metres.
         heading: wanted there, in radians; None leaves it free.
         heading_tolerance: half width around that heading, in radians.
+        slack: metres that rounding may leave an end outside.
     """
 
     position: tuple[float, float]
     tolerance: float
     heading: float | None = None
     heading_tolerance: float = pi
+    slack: float = SLACK
+
+    @property
+    def reach(self) -> float:
+        """Metres from the position within which it counts as reached."""
+        return self.tolerance + self.slack
+
+    @property
+    def heading_reach(self) -> float:
+        """Radians from the heading within which it counts as reached."""
+        return self.heading_tolerance + SLACK
+
+    @property
+    def wants_heading(self) -> bool:
+        """True where some heading is outside the tolerance."""
+        return self.heading is not None and self.heading_tolerance < pi
+
+    def reached(self, pose: SE2) -> bool:
+        """Returns True where a pose meets position and heading, closed sets."""
+        if not pose.distance_to(self.position) <= self.reach:
+            return False
+        return self.heading is None or abs(wrap_angle(pose.heading - self.heading)) <= self.heading_reach
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,9 +128,9 @@ def _shares_inside_goal(
 ) -> Float[np.ndarray, "n 2"]:
     """Returns the shares of each piece at which it enters and leaves."""
     offset, way = begin[:, 1:3] - np.array(destination.position), end[:, 1:3] - begin[:, 1:3]
-    # |offset + s way| = tolerance, a quadratic in s.
+    # |offset + s way| = reach, a quadratic in s.
     a, b = (way**2).sum(axis=1), (offset * way).sum(axis=1)
-    c = (offset**2).sum(axis=1) - destination.tolerance**2
+    c = (offset**2).sum(axis=1) - destination.reach**2
     moving = a > 0
     root = np.sqrt(np.maximum(b**2 - a * c, 0.0))
     scale = np.where(moving, a, 1.0)
@@ -109,10 +153,10 @@ def _restrict_to_heading(
     off = begin - (destination.heading or 0.0)
     off = off - 2 * np.pi * np.round(off / (2 * np.pi))
     turn = end - begin
-    held = np.abs(off) <= destination.heading_tolerance
+    held = np.abs(off) <= destination.heading_reach
     scale = np.where(turn != 0, turn, 1.0)
-    one = (-destination.heading_tolerance - off) / scale
-    two = (destination.heading_tolerance - off) / scale
+    one = (-destination.heading_reach - off) / scale
+    two = (destination.heading_reach - off) / scale
     turning = turn != 0
     first = np.where(turning, np.minimum(one, two), np.where(held, -inf, inf))
     last = np.where(turning, np.maximum(one, two), np.where(held, inf, -inf))

@@ -12,7 +12,7 @@ from flight.file_value import FileValue
 from flight.schema import FileModel, read_toml, refusing, schema_named
 from flight.se2 import SE2
 
-from .destination import Destination
+from .destination import Destination, slack_of
 
 SCHEMA = "maneuver-mission/1"
 """What a file may name itself; one that does not is of this version."""
@@ -69,7 +69,8 @@ class Mission(FileValue):
     @property
     def destination(self) -> Destination:
         """Goal of the mission without the trim wanted there."""
-        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
+        slack = slack_of(*self.start.position, *self.goal, self.tolerance)
+        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance, slack)
 
 
 def _check_magnitude(value: float, most: float, unit: str) -> float:

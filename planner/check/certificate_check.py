@@ -19,7 +19,7 @@ from flight.plan.certificate import BoxLeaf, BoxSplit, Certificate, Infeasibilit
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
 
-from .certified_bound import GOAL_EQUALITY, Leaves, dual_bound
+from .certified_bound import Leaves, dual_bound
 from .interval_walk import interval_walk, straighten_slow_turns, value_at_gamma
 from .intervals import TURN, PoseBox, as_interval, hypot
 
@@ -155,9 +155,9 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
         except (ValueError, FlightError):
             # Said elsewhere: there is no such walk, or no such time.
             continue
-        wrong = not end <= max(mission.tolerance, GOAL_EQUALITY)
-        if mission.goal_heading is not None and mission.heading_tolerance < pi:
-            wrong |= not heading <= max(mission.heading_tolerance, GOAL_EQUALITY)
+        wrong = not end <= mission.destination.reach
+        if mission.destination.wants_heading:
+            wrong |= not heading <= mission.destination.heading_reach
         if wrong:
             found.append(f"scenario gamma {scenario.gamma:g}: not proved to end at the goal")
     return tuple(found)

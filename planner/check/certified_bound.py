@@ -11,9 +11,6 @@ from flight.mission.mission import Mission
 from .interval_walk import Complex, IntervalWalk, LeafValues, exact_point
 from .intervals import TURN, Interval, as_interval, cos, hypot, sin, sqrt, square
 
-GOAL_EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
-
 ANGLE_SLACK = 1e-11
 """Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
 
@@ -38,7 +35,7 @@ def dual_bound(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> LeafValu
     kappa = as_interval(leaves.kappa)
     m = Complex(as_interval(leaves.north), as_interval(-leaves.east))
     goal = _goal(mission)
-    tolerance = as_interval(max(mission.tolerance, GOAL_EQUALITY)) + walk.position_slack
+    tolerance = as_interval(mission.destination.reach) + walk.position_slack
     reach = hypot(as_interval(leaves.north), as_interval(leaves.east)) * tolerance
     total = kappa * walk.fixed - (m * goal).real - reach
     way, slope = exact_point(0.0, 0.0), as_interval(np.zeros(len(leaves.low)))
@@ -93,10 +90,10 @@ def _headings(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> list[Inte
         if place.rate is not None:
             heading = heading + place.rate * Interval(leaves.low[:, index], leaves.high[:, index])
         spans.append(heading)
-    if mission.goal_heading is None or mission.heading_tolerance >= pi:
+    if mission.goal_heading is None or not mission.destination.wants_heading:
         return spans
     wanted = as_interval(mission.goal_heading) - mission.start.heading - walk.turned
-    width = float((as_interval(max(mission.heading_tolerance, GOAL_EQUALITY)) + walk.heading_slack).high)
+    width = float((as_interval(mission.destination.heading_reach) + walk.heading_slack).high)
     turns = [index for index, place in enumerate(walk.places) if place.rate is not None]
     last = turns[-1] if turns else 0
     return [

@@ -14,9 +14,6 @@ from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
-EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
-
 SMALL_TURN = 1e-2
 """Radians below which the chord of a turn is taken from its series."""
 
@@ -40,8 +37,7 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     trims = [library.trim(trim) for trim in plan.sequence]
     steps = list(library.maneuvers_along(plan.sequence))
     found = []
-    allowed = max(mission.tolerance, EQUALITY)
-    if plan.miss is None or plan.miss > allowed:
+    if plan.miss is None or plan.miss > mission.destination.reach:
         found.append(f"miss: allowed are {mission.tolerance} m at every gamma, stated are {plan.miss} m")
         return found
     position = complex(mission.start.x, mission.start.y)
@@ -49,9 +45,9 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     worst = walk.level_beyond(complex(*mission.goal), plan.miss, plan.gamma)
     if worst is not None:
         found.append(f"goal: not shown to be within {plan.miss:.9g} m near gamma {worst:.9g}")
-    if mission.goal_heading is not None and mission.heading_tolerance < pi:
+    if mission.goal_heading is not None and mission.destination.wants_heading:
         off = walk.heading_error(mission.goal_heading, plan.gamma)
-        if not off <= max(mission.heading_tolerance, EQUALITY):
+        if not off <= mission.destination.heading_reach:
             found.append(
                 f"goal heading: off by {off:.6g} rad at some gamma, allowed {mission.heading_tolerance} rad"
             )

@@ -8,20 +8,16 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.automaton.maneuver import Maneuver
 from flight.errors import FlightError
+from flight.mission.destination import SLACK, slack_of
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import Twist
 
 from .certificate_check import certificate_problems, unproved_ends
-from .certified_bound import GOAL_EQUALITY
 from .committed_check import committed_problems
 
-END_AGREEMENT = 1e-6
-"""Metres and radians by which a stated end may differ from the one flown."""
-
-TIME_AGREEMENT = 1e-9
-"""Seconds by which a stated cost may differ from the sum of its parts."""
-
+END_AGREEMENT = 1e3
+"""Slacks for rounding by which a stated end may differ from the one flown: 1e-6 m and rad, up to 1 km."""
 
 OPTIMALITY = 2e-5
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
@@ -57,7 +53,7 @@ def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
             f"scenario gamma {scenario.gamma:g}: {problem}"
             for problem in _scenario_problems(scenario, flown, maneuvers, mission)
         ]
-    if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
+    if plan.lower_bound is not None and plan.lower_bound > plan.cost + slack_of(plan.cost):
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
     branched = plan.policy == "committed" or plan.certificate is not None
     gap = PROVED_OPTIMALITY if branched else OPTIMALITY
@@ -211,7 +207,7 @@ def _scenario_problems(
     durations = [outcome.duration for outcome in outcomes]
     found = [f"a maneuver lasts {duration} s" for duration in durations if duration < 0]
     total = sum(times) + sum(durations)
-    if not abs(total - scenario.cost) <= TIME_AGREEMENT:
+    if not abs(total - scenario.cost) <= slack_of(total):
         found.append(f"cost: the parts take {total} s, stated are {scenario.cost} s")
     position, heading = complex(mission.start.x, mission.start.y), mission.start.heading
     for place, (velocity, time) in enumerate(zip(velocities, times, strict=True)):
@@ -227,14 +223,15 @@ def _scenario_problems(
 def _end_problems(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
     found = []
     apart = abs(position - complex(scenario.end.x, scenario.end.y))
-    if not (apart <= END_AGREEMENT and abs(_turn(heading - scenario.end.heading)) <= END_AGREEMENT):
+    turned = abs(_turn(heading - scenario.end.heading))
+    if not (apart <= END_AGREEMENT * mission.destination.slack and turned <= END_AGREEMENT * SLACK):
         found.append(f"end: flown again it ends {apart:.3g} m from the stated end")
     miss = abs(position - complex(*mission.goal))
-    if not miss <= max(mission.tolerance, GOAL_EQUALITY):
+    if not miss <= mission.destination.reach:
         found.append(f"goal: missed by {miss:.6g} m, allowed are {mission.tolerance} m")
     if mission.goal_heading is not None:
         off = abs(_turn(heading - mission.goal_heading))
-        if not off <= max(mission.heading_tolerance, GOAL_EQUALITY):
+        if not off <= mission.destination.heading_reach:
             found.append(f"goal heading: off by {off:.6g} rad, allowed are {mission.heading_tolerance} rad")
     return found
 

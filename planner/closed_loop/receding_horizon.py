@@ -195,7 +195,7 @@ class _Loop:
         if rest.finished or rest.is_safe_stop or (goal.goal_heading, goal.goal_trim) != (None, None):
             return inf
         end, time = rest.predicted_end(start, self._library, self._level)
-        return time if end.distance_to(goal.goal) <= goal.tolerance else inf
+        return time if goal.destination.reached(end) else inf
 
     def _advance(self, until: float) -> str:
         """Flies what is left for so long, and a maneuver begun in it to its end."""

@@ -21,7 +21,6 @@ from planner.kernel.exact import least_costs
 from planner.kernel.tables import tables
 from planner.policies.nominal import nominal_planner
 from planner.policies.worst_case import worst_case_planner
-from planner.walks.goal_condition import EQUALITY_TOLERANCE
 from planner.walks.kinematics import check_durations, check_gamma, walk_motion
 from planner.walks.walk import Walk, walks
 
@@ -278,4 +277,4 @@ def _as_committed(plan: Plan, mission: Mission) -> Plan:
     if not plan.found:
         return replace(plan, policy="committed")
     miss = plan.deciding.end.distance_to(mission.goal) + ROUNDING
-    return replace(plan, policy="committed", miss=min(miss, max(mission.tolerance, EQUALITY_TOLERANCE)))
+    return replace(plan, policy="committed", miss=min(miss, mission.destination.reach))

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from flight.mission.mission import Mission
-from planner.walks.goal_condition import EQUALITY_TOLERANCE, goal_from_start, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,9 +32,9 @@ class CommittedTask:
         start = mission.start
         return cls(
             goal_from_start(mission),
-            max(mission.tolerance, EQUALITY_TOLERANCE),
+            mission.destination.reach,
             gamma,
             wants_heading(mission),
             (mission.goal_heading or 0.0) - start.heading,
-            max(mission.heading_tolerance, EQUALITY_TOLERANCE),
+            mission.destination.heading_reach,
         )

@@ -59,6 +59,13 @@ class FiniteProblem:
         width = max(task.heading_tolerance - HEADING_MARGIN, 0.0)
         return np.vstack([matrix, -rates, rates]), np.concatenate([room, width - off, width + off])
 
+    def faces(self, times: Float[np.ndarray, "trims"]) -> bool:
+        """Returns whether every level ends with the heading wanted."""
+        if not self.task.wants_heading:
+            return True
+        off = self.walk_batch.turned[0] - self.task.heading - self.turns + self.walk_batch.rate[0] @ times
+        return bool((np.abs(off) <= self.task.heading_tolerance).all())
+
     def solve(self, start: Float[np.ndarray, "trims"]) -> tuple[Float[np.ndarray, "trims"], float] | None:
         """Returns locally best times in seconds with what their misses keep within, or None.
 

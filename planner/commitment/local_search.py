@@ -24,6 +24,9 @@ ROUNDS = 12
 RESOLUTION = 1e-9
 """Metres to which the largest miss is known."""
 
+RESOLUTION_AS_GIVEN = 1e-10
+"""Metres likewise, of times that use a tolerance up."""
+
 MARGIN = 1e-6
 """Metres by which a descent aims inside the tolerance: it ends somewhat outside of what it aims for."""
 
@@ -78,6 +81,24 @@ class LocalSearch:
             start: seconds.
             budget: seconds that the coasting times may take together.
         """
+        ways = [self._as_given(start, budget), self._descended(start, budget)]
+        return min((way for way in ways if way is not None), key=lambda way: sum(way.times), default=None)
+
+    def _as_given(self, times: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
+        """Returns times as they are, if they may be flown: where a goal is touched they bear no change."""
+        gamma, task, turns = self._task.gamma, self._task, self._turns(times)
+        levels = (-gamma, 0.0, gamma)
+        problem = FiniteProblem(
+            walk_batch(self._library, (self._walk,), levels), levels, task, turns, budget, task.tolerance
+        )
+        worst = worst_miss(
+            self._lines, times, task.goal, gamma, resolution=RESOLUTION_AS_GIVEN, enough=task.tolerance
+        )
+        if worst.bound > task.tolerance or times.sum() > budget or not problem.faces(times):
+            return None
+        return _local_optimum(problem, times, worst)
+
+    def _descended(self, start: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
         aim = self._task.tolerance - MARGIN
         if aim <= 0:
             return None

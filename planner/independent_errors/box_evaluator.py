@@ -14,9 +14,9 @@ from jaxtyping import Bool, Float, Int
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
 from planner.kernel.exact import best_times
-from planner.walks.goal_condition import EQUALITY_TOLERANCE, goal_from_start, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
 
-from .bounded_maximum import ROUNDING, BoundedBoxes
+from .bounded_maximum import BoundedBoxes
 from .closure import Closure, ClosureTimes, close_chain, closures_of
 from .enclosure import enclose_end
 from .error_path import ErrorPath
@@ -197,7 +197,7 @@ class BoxEvaluator:
             state.boxes.width[row],
             times,
             goal=goal,
-            tolerance=max(self._mission.tolerance, EQUALITY_TOLERANCE),
+            tolerance=self._mission.destination.reach,
             closure=closure,
         )
 
@@ -239,6 +239,6 @@ class BoxEvaluator:
             return np.ones(len(closed.holds), dtype=bool)
         wanted = mission.goal_heading - mission.start.heading
         off = np.array([abs(wrap_angle(one - wanted)) for one in closed.heading.middle.tolist()])
-        allowed = max(mission.heading_tolerance, EQUALITY_TOLERANCE) + ROUNDING
+        allowed = mission.destination.heading_reach
         faces: Bool[np.ndarray, "m"] = off + closed.heading.reach <= allowed
         return faces

@@ -6,26 +6,37 @@ from pathlib import Path
 
 from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-SOURCES = (
-    "times.c",
-    "stretches.c",
-    "roots.c",
-    "curves.c",
-    "closed_forms.c",
-    "bounds.c",
-    "duality.c",
-    "sets.c",
-    "automaton.c",
-    "remaining.c",
-    "frontier.c",
-    "search.c",
-    "each.c",
+FOLDER = Path(__file__).parent
+
+COASTING = (
+    "motion",
+    "newton",
+    "stretches",
+    "roots",
+    "curves",
+    "closed_forms",
+    "bounds",
+    "dual_bound",
+    "active_sets",
+    "units",
 )
-"""Each includes the one before it."""
+"""Units that solve one walk at one level."""
+
+WALKS = ("automaton", "remaining", "frontier", "each", "search")
+"""Units that search over walks."""
+
+SOURCES = (
+    *(FOLDER / "coasting" / f"{unit}.c" for unit in COASTING),
+    *(FOLDER / "walks" / f"{unit}.c" for unit in WALKS),
+)
+HEADERS = (FOLDER / "kernel.h", FOLDER / "coasting" / "coasting.h", FOLDER / "walks" / "walks.h")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of
 # optimising would take as long again to compile, and make a tenth.
-FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = (
+    *("-O1", *IEEE_FLAGS, "-std=gnu11", "-fvisibility=hidden"),
+    *("-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math"),
+)
 
 
 SEARCH_BACKEND = "compiled"
@@ -39,8 +50,7 @@ def load_kernel() -> ctypes.CDLL:
     Raises:
         NoMachineCodeError: there is no C compiler that works.
     """
-    folder = Path(__file__).parent
-    path = shared_library([folder / name for name in SOURCES], flags=FLAGS)
+    path = shared_library(SOURCES, headers=HEADERS, flags=FLAGS)
     try:
         return ctypes.CDLL(str(path))
     except OSError as error:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
 from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.search_result import SearchResult
@@ -20,21 +21,20 @@ MOST_TRIMS = 12
 
 NO_LIMIT = 2**62
 
-EQUALITY = 1e-6
-"""Metres, radians: a tolerance up to this means equality."""
-
-INSIDE = 1e-9
-"""Metres: how far inside a tolerance the kernel aims; twice what it forgives."""
-
-HEADING_INSIDE = 1e-12
-"""Radians, likewise. A heading to be met exactly is met to within what counts as equal: over long ways each
-millionth of a radian is worth milliseconds."""
-
-EQUAL_TURNS = 2
-"""With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
+FORGIVEN = 0.99
+"""Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
 
 
-_NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
+_NUMBERS = (
+    "north",
+    "east",
+    "tolerance",
+    "slack",
+    "heading",
+    "heading_tolerance",
+    "heading_slack",
+    "seconds",
+)
 
 
 class _Task(ctypes.Structure):
@@ -100,20 +100,18 @@ class ExactSearch:
         task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
         if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
             raise MemoryError("the search for walks")
-        return self._read(found, mission)
+        return self._read(found)
 
-    def _read(self, found: _Answer, mission: Mission) -> SearchResult:
-        hidden = wants_heading(mission) and most_equal_turns(self._automaton, mission) > EQUAL_TURNS
-        exhausted = bool(found.complete) and not hidden
-        bound = found.least if hidden else found.bound
+    def _read(self, found: _Answer) -> SearchResult:
+        exhausted = bool(found.complete)
         if not found.trims:
-            return SearchResult((), (), (), inf if exhausted else bound, exhausted)
+            return SearchResult((), (), (), found.bound, exhausted)
         walk = tuple(self._automaton.ids[found.walk[: found.trims]].tolist())
         levels = range(len(self._gammas))
         times = tuple(
             tuple(found.times[MOST_TRIMS * level : MOST_TRIMS * level + len(walk)]) for level in levels
         )
-        return SearchResult(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
+        return SearchResult(walk, times, tuple(found.costs[: len(levels)]), found.bound, exhausted)
 
 
 def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walks"]:
@@ -168,9 +166,11 @@ def _task(
     return _Task(
         goal.real,
         goal.imag,
-        _inner_tolerance(mission.tolerance),
+        mission.tolerance,
+        FORGIVEN * mission.destination.slack,
         (mission.goal_heading or 0.0) - start.heading,
-        max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
+        mission.heading_tolerance,
+        FORGIVEN * SLACK,
         seconds,
         int(wants_heading(mission)),
         automaton.place(mission.start_trim) if automaton else 0,
@@ -178,28 +178,3 @@ def _task(
         mission.max_trims,
         NO_LIMIT if max_nodes is None else max_nodes,
     )
-
-
-def _inner_tolerance(tolerance: float) -> float:
-    """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
-    return tolerance - INSIDE if tolerance > EQUALITY else 0.0
-
-
-def most_equal_turns(automaton: Automaton, mission: Mission) -> int:
-    """Placeholder"""
-    n, best = len(automaton.ids), 0
-    start = automaton.place(mission.start_trim)
-    ends = np.arange(n) if mission.goal_trim is None else np.array([automaton.place(mission.goal_trim)])
-    leaves = np.repeat(np.arange(n), np.diff(automaton.first))
-    for rates in automaton.rate:
-        for rate in set(rates.tolist()) - {0.0}:
-            counts = (rates == rate).astype(float)
-            now = np.full(n, -np.inf)
-            now[start] = counts[start]
-            best = max(best, now[ends].max())
-            for _ in range(mission.max_trims - 1):
-                after = np.full(n, -np.inf)
-                np.maximum.at(after, automaton.to, now[leaves])
-                now = after + counts
-                best = max(best, now[ends].max())
-    return int(best)

@@ -44,12 +44,10 @@ class KernelTable:
     Attributes:
         walks: trim ids.
         arrays: what the kernel reads, in the order of its structure; kept alive here.
-        equal_turns: the most coasts of one walk that turn at the same rate.
     """
 
     walks: Int[np.ndarray, "walks trims"]
     arrays: tuple[np.ndarray, ...]
-    equal_turns: int
 
     def fill(self, structure: CTable) -> None:
         """Points a structure of the kernel to the arrays."""
@@ -61,7 +59,7 @@ class KernelTable:
         """Yields a table of one level in parts of at most so many walks."""
         for begin in range(0, len(self.walks), size):
             rows = slice(begin, begin + size)
-            yield KernelTable(self.walks[rows], tuple(array[rows] for array in self.arrays), self.equal_turns)
+            yield KernelTable(self.walks[rows], tuple(array[rows] for array in self.arrays))
 
 
 def tables(
@@ -162,7 +160,6 @@ def kernel_table(
     displacement = np.hstack([nothing, displacement * np.exp(1j * turned[:, :-1])])
     with np.errstate(divide="ignore", invalid="ignore"):
         centre = np.where(rate != 0, velocity / (1j * rate), 0)
-    equal = (rate[:, :, None] == rate[:, None, :]) & (rate != 0)[:, :, None]
     arrays = (
         rate,
         velocity,
@@ -175,11 +172,7 @@ def kernel_table(
         fixed,
         turned[:, -1],
     )
-    return KernelTable(
-        walks,
-        tuple(np.ascontiguousarray(array) for array in arrays),
-        int(equal.sum(axis=1).max(initial=0)),
-    )
+    return KernelTable(walks, tuple(np.ascontiguousarray(array) for array in arrays))
 
 
 def _rows_along_walks(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:

@@ -20,11 +20,6 @@ from planner.walks.walk import trims_of_walks
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
-FREEDOM = (
-    "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
-    "that the search does not see"
-)
-
 SLOW = 1e-6
 """Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
 
@@ -144,7 +139,7 @@ class LibraryPlanner:
         )
 
     def _optimality_caveat(self) -> str:
-        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
+        return STOPPED
 
     def _verify(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:

@@ -211,9 +211,11 @@ def _find_reaching_times(
         step = matrix.transpose(0, 2, 1) @ np.linalg.solve(square, wrong[..., None])
         times = np.maximum(times - step[..., 0], 0.0)
     _, end, turned = problems.propagate(times)
-    miss, off = _goal_misses(problems, end, turned)
+    there = np.abs(end - problems.goal) <= problems.tolerance
+    if problems.heading is not None:
+        there &= np.abs(_heading_off(problems, turned)) <= problems.heading_tolerance
     cost = problems.fixed + times.sum(axis=1)
-    return np.asarray((np.abs(miss) < 1e-7) & (np.abs(off) < 1e-7) & (cost < target)), times
+    return np.asarray(there & (cost < target)), times
 
 
 def _goal_misses(
@@ -226,7 +228,14 @@ def _goal_misses(
     miss = np.where(size > inner, away * (1 - inner / np.maximum(size, 1e-300)), 0.0)
     if problems.heading is None:
         return miss, np.zeros(len(end))
-    off = turned + problems.turned - problems.heading
-    off = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    off = _heading_off(problems, turned)
     inside = 0.999 * problems.heading_tolerance
     return miss, np.sign(off) * np.maximum(np.abs(off) - inside, 0.0)
+
+
+def _heading_off(problems: WalkProblems, turned: Float[np.ndarray, "boxes"]) -> Float[np.ndarray, "boxes"]:
+    """Returns by how much headings differ from the one wanted."""
+    assert problems.heading is not None
+    off = turned + problems.turned - problems.heading
+    nearest: Float[np.ndarray, "boxes"] = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    return nearest

@@ -25,7 +25,7 @@ from jaxtyping import Complex, Float, Int
 
 from flight.mission.mission import Mission
 from flight.se2 import rotate
-from planner.walks.goal_condition import EQUALITY_TOLERANCE, goal_from_start, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.kinematics import WalkMotion
 
 ROUNDING = 1e-12
@@ -91,9 +91,9 @@ class WalkProblems:
             np.array([motion.fixed_time for motion in motions]),
             np.array([row[3] for row in rows]),
             goal_from_start(mission),
-            max(mission.tolerance, EQUALITY_TOLERANCE),
+            mission.destination.reach,
             None if wanted is None else wanted - start.heading,
-            max(mission.heading_tolerance, EQUALITY_TOLERANCE),
+            mission.destination.heading_reach,
         )
 
     def straightened(self, target: float) -> "WalkProblems":

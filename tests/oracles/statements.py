@@ -17,9 +17,10 @@ import casadi
 import numpy as np
 
 from flight.automaton.library import Library
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.goal_condition import EQUALITY_TOLERANCE, wants_heading
+from planner.walks.goal_condition import wants_heading
 from planner.walks.kinematics import WalkMotion, walk_motion
 from planner.walks.search_result import Times
 from planner.walks.walk import Walk
@@ -197,13 +198,13 @@ class Question:
         mission, levels = self.mission, len(motions)
         heading, ends = wants_heading(mission), [one.end(mission.start, start) for one in motions]
         miss = max(end.distance_to(mission.goal) for end in ends)
-        unit = max(miss, EQUALITY_TOLERANCE) if kind == "tolerance" else mission.tolerance
+        unit = max(miss, SLACK) if kind == "tolerance" else mission.tolerance
         numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(mission, unit)
         low, high, guess = [-inf] * levels, [0.0] * levels, list(start)
         if heading:
             assert mission.goal_heading is not None
             wanted = ends[1].heading + wrap_angle(mission.goal_heading - ends[1].heading)
-            width = max(mission.heading_tolerance, EQUALITY_TOLERANCE)
+            width = mission.destination.heading_reach
             low += [wanted - width] * levels
             high += [wanted + width] * levels
         if kind == "tolerance":

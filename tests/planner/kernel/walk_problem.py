@@ -2,7 +2,7 @@
 
 from cmath import exp
 from dataclasses import dataclass, replace
-from math import pi
+from math import factorial, pi
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from planner.kernel.exact import best_times
 from planner.kernel.tables import KernelTable, kernel_table
 
 Times = tuple[float, ...]
+
+SMALL = 0.1
+"""Radians below which what cancels is left out."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -67,8 +70,7 @@ class WalkProblem:
             position += exp(1j * heading) * moved
             heading += turned
             angle = rate * time
-            mean = (exp(1j * angle) - 1) / (1j * angle) if abs(angle) > 1e-6 else 1 + 0.5j * angle
-            position += exp(1j * heading) * velocity * time * mean
+            position += exp(1j * heading) * velocity * time * _mean_direction(angle)
             heading += angle
         return position, heading
 
@@ -103,3 +105,10 @@ class WalkProblem:
         """Returns the kernel's least seconds, infinite without an end at the goal, and its coasting times."""
         costs, times = best_times(self.table(), self.mission)
         return float(costs[0]), tuple(times[0].tolist())
+
+
+def _mean_direction(angle: float) -> complex:
+    """Returns the mean of exp(i s) for s from 0 to an angle; the first terms of its series for small ones."""
+    if abs(angle) > SMALL:
+        return (exp(1j * angle) - 1) / (1j * angle)
+    return sum((1j * angle) ** power / factorial(power + 1) for power in range(10))

@@ -18,7 +18,6 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from planner.check.plan_check import plan_problems
 from planner.commitment.committed import CommittedPlanner
-from planner.walks.goal_condition import EQUALITY_TOLERANCE
 from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 from tests.oracles.statements import Question
@@ -132,7 +131,7 @@ def brute_force(
             if near is None:
                 continue
             miss = min(miss, near[1])
-            if near[1] <= max(mission.tolerance, EQUALITY_TOLERANCE):
+            if near[1] <= mission.destination.reach:
                 times = question.committed(near[0])
                 cost = min(cost, fixed + sum(near[0] if times is None else times))
     return cost, miss

@@ -1,5 +1,5 @@
 /* The best times of many rows, each on its own. */
-#include "search.c"
+#include "walks.h"
 
 typedef struct {
     const double *rate;
@@ -8,7 +8,7 @@ typedef struct {
     int trims, walks;
 } Table;
 
-static void load(Row *row, const Task *task, const Table *table, long index)
+static void load(Problem *row, const Task *task, const Table *table, long index)
 {
     long at = index * table->trims;
     set_task(row, task);
@@ -23,14 +23,14 @@ static void load(Row *row, const Task *task, const Table *table, long index)
     row->speed = table->speed + at;
     row->fixed = table->fixed[index];
     row->heading = task->heading - table->turned[index];
-    row->worth = first_worth(row->goal);
+    row->multiplier = first_multiplier(row->goal);
 }
 
 /* The least cost of every row on its own, infinite where it does not reach the goal, and its times. */
-void each(const Task *task, const Table *table, double *costs, double *times)
+PUBLIC void each(const Task *task, const Table *table, double *costs, double *times)
 {
     for (long index = 0; index < table->walks; index++) {
-        Row row;
+        Problem row;
         load(&row, task, table, index);
         row.best = INFINITY;
         solve(&row, MOST);

@@ -7,18 +7,7 @@
  * which is a sum over maneuvers: the least over all ways on follows by dynamic programming. As it is not known which
  * will be the fastest trim, it is done for some speeds; and once more for seconds alone.
  */
-#include "automaton.c"
-#include <stdlib.h>
-
-#define SPEEDS 10         /* at most; more are put together with the next faster ones */
-
-typedef struct {
-    int speeds[MOST];            /* of each level */
-    double slowness[MOST][SPEEDS]; /* s/m; descending */
-    int *group;                  /* of the speed of each trim at each level */
-    double *least;               /* s; level, speed (one more: seconds alone), trims left, trim */
-    int trims, depth;
-} Remaining;
+#include "walks.h"
 
 static const double *least_from(const Remaining *r, int level, int speed, int left)
 {
@@ -67,12 +56,12 @@ static void find_least(Remaining *r, const Automaton *a, const Task *task, int l
             least[trim] = task->goal_trim < 0 || trim == task->goal_trim ? 0 : INFINITY;
             if (speed < groups && r->group[level * a->trims + trim] > speed) { least[trim] = INFINITY; continue; }
             for (int m = a->first[trim]; left && m < a->first[trim + 1]; m++)
-                least[trim] = MIN(least[trim], duration[m] - slowness * size[m] + shorter[a->to[m]]);
+                least[trim] = lesser(least[trim], duration[m] - slowness * size[m] + shorter[a->to[m]]);
         }
     }
 }
 
-static int make_remaining(Remaining *r, const Automaton *a, const Task *task)
+int make_remaining(Remaining *r, const Automaton *a, const Task *task)
 {
     r->trims = a->trims;
     r->depth = (int)task->max_trims;
@@ -89,18 +78,15 @@ static int make_remaining(Remaining *r, const Automaton *a, const Task *task)
     return made;
 }
 
-static void free_remaining(Remaining *r) { free(r->group); free(r->least); }
-
-/* What the walks have in common that begin alike, at one level. */
-typedef struct { double fixed, distance; int group; } Begun;
+void free_remaining(Remaining *r) { free(r->group); free(r->least); }
 
 /* Seconds that every walk takes that begins so, is at a trim, and may have so many trims more. */
-static double least_seconds(const Remaining *r, int level, const Begun *begun, int trim, int left)
+double least_seconds(const Remaining *r, int level, const Beginning *begun, int trim, int left)
 {
     double least = INFINITY, alone = least_from(r, level, SPEEDS, left)[trim];
     for (int g = begun->group; g < r->speeds[level]; g++)
-        least = MIN(least, r->slowness[level][g] * begun->distance + least_from(r, level, g, left)[trim]);
-    least = begun->fixed + MAX(least, alone);
+        least = lesser(least, r->slowness[level][g] * begun->distance + least_from(r, level, g, left)[trim]);
+    least = begun->fixed + greater(least, alone);
     /* Rounding does not make it more than the bound of a walk. */
     return least - 1e-12 * fabs(least);
 }

@@ -1,5 +1,5 @@
 /* The best walk: walks come one by one, the one with the least bound first. */
-#include "frontier.c"
+#include "walks.h"
 #include <time.h>
 
 typedef struct {
@@ -16,7 +16,7 @@ typedef struct {
     const Automaton *automaton;
     Answer *answer;
     double until;             /* s */
-    cplx worth[MOST];         /* s/m; at each level, a multiplier that was good for the walk before */
+    cplx multiplier[MOST];         /* s/m; at each level, a multiplier that was good for the walk before */
     Remaining remaining;
     Walk best;
     Frontier frontier;
@@ -25,7 +25,7 @@ typedef struct {
 } Search;
 
 /* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */
-typedef struct { Walk walk; WalkRow level[MOST]; int order[MOST]; } Levels;
+typedef struct { Walk walk; WalkProblem level[MOST]; int order[MOST]; } Levels;
 
 static double clock_now(void)
 {
@@ -47,12 +47,12 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
     double bounds[MOST], best = s->answer->cost;
     read_walk(s->automaton, s->task, entry, &every->walk);
     for (int level = 0; level < levels; level++) {
-        Row *row = &every->level[level].row;
+        Problem *row = &every->level[level].problem;
         set_sizes(&every->level[level], s->automaton, s->task, &every->walk, level);
         set_vectors(&every->level[level], s->automaton, &every->walk, level);
-        bounds[level] = bound_of(row);
+        bounds[level] = lower_bound(row);
         row->best = best;
-        row->worth = s->worth[level];
+        row->multiplier = s->multiplier[level];
     }
     for (int done = 0; done < levels; done++) {
         int level = 0;
@@ -60,15 +60,11 @@ static int excluded(Search *s, const Entry *entry, Levels *every)
         if (bounds[level] >= best) return 1;
         bounds[level] = -1;
         every->order[done] = level;
-        Row *row = &every->level[level].row;
+        Problem *row = &every->level[level].problem;
         s->answer->nodes++;
         if (best == INFINITY) continue;
-        Active all;
-        unsigned mask = (1u << row->trims) - 1;
-        choose(row, &all, mask);
-        if (out_of_reach(row, &all, best - row->fixed)) return 1;
-        int out = refuted(row, mask, ROUNDS, &row->worth);
-        s->worth[level] = row->worth;
+        int out = cannot_beat(row);
+        s->multiplier[level] = row->multiplier;
         if (out) return 1;
     }
     return 0;
@@ -82,17 +78,17 @@ static int solved(Search *s, const Levels *every, int most)
     double costs[MOST], times[MOST * MOST], worst = 0;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
-        Row row = every->level[level].row;
+        Problem row = every->level[level].problem;
         row.best = s->answer->cost;
         if (most < MOST) {
-            double aside = MAX(0, NEAR_THE_EDGE * row.tolerance - 4e-7);
-            row.goal += aside / length(row.worth) * row.worth;
+            double aside = NEAR_THE_EDGE * row.tolerance;
+            row.goal += aside / length(row.multiplier) * row.multiplier;
             row.tolerance = 0;
         }
         solve(&row, most);
         if (!(row.best < s->answer->cost)) return 0;
         costs[level] = row.best;
-        worst = MAX(worst, row.best);
+        worst = greater(worst, row.best);
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     s->answer->cost = worst;
@@ -108,7 +104,7 @@ static int solved(Search *s, const Levels *every, int most)
 static void stop(Search *s, double bound)
 {
     s->answer->complete = 0;
-    for (long i = 0; i < s->left.count; i++) bound = MIN(bound, s->left.entries[i].bound);
+    for (long i = 0; i < s->left.count; i++) bound = lesser(bound, s->left.entries[i].bound);
     s->answer->bound = bound;
 }
 
@@ -118,7 +114,7 @@ static void look_at(Search *s, const Entry *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
-    s->answer->least = MIN(s->answer->least, walk->bound);
+    s->answer->least = lesser(s->answer->least, walk->bound);
     if (excluded(s, walk, &every)) return;
     if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
     else append(&s->left, walk);
@@ -128,25 +124,25 @@ static void look_at(Search *s, const Entry *walk)
 static double bound_of_walk(const Search *s, const Walk *walk)
 {
     double bound = 0;
-    WalkRow one;
+    WalkProblem one;
     for (int level = 0; level < s->automaton->levels; level++) {
         set_sizes(&one, s->automaton, s->task, walk, level);
-        bound = MAX(bound, bound_of(&one.row));
+        bound = greater(bound, lower_bound(&one.problem));
     }
     return bound;
 }
 
 /* What all walks have in common that begin alike, at every level. */
-static void begin(const Search *s, const Walk *walk, Begun *begun)
+static void begin(const Search *s, const Walk *walk, Beginning *begun)
 {
     const Automaton *a = s->automaton;
     int maneuvers = a->first[a->trims];
-    double distance = cabs(s->task->goal_north + I * s->task->goal_east) - MAX(s->task->tolerance, 2e-7);
+    double distance = cabs(s->task->goal_north + I * s->task->goal_east) - s->task->tolerance - s->task->slack;
     for (int level = 0; level < a->levels; level++) {
-        Begun *one = &begun[level];
-        *one = (Begun){.distance = distance};
+        Beginning *one = &begun[level];
+        *one = (Beginning){.distance = distance};
         for (int k = 0; k < walk->length; k++) {
-            one->group = MAX(one->group, s->remaining.group[level * a->trims + walk->trim[k]]);
+            one->group = (int)larger(one->group, s->remaining.group[level * a->trims + walk->trim[k]]);
             if (!k) continue;
             one->fixed += a->duration[level * maneuvers + walk->maneuver[k]];
             one->distance -= a->size[level * maneuvers + walk->maneuver[k]];
@@ -155,15 +151,15 @@ static void begin(const Search *s, const Walk *walk, Begun *begun)
 }
 
 /* The bound of all walks that go on with one more trim. */
-static double bound_beyond(const Search *s, const Begun *begun, int maneuver, int left)
+static double bound_beyond(const Search *s, const Beginning *begun, int maneuver, int left)
 {
     const Automaton *a = s->automaton;
     double bound = 0;
     for (int level = 0; level < a->levels; level++) {
         int at = level * a->first[a->trims] + maneuver, group = s->remaining.group[level * a->trims + a->to[maneuver]];
-        Begun one = {begun[level].fixed + a->duration[at], begun[level].distance - a->size[at],
-                     MAX(begun[level].group, group)};
-        bound = MAX(bound, least_seconds(&s->remaining, level, &one, a->to[maneuver], left));
+        Beginning one = {begun[level].fixed + a->duration[at], begun[level].distance - a->size[at],
+                     (int)larger(begun[level].group, group)};
+        bound = greater(bound, least_seconds(&s->remaining, level, &one, a->to[maneuver], left));
     }
     return bound;
 }
@@ -172,7 +168,7 @@ static double bound_beyond(const Search *s, const Begun *begun, int maneuver, in
 static void find_ways(Search *s, const Entry *entry, int fewest, int most)
 {
     Walk walk;
-    Begun begun[MOST];
+    Beginning begun[MOST];
     const Automaton *a = s->automaton;
     Entry next = *entry;
     read_walk(a, s->task, entry, &walk);
@@ -188,7 +184,7 @@ static void find_ways(Search *s, const Entry *entry, int fewest, int most)
     next.closed = 0;
     next.trims++;
     for (int m = a->first[trim]; m < a->first[trim + 1]; m++) {
-        next.bound = MAX(entry->bound, bound_beyond(s, begun, m, most - next.trims));
+        next.bound = greater(entry->bound, bound_beyond(s, begun, m, most - next.trims));
         next.step[walk.length - 1] = (unsigned short)(m - a->first[trim]);
         if (next.bound < s->answer->cost) append(&s->ways, &next);
     }
@@ -248,16 +244,16 @@ static void finish(Search *s)
 static void polish(Search *s)
 {
     Answer *answer = s->answer;
-    WalkRow one;
+    WalkProblem one;
     for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
         set_sizes(&one, s->automaton, s->task, &s->best, level);
         set_vectors(&one, s->automaton, &s->best, level);
-        one.row.worth = first_worth(one.row.goal);
-        one.row.best = answer->costs[level];
-        memcpy(one.row.times, answer->times + level * MOST, sizeof(one.row.times));
-        solve(&one.row, MOST);
-        answer->costs[level] = one.row.best;
-        memcpy(answer->times + level * MOST, one.row.times, sizeof(one.row.times));
+        one.problem.multiplier = first_multiplier(one.problem.goal);
+        one.problem.best = answer->costs[level];
+        memcpy(one.problem.times, answer->times + level * MOST, sizeof(one.problem.times));
+        solve(&one.problem, MOST);
+        answer->costs[level] = one.problem.best;
+        memcpy(answer->times + level * MOST, one.problem.times, sizeof(one.problem.times));
     }
 }
 
@@ -265,7 +261,7 @@ static int make_room(Search *s)
 {
     const Automaton *a = s->automaton;
     int widest = 1;
-    for (int trim = 0; trim < a->trims; trim++) widest = MAX(widest, a->first[trim + 1] - a->first[trim] + 1);
+    for (int trim = 0; trim < a->trims; trim++) widest = (int)larger(widest, a->first[trim + 1] - a->first[trim] + 1);
     s->frontier.most = s->left.most = MOST_WAITING;
     s->ways.most = widest;
     s->stack.most = (long)widest * s->task->max_trims;
@@ -274,7 +270,7 @@ static int make_room(Search *s)
 }
 
 /* The walk whose worst level is best; 1 where there is no memory. */
-int search(const Task *task, const Automaton *automaton, Answer *answer)
+PUBLIC int search(const Task *task, const Automaton *automaton, Answer *answer)
 {
     Search s = {.task = task, .automaton = automaton, .answer = answer, .until = INFINITY};
     if (task->seconds < INFINITY) s.until = clock_now() + task->seconds;
@@ -284,8 +280,8 @@ int search(const Task *task, const Automaton *automaton, Answer *answer)
     int made = make_room(&s), most = (int)task->max_trims;
     if (made) {
         for (int level = 0; level < automaton->levels; level++)
-            s.worth[level] = first_worth(task->goal_north + I * task->goal_east);
-        dive(&s, 1, MIN(SHORT, most));
+            s.multiplier[level] = first_multiplier(task->goal_north + I * task->goal_east);
+        dive(&s, 1, (int)smaller(SHORT, most));
         if (answer->complete && most > SHORT) dive(&s, SHORT + 1, most);
         if (answer->complete) finish(&s);
         polish(&s);

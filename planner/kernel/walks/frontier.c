@@ -1,9 +1,7 @@
 /* Walks and beginnings of walks that wait, the one with the least bound first. */
-#include "remaining.c"
+#include "walks.h"
 
 #define SOME 1024         /* entries that there is room for at first */
-
-typedef struct { Entry *entries; long count, room, most; } Frontier;
 
 /* By bound; then beginnings before walks, short walks before long ones, and in the order of the library. */
 static int before(const Entry *one, const Entry *other)
@@ -16,17 +14,17 @@ static int before(const Entry *one, const Entry *other)
     return 0;
 }
 
-static int in_order(const void *one, const void *other)
+int in_order(const void *one, const void *other)
 {
     return before(one, other) ? -1 : before(other, one);
 }
 
 /* Makes room for so many more; 0 if there is none to be had. */
-static int has_room(Frontier *f, long more)
+int has_room(Frontier *f, long more)
 {
     if (f->count + more <= f->room) return 1;
     if (f->count + more > f->most) return 0;
-    long room = MIN(MAX(f->count + more, MAX(2 * f->room, SOME)), f->most);
+    long room = smaller(larger(f->count + more, larger(2 * f->room, SOME)), f->most);
     Entry *entries = realloc(f->entries, sizeof(Entry) * (size_t)room);
     if (!entries) return 0;
     f->entries = entries;
@@ -34,9 +32,9 @@ static int has_room(Frontier *f, long more)
     return 1;
 }
 
-static void append(Frontier *f, const Entry *entry) { f->entries[f->count++] = *entry; }
+void append(Frontier *f, const Entry *entry) { f->entries[f->count++] = *entry; }
 
-static void push(Frontier *f, const Entry *entry)
+void push(Frontier *f, const Entry *entry)
 {
     long place = f->count++;
     while (place > 0) {
@@ -48,7 +46,7 @@ static void push(Frontier *f, const Entry *entry)
     f->entries[place] = *entry;
 }
 
-static Entry pop(Frontier *f)
+Entry pop(Frontier *f)
 {
     Entry first = f->entries[0], last = f->entries[--f->count];
     long place = 0;

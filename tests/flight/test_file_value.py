@@ -68,7 +68,7 @@ def test_a_plan_that_states_another_cost_than_it_has_is_refused_by_name(tmp_path
         with pytest.raises(PlanContradictionError, match=words):
             read_plan(path)
     path.write_text(json.dumps(content | {"cost": "1.0"}))
-    with pytest.raises(BadFileError, match="cost: Input should be a valid number, got '1.0'"):
+    with pytest.raises(BadFileError, match=r"cost: Input should be a valid number, got '1\.0'"):
         read_plan(path)
 
 

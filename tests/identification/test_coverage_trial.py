@@ -256,8 +256,10 @@ def test_a_claim_weaker_than_asked_for_ends_with_1_and_is_named(
     out = str(tmp_path / "few.json")
     assert run(("identify", str(folders[0]), "--coverage", "0.95", "--out", out)) == 1
     claim = joint_coverage(24, support=8, confidence=0.95)
-    message = f"maneuver 22: expected coverage >= 0.95, got {claim:.3f} from 24 flights, "
+    message = (
+        f"maneuver 22: expected coverage >= 0.95, got {claim:.3f} from 24 flights, "
         "0 of them lost or not settled"
+    )
     assert message in capsys.readouterr().err
     assert run(("identify", str(folders[0]), "--coverage", "0.5", "--out", out, "--force")) == 0
     assert run(("identify", str(folders[0]), "--coverage", "95", "--out", out, "--force")) == 2

@@ -45,7 +45,10 @@ def _error_size(rng: np.random.Generator) -> float:
 
 
 def _rates(rng: np.random.Generator, count: int) -> list[float]:
-    """Returns yaw rates: some 0, some like one before."""
+    """Returns yaw rates: some 0, some like one before; in every third library of one size."""
+    if rng.random() < 0.35:
+        one = float(rng.choice(RATES))
+        return [float(rng.choice([0.0, one, -one], p=[0.45, 0.35, 0.2])) for _ in range(count)]
     rates: list[float] = []
     for _ in range(count):
         kind = rng.random()

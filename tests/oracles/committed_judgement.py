@@ -1,6 +1,5 @@
 """Committed plans held to the reference, and the answers of all policies to one another."""
 
-from dataclasses import replace
 from math import inf, isfinite
 
 import numpy as np
@@ -12,7 +11,7 @@ from flight.plan.plan import Plan
 from .coasting_problem import all_walks
 from .committed_times import CommittedTimes, CommittedWalk
 from .least_time import natural_units, worst_of_each
-from .plan_judgement import BLURRED, FORGIVEN, SLOWER, Judgement, Reference
+from .plan_judgement import BLURRED, FORGIVEN, FORGIVEN_SHARE, SLOWER, Judgement, Reference
 
 GAP = 6e-4
 """Seconds by which committed plans may be slower than the best: 5e-4 is promised."""
@@ -37,13 +36,9 @@ def judge_committed(
         rng: of the grids.
     """
     if plan.found:
-        wider = replace(
-            mission,
-            tolerance=mission.tolerance + FORGIVEN,
-            heading_tolerance=mission.heading_tolerance + FORGIVEN,
-        )
-        flown = CommittedWalk(library, wider, plan.sequence, plan.gamma).check(plan.coasting_times)
-        if not isfinite(flown.cost):
+        size = abs(complex(*mission.goal)) + abs(complex(mission.start.x, mission.start.y))
+        slack = 1.001 * max(FORGIVEN, FORGIVEN_SHARE * size)
+        if CommittedWalk(library, mission, plan.sequence, plan.gamma).misses(plan.coasting_times, slack):
             return Judgement("misses at some level", True, Reference(inf), plan)
     best = committed_reference(plan, library, mission, rng=rng)
     most = best.cost * (1 + SLOWER) + GAP

@@ -65,6 +65,12 @@ class CommittedWalk:
         cost = float((self._every.fixed + held.sum(axis=1)).max())
         return CommittedTimes(cost if inside else inf, tuple(held[0].tolist()))
 
+    def misses(self, times: tuple[float, ...], slack: float) -> bool:
+        """Whether times are outside the goal at some level by more than a slack in metres and radians."""
+        ends = fly(self._every, np.tile(times, (DENSE, 1)), self._start)
+        beyond = self._goal.beyond(ends) - ROUNDING * ends.way
+        return bool(beyond.max() > slack or self._goal.heading_beyond(ends).max() > slack)
+
     @staticmethod
     def _between(ends: Ends) -> float:
         """Returns metres by which a miss between two levels may exceed both."""

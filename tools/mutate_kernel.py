@@ -24,7 +24,7 @@ from time import perf_counter
 ROOT = Path(__file__).parent.parent
 KERNEL = Path("planner/kernel")
 
-TESTS = ("-q", "-x", "-m", "kernel", "-p", "no:cacheprovider", "tests/planner")
+TESTS = ("-q", "-x", "-m", "kernel", "-p", "no:cacheprovider", "tests/planner/kernel")
 
 PATIENCE = 90.0
 """Seconds after which a run counts as caught: the mutant has no end."""

@@ -83,7 +83,7 @@ class Mutant:
     """One change to one source.
 
     Attributes:
-        file: name of the source.
+        file: the source, in planner/kernel.
         line: where.
         kind: token that is changed.
         text: the whole source, changed.
@@ -141,8 +141,8 @@ def _numbers(token: str, *, directive: bool) -> Iterator[tuple[str, str]]:
 def drawn(count: int, chance: Random) -> list[Mutant]:
     """Returns so many mutants, the files and the kinds of change taken in turn."""
     groups: dict[tuple[str, str], list[Mutant]] = {}
-    for path in sorted((ROOT / KERNEL).glob("*.[ch]")):
-        for one in mutants_of(path.name, path.read_text()):
+    for path in sorted((ROOT / KERNEL).rglob("*.[ch]")):
+        for one in mutants_of(str(path.relative_to(ROOT / KERNEL)), path.read_text()):
             groups.setdefault((one.file, one.kind), []).append(one)
     for group in groups.values():
         chance.shuffle(group)

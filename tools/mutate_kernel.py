@@ -26,8 +26,8 @@ KERNEL = Path("planner/kernel")
 
 TESTS = ("-q", "-x", "-m", "kernel", "-p", "no:cacheprovider", "tests/planner/kernel")
 
-PATIENCE = 90.0
-"""Seconds after which a run counts as caught: the mutant has no end."""
+PATIENCE = 60
+"""Seconds of the processor after which a run counts as caught: the mutant has no end."""
 
 SWAPS = {
     "+": "-",
@@ -190,14 +190,14 @@ def outcome(mutant: Mutant, original: bytes) -> str:
             return "not compiled"
         if code == original:
             return "equal"
-        try:
-            command = [sys.executable, "-m", "pytest", *TESTS]
-            done = subprocess.run(
-                command, cwd=tree, env=environment(tree), check=False, capture_output=True, timeout=PATIENCE
-            )
-        except subprocess.TimeoutExpired:
-            return "caught"
-        return "survived" if done.returncode == 0 else "caught"
+        return "caught" if tested(tree).returncode else "survived"
+
+
+def tested(tree: Path) -> "subprocess.CompletedProcess[bytes]":
+    """Runs the tests of a tree, for so many seconds of the processor at most."""
+    limited = ["sh", "-c", f'ulimit -t {PATIENCE}; exec "$@"', "sh"]
+    command = [*limited, sys.executable, "-m", "pytest", *TESTS]
+    return subprocess.run(command, cwd=tree, env=environment(tree), check=False, capture_output=True)
 
 
 def main() -> int:
@@ -212,10 +212,7 @@ def main() -> int:
         tree = prepared(Path(name), None)
         original = machine_code(tree)
         assert original is not None, "the kernel does not compile"
-        done = subprocess.run(
-            [sys.executable, "-m", "pytest", *TESTS], cwd=tree, env=environment(tree), check=False
-        )
-        assert done.returncode == 0, "the tests fail without a mutant"
+        assert tested(tree).returncode == 0, "the tests fail without a mutant"
         print(f"tests without a mutant: {perf_counter() - began:.1f} s", flush=True)
     # Some compile to the same code: more are drawn than asked for, and taken in order.
     candidates = drawn(2 * chosen.mutants, Random(chosen.seed))

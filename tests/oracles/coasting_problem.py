@@ -84,16 +84,16 @@ def coasting_problems(
     found: dict[int, list[CoastingProblem]] = {}
     for length in sorted({len(walk) for walk in walks}):
         index = [place for place, walk in enumerate(walks) if len(walk) == length]
-        whole = _whole(library, [walks[place] for place in index], gamma, np.array(index))
+        whole = whole_walks(library, [walks[place] for place in index], gamma, np.array(index))
         moves = (whole.velocity != 0) | (whole.rate != 0)
         for free in range(length + 1):
             for chosen in combinations(range(length), free):
                 part = _merged(whole, chosen)
                 found.setdefault(free, []).append(part.take(moves[:, list(chosen)].all(axis=1)))
-    return {free: _joined(parts) for free, parts in found.items()}
+    return {free: joined(parts) for free, parts in found.items()}
 
 
-def _whole(
+def whole_walks(
     library: Library, walks: list[tuple[int, ...]], gamma: float, index: Int[np.ndarray, "rows"]
 ) -> CoastingProblem:
     """Returns walks of one length with all coasts free."""
@@ -155,7 +155,8 @@ def _merged(whole: CoastingProblem, chosen: tuple[int, ...]) -> CoastingProblem:
     )
 
 
-def _joined(parts: list[CoastingProblem]) -> CoastingProblem:
+def joined(parts: list[CoastingProblem]) -> CoastingProblem:
+    """Returns the rows of several problems with as many free coasts."""
     return CoastingProblem(
         np.concatenate([one.walk for one in parts]),
         np.concatenate([one.place for one in parts]),

@@ -195,21 +195,20 @@ def flown_beyond(
         return float(beyond), float(turned), float(way)
 
 
-EQUALITY = 1e-6
-"""Metres and radians that count as equality where a tolerance is 0."""
-
 FORGIVEN = 1e-9
-"""Metres and radians, and shares of the way, by which a plan may be beyond its tolerance."""
+"""Metres and radians by which a plan may be beyond its tolerance, 0 or more ..."""
+
+FORGIVEN_SHARE = 1e-12
+"""... and share of a way that is longer than a kilometre."""
 
 
 def end_problem(plan: Plan, library: Library, mission: Mission) -> str:
     """Returns what is wrong with the ends or the costs of a plan; empty where they are right."""
     for one in plan.scenarios:
         beyond, turned, way = flown_beyond(library, mission, plan.sequence, one.coasting_times, one.gamma)
-        allowed = max(EQUALITY - mission.tolerance, FORGIVEN, 1e-12 * way)
-        if beyond > allowed:
+        if beyond > 1.001 * max(FORGIVEN, FORGIVEN_SHARE * way):
             return "ends outside the disc"
-        if turned > max(EQUALITY - mission.heading_tolerance, FORGIVEN):
+        if turned > 1.001 * FORGIVEN:
             return "ends with another heading"
         durations = [step.at(one.gamma).duration for step in library.maneuvers_along(plan.sequence)]
         total = fsum((*one.coasting_times, *durations))

@@ -15,10 +15,10 @@ from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
 from flight.mission.mission import Mission
 from flightlog.alarm import AlarmKind
-from planner.closed_loop.receding_horizon import fly
-from planner.policies.worst_case import WorstCase
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
-from sim.loop.specification import FlightSpecification, pose
+from sim.loop.specification import FlightSpecification, specified_pose
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
 
@@ -28,20 +28,20 @@ WINDS = ("gtmax", "moderate")
 
 def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[Mapping[AlarmKind, float]]:
     """Flies missions without a fault, and yields the largest of everything watched in each."""
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in missions:
         helicopter = SimulatedHelicopter(
             FlightSpecification(
                 kind="mission",
                 seed=mission_seed(seed, mission.name, 0),
                 wind=wind,
-                start=pose(mission.start),
+                start=specified_pose(mission.start),
                 start_trim=mission.start_trim,
                 supervised=True,
             ),
             LIBRARY,
         )
-        fly(helicopter, mission, planner=planner, library=LIBRARY)
+        fly_closed_loop(helicopter, mission, planner=planner, library=LIBRARY)
         assert helicopter.supervisor is not None
         yield helicopter.supervisor.largest
 

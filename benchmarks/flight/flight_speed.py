@@ -15,7 +15,7 @@ from time import perf_counter, process_time
 import mujoco
 
 import models
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
@@ -34,7 +34,7 @@ ROUNDS = 7
 STEPS = 20_000
 PROCESSES = (1, 2, 4)
 FLIGHTS = 8
-BARS = {Backend.INTERPRETED: 200.0, Backend.COMPILED: 400.0}
+LIMITS = {Backend.INTERPRETED: 200.0, Backend.COMPILED: 400.0}
 
 
 @dataclass
@@ -63,7 +63,7 @@ def main() -> None:
     print(f"{'':32} x real time   of the limit   a period")
     row("bare mj_step, the limit", bare, 1.0, 1e6 * CONTROL_PERIOD / bare)
     for backend, found in speeds.items():
-        bar = f"   bar {BARS[backend]:.0f}"
+        bar = f"   bar {LIMITS[backend]:.0f}"
         row(f"complete loop, {backend}", found.flight, found.flight / bare, 1e6 * found.period, bar)
     best = speeds[backends[-1]].flight
     try:

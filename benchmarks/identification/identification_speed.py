@@ -8,7 +8,7 @@ from argparse import ArgumentParser
 from pathlib import Path
 from time import process_time
 
-from experiments.campaign.claims_report import split_by_kind
+from experiments.campaign.coverage_report import split_by_kind
 from experiments.campaign.evidence import evidence_of
 from identification.identify import identify
 

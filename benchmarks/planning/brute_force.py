@@ -12,8 +12,8 @@ from jaxtyping import Bool, Complex, Int
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.proof.dual_bound import Boxes, Each, Problems
-from planner.walks.kinematics import motion
+from planner.proof.dual_bound import PerBox, PerTrim, WalkProblems
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 MOST_FREE = 4
@@ -52,12 +52,12 @@ def brute_force(
         return inf
     worst = np.zeros(len(every))
     for gamma in gammas:
-        problems = Problems.of([motion(library, walk, gamma) for walk in every], mission)
+        problems = WalkProblems.of([walk_motion(library, walk, gamma) for walk in every], mission)
         worst = np.maximum(worst, least_costs(problems, rng, starts))
     return float(worst.min())
 
 
-def least_costs(problems: Problems, rng: np.random.Generator, starts: int) -> Each:
+def least_costs(problems: WalkProblems, rng: np.random.Generator, starts: int) -> PerBox:
     """Returns the least cost found for each walk; infinite where none was found."""
     count = len(problems.rate)
     row = np.repeat(np.arange(count), starts)
@@ -84,21 +84,21 @@ def least_costs(problems: Problems, rng: np.random.Generator, starts: int) -> Ea
     return best
 
 
-def _off(problems: Problems, turned: Each, side: Int[np.ndarray, "starts"]) -> Each:
+def _off(problems: WalkProblems, turned: PerBox, side: Int[np.ndarray, "starts"]) -> PerBox:
     """Returns by how much headings differ from the limit looked at."""
     assert problems.heading is not None
     off = turned + problems.turned - problems.heading - side * problems.heading_tolerance
-    nearest: Each = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    nearest: PerBox = off - 2 * np.pi * np.round(off / (2 * np.pi))
     return nearest
 
 
 def _to_the_goal(
-    problems: Problems,
-    times: Boxes,
+    problems: WalkProblems,
+    times: PerTrim,
     free: Bool[np.ndarray, "starts trims"],
     side: Int[np.ndarray, "s"] | None,
-) -> Boxes:
-    velocity, end, turned = problems.flown(times)
+) -> PerTrim:
+    velocity, end, turned = problems.propagate(times)
     away = end - problems.goal
     size = np.abs(away)
     inside = 0.9 * problems.tolerance
@@ -109,15 +109,15 @@ def _to_the_goal(
         wrong.append(np.where(side == 0, 0.0, _off(problems, turned, side)))
     matrix, error = np.stack(rows, axis=1), np.stack(wrong, axis=1)
     square = matrix @ matrix.transpose(0, 2, 1) + 1e-9 * np.eye(len(rows))
-    step: Boxes = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, error[..., None]))[..., 0]
+    step: PerTrim = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, error[..., None]))[..., 0]
     return step
 
 
 def _multiplier(
-    problems: Problems, times: Boxes, free: Bool[np.ndarray, "starts trims"]
+    problems: WalkProblems, times: PerTrim, free: Bool[np.ndarray, "starts trims"]
 ) -> Complex[np.ndarray, "starts"]:
     """Returns the vector with which the free times are worth their seconds most nearly."""
-    velocity, _, _ = problems.flown(times)
+    velocity, _, _ = problems.propagate(times)
     x, y = velocity.real * free, velocity.imag * free
     square = np.stack([(x * x).sum(1), (x * y).sum(1), (x * y).sum(1), (y * y).sum(1)], axis=1)
     matrix = square.reshape(-1, 2, 2) + 1e-9 * np.eye(2)
@@ -127,15 +127,15 @@ def _multiplier(
 
 
 def _to_the_optimum(
-    problems: Problems,
-    times: Boxes,
-    worth: tuple[Complex[np.ndarray, "starts"], Each],
+    problems: WalkProblems,
+    times: PerTrim,
+    shadow_prices: tuple[Complex[np.ndarray, "starts"], PerBox],
     free: Bool[np.ndarray, "starts trims"],
     side: Int[np.ndarray, "starts"] | None,
-) -> tuple[Boxes, Complex[np.ndarray, "starts"], Each]:
+) -> tuple[PerTrim, Complex[np.ndarray, "starts"], PerBox]:
     """Returns a step of Newton's method for the times, the vector, and the worth of a radian."""
-    velocity, end, turned = problems.flown(times)
-    multiplier, bound = worth
+    velocity, end, turned = problems.propagate(times)
+    multiplier, bound = shadow_prices
     count, trims = times.shape
     size = trims + 3
     matrix, error = np.zeros((count, size, size)), np.zeros((count, size))
@@ -170,14 +170,14 @@ def _to_the_optimum(
     return step[:, :trims], step[:, trims] + 1j * step[:, trims + 1], step[:, trims + 2]
 
 
-def _costs(problems: Problems, times: Boxes) -> Each:
+def _costs(problems: WalkProblems, times: PerTrim) -> PerBox:
     """Returns what times cost; infinite where they do not reach the goal."""
     with np.errstate(invalid="ignore", over="ignore"):
-        _, end, turned = problems.flown(times)
+        _, end, turned = problems.propagate(times)
         there = np.abs(end - problems.goal) <= problems.tolerance + MEETS
         if problems.heading is not None:
             middle = np.zeros(len(times), dtype=int)
             there &= np.abs(_off(problems, turned, middle)) <= problems.heading_tolerance + MEETS
         there &= (times >= 0).all(axis=1)
-    costs: Each = np.where(there, problems.fixed + times.sum(axis=1), inf)
+    costs: PerBox = np.where(there, problems.fixed + times.sum(axis=1), inf)
     return costs

@@ -12,7 +12,7 @@ from time import perf_counter
 import numpy as np
 
 from flight.plan.plan import Plan
-from planner.commitment.committed import Committed
+from planner.commitment.committed import CommittedPlanner
 
 from .planning_missions import random_mission, shipped_libraries
 
@@ -25,7 +25,7 @@ SLOW = 10.0
 def main(missions: int, seed: int, deadline: float) -> None:
     """Prints the slow missions and the distribution of seconds."""
     rng, every = np.random.default_rng(seed), shipped_libraries()
-    Committed(every[0], 0.1).plan(random_mission(rng, every[0], 2))
+    CommittedPlanner(every[0], 0.1).plan(random_mission(rng, every[0], 2))
     took: dict[int, list[float]] = {2: [], 3: [], 4: []}
     answers: dict[str, int] = {}
     for number in range(missions):
@@ -33,7 +33,7 @@ def main(missions: int, seed: int, deadline: float) -> None:
         mission = random_mission(rng, library, int(rng.choice([2, 3, 4])))
         mission = replace(mission, tolerance=float(rng.choice(TOLERANCES)))
         began = perf_counter()
-        plan = Committed(library, gamma, deadline=deadline).plan(mission)
+        plan = CommittedPlanner(library, gamma, deadline=deadline).plan(mission)
         seconds = perf_counter() - began
         took[mission.max_trims].append(seconds)
         known = plan.at_smallest_tolerance or plan

@@ -17,9 +17,9 @@ from benchmarks.upper_limit import upper_limit
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.check.plan_check import problems
-from planner.policies.worst_case import WorstCase
-from planner.proof.certify_plan import certified
+from planner.check.plan_check import plan_problems
+from planner.policies.worst_case import worst_case_planner
+from planner.proof.certify_plan import certify_plan
 
 from .brute_force import brute_force
 from .planning_missions import random_mission, shipped_libraries
@@ -36,7 +36,9 @@ def main(missions: int, brute: int, proofs: int, seed: int) -> int:
     """Prints the counts; returns how much is wrong."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
-    planners = {(place, gamma): WorstCase(one, gamma) for place, one in enumerate(every) for gamma in LEVELS}
+    planners = {
+        (place, gamma): worst_case_planner(one, gamma) for place, one in enumerate(every) for gamma in LEVELS
+    }
     statuses: Counter[str] = Counter()
     wrong: Counter[str] = Counter()
     tried: Counter[str] = Counter()
@@ -46,14 +48,14 @@ def main(missions: int, brute: int, proofs: int, seed: int) -> int:
         plan = planners[place, gamma].plan(mission)
         statuses[plan.status] += 1
         tried["failed the check"] += 1
-        wrong["failed the check"] += bool(problems(plan, library, mission)) or "its check" in plan.reason
+        wrong["failed the check"] += bool(plan_problems(plan, library, mission)) or "its check" in plan.reason
         if tried["above brute force"] < brute and mission.max_trims <= BRUTE_DEPTH:
             gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
             cost = brute_force(library, mission, gammas, rng, starts=STARTS)
             _compare(plan, library, mission, cost, (tried, wrong))
         if tried["not certified"] < proofs and mission.max_trims <= BRUTE_DEPTH:
             tried["not certified"] += 1
-            wrong["not certified"] += certified(plan, library, mission).certificate is None
+            wrong["not certified"] += certify_plan(plan, library, mission).certificate is None
         if (number + 1) % 100 == 0:
             print(f"{number + 1} missions, {dict(tried)}, {dict(wrong)}", file=sys.stderr)
     print(f"{missions} missions: {dict(statuses)}")

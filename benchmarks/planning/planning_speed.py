@@ -17,13 +17,13 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.fallback.coasting import solve
-from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
-from planner.policies.worst_case import WorstCase
-from planner.walks.answer import Answer
-from planner.walks.kinematics import motion
+from planner.policies.worst_case import worst_case_planner
+from planner.walks.kinematics import walk_motion
+from planner.walks.search_result import SearchResult
 
+from .ipopt import solve
 from .planning_missions import random_mission, shipped_libraries, synthetic_library
 
 GAMMA = 0.5
@@ -48,17 +48,17 @@ FIRST_CALL = """
 import os
 from time import perf_counter
 began = perf_counter()
-from benchmarks.planning_missions import shipped_libraries
-from benchmarks.planning_speed import GAMMA, sample
-from planner.worst_case import WorstCase
+from benchmarks.planning.planning_missions import shipped_libraries
+from benchmarks.planning.planning_speed import GAMMA, sample
+from planner.policies.worst_case import worst_case_planner
 library = shipped_libraries()[1]
-WorstCase(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
+worst_case_planner(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
 print(perf_counter() - began, sum(os.times()[:4]))
 """
 
 
 @dataclass(slots=True)
-class Reference:
+class IpoptReference:
     """What IPOPT took and found.
 
     Attributes:
@@ -104,7 +104,7 @@ def sample(library: Library, depth: int, count: int, *, seed: int) -> list[Missi
 
 def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float], float]:
     """Returns seconds of each worst-case plan with its tables warm, and of the slowest first one."""
-    planner = WorstCase(library, GAMMA)
+    planner = worst_case_planner(library, GAMMA)
     warm: list[float] = []
     cold: list[float] = []
     for mission in sample(library, depth, missions, seed=4):
@@ -117,7 +117,7 @@ def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float
 
 def compare(library: Library, median: float) -> None:
     """Prints how IPOPT does on every sequence and gamma of some missions, from one start each."""
-    reference = Reference([])
+    reference = IpoptReference([])
     for mission in sample(library, 4, REFERENCES, seed=9):
         ipopt(library, mission, reference)
     middle = float(np.median(reference.seconds))
@@ -132,17 +132,17 @@ def compare(library: Library, median: float) -> None:
     )
 
 
-def ipopt(library: Library, mission: Mission, reference: Reference) -> None:
+def ipopt(library: Library, mission: Mission, reference: IpoptReference) -> None:
     """Solves every sequence at every gamma from one start, and compares with the exact solver."""
     spent = 0.0
     for gamma in GAMMAS:
         for table in tables(library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim):
-            exact = least_costs_of_each(table, mission)
+            exact = least_costs(table, mission)
             walks = [tuple(walk) for walk in table.walks.tolist()]
             start = [1.0] * len(walks[0])
-            solve(motion(library, walks[0], gamma), mission, start)
+            solve(walk_motion(library, walks[0], gamma), mission, start)
             for walk, known in zip(walks, exact.tolist(), strict=True):
-                numbers = motion(library, walk, gamma)
+                numbers = walk_motion(library, walk, gamma)
                 began = process_time()
                 times = solve(numbers, mission, start)
                 spent += process_time() - began
@@ -172,14 +172,14 @@ def anytime(library: Library, depth: int) -> None:
     )
 
 
-def timed(search: ExactSearch, mission: Mission, max_nodes: int | None) -> tuple[float, Answer]:
+def timed(search: ExactSearch, mission: Mission, max_nodes: int | None) -> tuple[float, SearchResult]:
     """Returns CPU seconds of a search, and what it gives."""
     began = process_time()
     answer = search.answer(mission, max_nodes=max_nodes)
     return process_time() - began, answer
 
 
-def stopped(search: ExactSearch, mission: Mission) -> Answer:
+def stopped(search: ExactSearch, mission: Mission) -> SearchResult:
     """Returns what a search has found before the early seconds are over.
 
     A deadline would count wall-clock; here nodes stand for time, a quarter more of them in each trial.

@@ -15,10 +15,10 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.policies.certified_gamma import bearable_to
-from planner.policies.nominal import Nominal
+from planner.policies.certified_gamma import certified_gamma
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import ALL_BUT, GAMMA_RESOLUTION, PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.kinematics import NegativeDurationError
 
 from .planning_missions import random_mission, shipped_libraries
@@ -38,13 +38,13 @@ def main(missions: int, seed: int) -> int:
         library = every[done % len(every)]
         mission = random_mission(rng, library, int(rng.integers(2, 5)))
         alpha = float(rng.uniform(1.0, 1.6))
-        nominal = Nominal(library).plan(mission)
+        nominal = nominal_planner(library).plan(mission)
         if not nominal.found:
             continue
         done += 1
         limit = alpha * nominal.cost + 1e-9
         gamma = PriceOfRobustness(library, alpha).plan(mission).gamma
-        left.append(gamma - bearable_to(library, mission, limit=limit, gamma=gamma))
+        left.append(gamma - certified_gamma(library, mission, limit=limit, gamma=gamma))
         costs = {level: worst(library, mission, level) for level in np.linspace(0, 1, SCANNED + 1).tolist()}
         broken = [level for level, cost in costs.items() if cost > limit + ROUNDING]
         first = min(broken, default=inf)
@@ -64,7 +64,7 @@ def main(missions: int, seed: int) -> int:
 def worst(library: Library, mission: Mission, gamma: float) -> float:
     """Returns the worst-case time in seconds; infinite without a plan."""
     try:
-        return WorstCase(library, gamma).plan(mission).cost
+        return worst_case_planner(library, gamma).plan(mission).cost
     except NegativeDurationError:
         return inf
 

@@ -24,10 +24,10 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
-from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
-from planner.proof.dual_bound import Problems
-from planner.walks.kinematics import motion
+from planner.proof.dual_bound import WalkProblems
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 STARTS, IMPROVED = 200, 8
@@ -58,7 +58,7 @@ def main(seed: int, seconds: float) -> int:
         missions += 1
         least = inf
         for table in tables(library, (0.0,), mission.start_trim, mission.max_trims, None):
-            costs = least_costs_of_each(table, mission)
+            costs = least_costs(table, mission)
             least = min(least, float(costs.min()))
             for walk, cost in zip(map(tuple, table.walks.tolist()), costs.tolist(), strict=True):
                 other = _least(library, walk, mission, rng)
@@ -117,7 +117,7 @@ def _mission(rng: np.random.Generator, library: Library) -> Mission:
     )
     tolerance = float(rng.choice([0.0, 0.0, 0.01, 0.3, 1.0, 3.0]))
     every = walks(library, trim, max_trims=depth)
-    numbers = motion(library, every[int(rng.integers(len(every)))], 0.0)
+    numbers = walk_motion(library, every[int(rng.integers(len(every)))], 0.0)
     free = rng.random(len(numbers.velocities)) < 0.75
     end = start
     for _ in range(9):
@@ -159,20 +159,20 @@ class _Walk:
     """One walk to the goal, its tolerances as the mission has them."""
 
     def __init__(self, library: Library, walk: tuple[int, ...], mission: Mission) -> None:
-        self.problems, self.mission = Problems.of([motion(library, walk, 0.0)], mission), mission
+        self.problems, self.mission = WalkProblems.of([walk_motion(library, walk, 0.0)], mission), mission
         self.distance = hypot(*mission.goal) + 1.0
         self.turned = mission.goal_heading is not None
 
-    def flown(self, times: Times) -> tuple[complex, np.ndarray, float]:
+    def propagate(self, times: Times) -> tuple[complex, np.ndarray, float]:
         """Returns by how much times miss the goal, how the end moves with each, and the wanted heading."""
-        velocity, end, psi = self.problems.flown(times[None])
+        velocity, end, psi = self.problems.propagate(times[None])
         off = float(psi[0] + self.problems.turned[0]) - (self.problems.heading or 0.0)
         return complex(end[0] - self.problems.goal), velocity[0], off - 2 * pi * round(off / (2 * pi))
 
     def corrected(self, times: Times, rounds: int) -> Times:
         """Returns times moved to the goal by the least step that leads there, again and again."""
         for _ in range(rounds):
-            miss, velocity, off = self.flown(times)
+            miss, velocity, off = self.propagate(times)
             tolerance, width = self.mission.tolerance, self.mission.heading_tolerance
             rows: list[np.ndarray] = []
             wrong: list[float] = []
@@ -193,7 +193,7 @@ class _Walk:
 
     def cost(self, times: Times) -> float:
         """Returns what times cost; infinite where they do not reach the goal, or only by rounding's grace."""
-        miss, _, off = self.flown(times)
+        miss, _, off = self.propagate(times)
         there = abs(miss) <= (self.mission.tolerance or 1e-9)
         if self.turned:
             there &= abs(off) <= (self.mission.heading_tolerance or 1e-12)
@@ -217,7 +217,7 @@ def _least(library: Library, walk: tuple[int, ...], mission: Mission, rng: np.ra
         times = np.where((longest < 50 * times) & (rng.random(len(walk)) < 0.7), turn, times)
         times = np.where(rng.random(len(walk)) < 0.75, np.minimum(times, longest), 0.0)
         times = one.corrected(times, 6)
-        miss, _, off = one.flown(times)
+        miss, _, off = one.propagate(times)
         away = max(abs(miss) - mission.tolerance, 0.0) + one.turned * 0.1 * one.distance * abs(off)
         starts.append((float(times.sum()) + 3 * away / fastest, times))
     best = inf
@@ -233,13 +233,13 @@ def _improved(one: _Walk, times: Times, scale: float) -> Times:
     unit = max(mission.tolerance, 1e-3 * one.distance) if mission.tolerance else one.distance
 
     def place(x: Times) -> np.ndarray:
-        miss = one.flown(x * scale)[0]
+        miss = one.propagate(x * scale)[0]
         if mission.tolerance:
             return np.array([(mission.tolerance - abs(miss) ** 2 / mission.tolerance) / (2 * unit)])
         return np.array([miss.real, miss.imag]) / unit
 
     def heading(x: Times) -> np.ndarray:
-        off = one.flown(x * scale)[2]
+        off = one.propagate(x * scale)[2]
         width = mission.heading_tolerance
         return np.array([width - off, width + off]) if width else np.array([off])
 

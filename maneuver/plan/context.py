@@ -1,4 +1,4 @@
-"""A plan file with the library and the mission that it was made with."""
+"""Plan file with the library and mission that it was made with."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -40,8 +40,8 @@ def library_and_mission(
     return primitives, replace(task, max_trims=max_trims or longest)
 
 
-def refuse_others(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
-    """Refuses a plan that was made with another library or for another mission.
+def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
+    """Checks that a plan belongs to a library and a mission.
 
     Raises:
         BadFileError: says which.

@@ -15,13 +15,13 @@ import numpy as np
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from flight.plan.certificate import Certificate, Cut, Leaf, Refutation, read_tree
+from flight.plan.certificate import BoxLeaf, BoxSplit, Certificate, InfeasibilityCertificate, read_tree
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
 
-from .certified_bound import Leaves, bound
-from .interval_walk import scaled, straightened, walk_numbers
-from .intervals import TURN, PoseBox, hypot, interval
+from .certified_bound import Leaves, dual_bound
+from .interval_walk import interval_walk, straighten_slow_turns, value_at_gamma
+from .intervals import TURN, PoseBox, as_interval, hypot
 
 
 def certificate_problems(
@@ -62,7 +62,7 @@ def certificate_problems(
             found.append(f"{where}: the plan is made for the levels {gammas}")
             continue
         try:
-            failed = _not_refuted(refutation, library, mission, lower_bound)
+            failed = _count_open_leaves(refutation, library, mission, lower_bound)
         except ValueError as error:
             found.append(f"{where}: {error}")
             continue
@@ -86,29 +86,31 @@ def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
     return [walk for walk in every if mission.goal_trim in (None, walk[-1])]
 
 
-def _not_refuted(refutation: Refutation, library: Library, mission: Mission, lower_bound: float) -> int:
+def _count_open_leaves(
+    refutation: InfeasibilityCertificate, library: Library, mission: Mission, lower_bound: float
+) -> int:
     """Returns how many leaves of a tree do not hold.
 
     Raises:
         ValueError: the tree does not cut the whole box into parts.
     """
-    walk = walk_numbers(library, refutation.sequence, refutation.gamma)
-    walk = straightened(walk, mission, lower_bound)
-    leaves = _cut(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
+    walk = interval_walk(library, refutation.sequence, refutation.gamma)
+    walk = straighten_slow_turns(walk, mission, lower_bound)
+    leaves = _tree_leaves(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
     spare = np.full(len(leaves.low), inf)
     if lower_bound < inf:
         # No coasting time is longer than what the others leave of the seconds allowed.
         least = walk.fixed
         for place in range(leaves.low.shape[1]):
             least = least + leaves.low[:, place]
-        spare = (interval(lower_bound) - least).high
-    high = np.minimum(leaves.high, (interval(leaves.low) + np.maximum(spare, 0.0)[:, None]).high)
-    least_cost = bound(walk, replace(leaves, high=high), mission)
+        spare = (as_interval(lower_bound) - least).high
+    high = np.minimum(leaves.high, (as_interval(leaves.low) + np.maximum(spare, 0.0)[:, None]).high)
+    least_cost = dual_bound(walk, replace(leaves, high=high), mission)
     holds = np.where(leaves.kappa == 1, least_cost >= lower_bound, least_cost > 0) | (spare < 0)
     return int((~holds).sum())
 
 
-def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
+def _tree_leaves(nodes: list[BoxSplit | BoxLeaf], longest: tuple[float, ...]) -> Leaves:
     """Follows a tree from the box of all times to its leaves.
 
     Raises:
@@ -121,7 +123,7 @@ def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
         if not waiting:
             raise ValueError("its tree has nodes left over")
         low, high = waiting.pop()
-        if isinstance(node, Leaf):
+        if isinstance(node, BoxLeaf):
             if len(node.shares) not in ({trims} if node.kappa is not None else {0}):
                 raise ValueError(f"expected {trims} numbers in a leaf, got {len(node.shares)}")
             boxes.append((low, high))
@@ -149,7 +151,7 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
     found = []
     for scenario in plan.scenarios:
         try:
-            end, heading = _flown(library, plan.sequence, scenario, mission)
+            end, heading = _largest_miss(library, plan.sequence, scenario, mission)
         except (ValueError, FlightError):
             # Said elsewhere: there is no such walk, or no such time.
             continue
@@ -161,31 +163,31 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
     return tuple(found)
 
 
-def _flown(
+def _largest_miss(
     library: Library, sequence: tuple[int, ...], scenario: Scenario, mission: Mission
 ) -> tuple[float, float]:
     """Returns by how much a scenario can miss the goal at most, and the wanted heading: metres, radians."""
-    pose = _pose(mission.start)
+    pose = _pose_box(mission.start)
     maneuvers = (None, *library.maneuvers_along(sequence))
     for trim, maneuver, time in zip(sequence, maneuvers, scenario.coasting_times, strict=True):
         if maneuver is not None:
             moved, error = maneuver.displacement, maneuver.error
             pose = pose @ PoseBox(
-                scaled(moved.x, error.forward, scenario.gamma),
-                scaled(moved.y, error.side, scenario.gamma),
-                scaled(moved.heading, error.heading_change, scenario.gamma),
+                value_at_gamma(moved.x, error.forward, scenario.gamma),
+                value_at_gamma(moved.y, error.side, scenario.gamma),
+                value_at_gamma(moved.heading, error.heading_change, scenario.gamma),
             )
         held, wrong = library.trim(trim).velocity, library.trim(trim).error
         pose = pose @ PoseBox.exp(
-            scaled(held.forward, wrong.forward, scenario.gamma),
-            scaled(held.side, wrong.side, scenario.gamma),
-            scaled(held.yaw_rate, wrong.yaw_rate, scenario.gamma),
-            interval(time),
+            value_at_gamma(held.forward, wrong.forward, scenario.gamma),
+            value_at_gamma(held.side, wrong.side, scenario.gamma),
+            value_at_gamma(held.yaw_rate, wrong.yaw_rate, scenario.gamma),
+            as_interval(time),
         )
     off = pose.heading - (mission.goal_heading or 0.0)
     off = off - TURN * np.round(off.middle / (2 * pi))
     return float(hypot(pose.x - mission.goal[0], pose.y - mission.goal[1]).high), float(off.magnitude)
 
 
-def _pose(pose: SE2) -> PoseBox:
-    return PoseBox(interval(pose.x), interval(pose.y), interval(pose.heading))
+def _pose_box(pose: SE2) -> PoseBox:
+    return PoseBox(as_interval(pose.x), as_interval(pose.y), as_interval(pose.heading))

@@ -46,7 +46,7 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     if worst is not None:
         found.append(f"goal: not shown to be within {plan.miss:.9g} m near gamma {worst:.9g}")
     if mission.goal_heading is not None and mission.destination.wants_heading:
-        off = walk.heading_off(mission.goal_heading, plan.gamma)
+        off = walk.heading_error(mission.goal_heading, plan.gamma)
         if not off <= mission.destination.heading_reach:
             found.append(
                 f"goal heading: off by {off:.6g} rad at some gamma, allowed {mission.heading_tolerance} rad"
@@ -88,7 +88,7 @@ class _Flight:
             pieces += [(middle - half / 2, half / 2), (middle + half / 2, half / 2)]
         return None
 
-    def heading_off(self, wanted: float, gamma: float) -> float:
+    def heading_error(self, wanted: float, gamma: float) -> float:
         """Returns the largest distance in radians between the heading and the wanted one.
 
         The heading changes evenly from one end of the interval to the other: where it passes through more
@@ -122,7 +122,7 @@ class _Flight:
             held = trim.at(gamma)
             velocity = complex(held.forward, held.side)
             error = complex(trim.error.forward, trim.error.side)
-            chord, bending = _chord(held.yaw_rate * time)
+            chord, bending = _mean_direction(held.yaw_rate * time)
             coast = velocity * time * chord
             bent = error * time * chord + velocity * time * bending * trim.error.yaw_rate * time
             facing = exp(1j * heading)
@@ -155,7 +155,7 @@ class _Flight:
         return total
 
 
-def _chord(turn: float) -> tuple[complex, complex]:
+def _mean_direction(turn: float) -> tuple[complex, complex]:
     """Returns the mean of exp(i s) for s from 0 to a turn, and its slope over the turn."""
     if abs(turn) < SMALL_TURN:
         x = 1j * turn

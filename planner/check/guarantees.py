@@ -6,7 +6,7 @@ from flight.plan.plan import Plan
 
 
 @dataclass(frozen=True, slots=True)
-class Claims:
+class Guarantees:
     """Sentences about one plan that passed its check.
 
     Attributes:
@@ -18,55 +18,55 @@ class Claims:
     unproved: tuple[str, ...]
 
 
-def claims(plan: Plan) -> Claims:
+def guarantees_of(plan: Plan) -> Guarantees:
     """Returns what a plan's check showed and what it did not.
 
     Args:
-        plan: in which `planner.check.plan_check.problems` found nothing.
+        plan: in which `planner.check.plan_check.plan_problems` found nothing.
     """
     proved, unproved = [], []
     if plan.found:
         levels = ", ".join(f"{scenario.gamma:g}" for scenario in plan.scenarios)
         exactly = "" if plan.certificate is None else ", in interval arithmetic too"
-        proved.append(
-            f"flown again the sequence ends at the goal at gamma {levels}, in the times stated{exactly}"
-        )
+        proved.append(f"the sequence ends at the goal at gamma {levels}, in the times stated{exactly}")
     if plan.miss is not None:
-        proved.append(f"the same coasting times end within {plan.miss:.4f} m of the goal {every_gamma(plan)}")
+        proved.append(
+            f"the same coasting times end within {plan.miss:.4f} m of the goal {describe_gamma_range(plan)}"
+        )
     if plan.certificate is not None:
         depth = f"of at most {plan.certificate.max_trims} trims"
-        rest = "leads to the goal" if plan.lower_bound is None else fastest_word(plan)
+        rest = "leads to the goal" if plan.lower_bound is None else describe_lower_bound(plan)
         proved.append(f"no plan {depth} {rest} (the certificate holds)")
     else:
-        unproved += _bound(plan)
+        unproved += _lower_bound_sentences(plan)
     if plan.policy == "price-of-robustness" and plan.found:
-        unproved += _price(plan)
+        unproved += _price_sentences(plan)
     if plan.time_promise is not None:
-        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not flown again")
-    return Claims(tuple(proved), tuple(unproved))
+        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not repeated here")
+    return Guarantees(tuple(proved), tuple(unproved))
 
 
-def fastest_word(plan: Plan) -> str:
+def describe_lower_bound(plan: Plan) -> str:
     """Returns what a plan's lower bound says, of no plan."""
     return f"takes less than {max(plan.lower_bound or 0.0, 0.0):.3f} s"
 
 
-def every_gamma(plan: Plan) -> str:
+def describe_gamma_range(plan: Plan) -> str:
     """Returns for which levels a committed plan's times are."""
     return f"at every gamma from {-plan.gamma:g} to {plan.gamma:g}" if plan.gamma else "at gamma 0"
 
 
-def _bound(plan: Plan) -> list[str]:
+def _lower_bound_sentences(plan: Plan) -> list[str]:
     """Returns what is said of other plans without a certificate; none takes less than no time anyway."""
     if plan.status == "optimal":
         none = "committed plans have none" if plan.policy == "committed" else "there is no certificate"
-        return [f"optimal: no plan {fastest_word(plan)} ({none})"] if plan.cost else []
+        return [f"optimal: no plan {describe_lower_bound(plan)} ({none})"] if plan.cost else []
     if plan.lower_bound is not None and plan.lower_bound > 0:
-        return [f"lower_bound: no plan {fastest_word(plan)} (there is no certificate)"]
+        return [f"lower_bound: no plan {describe_lower_bound(plan)} (there is no certificate)"]
     return []
 
 
-def _price(plan: Plan) -> list[str]:
+def _price_sentences(plan: Plan) -> list[str]:
     """Returns what is said of levels that the plan does not show."""
     assert plan.alpha is not None
     return [

@@ -8,7 +8,7 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.automaton.maneuver import Maneuver
 from flight.errors import FlightError
-from flight.mission.goal import SLACK, slack_of
+from flight.mission.destination import SLACK, slack_of
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import Twist
@@ -26,35 +26,32 @@ PROVED_OPTIMALITY = 1e-3
 """Seconds likewise, where a certificate proves the bound, or branch and bound gave it."""
 
 
-def problems(
-    plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
-) -> tuple[str, ...]:
+def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
     """Returns what is wrong with a plan; nothing for one that keeps its word.
 
     Args:
         plan: the plan.
         library: the one it says it was planned with.
         mission: the one it says it answers.
-        known_hash: of the library, where it is at hand.
     """
-    found = identity_problems(plan, known_hash or library_hash(library), library.name, mission)
-    found += _said(plan)
+    found = identity_problems(plan, library_hash(library), library.name, mission)
+    found += _gamma_problems(plan)
     if plan.at_smallest_tolerance is not None:
-        found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
+        found += _problems_at_wider_tolerance(plan.at_smallest_tolerance, library, mission)
     if not plan.found:
-        return (*found, *_certificate(plan, library, mission))
+        return (*found, *_certificate_problems(plan, library, mission))
     try:
         maneuvers = library.maneuvers_along(plan.sequence)
         velocities = [library.trim(trim) for trim in plan.sequence]
     except FlightError as error:
         return (*found, f"sequence: {error}")
-    found += _walk(plan, maneuvers, mission)
-    found += _tail(plan, library)
+    found += _walk_problems(plan, maneuvers, mission)
+    found += _safe_stop_problems(plan, library)
     for scenario in plan.scenarios:
         flown = [trim.at(scenario.gamma) for trim in velocities]
         found += [
             f"scenario gamma {scenario.gamma:g}: {problem}"
-            for problem in _scenario(scenario, flown, maneuvers, mission)
+            for problem in _scenario_problems(scenario, flown, maneuvers, mission)
         ]
     if plan.lower_bound is not None and plan.lower_bound > plan.cost + slack_of(plan.cost):
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
@@ -65,10 +62,10 @@ def problems(
     if plan.policy == "committed" and not found:
         found += committed_problems(plan, library, mission)
     # The certificate takes longest: it is looked at where nothing else is wrong.
-    return tuple(found) or _certificate(plan, library, mission)
+    return tuple(found) or _certificate_problems(plan, library, mission)
 
 
-def _certificate(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+def _certificate_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
     """Returns what a plan's certificate, if it has one, does not prove."""
     if plan.certificate is None:
         return ()
@@ -84,15 +81,12 @@ def _levels(plan: Plan) -> set[float]:
     return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
 
 
-def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str) -> list[str]:
+def _problems_at_wider_tolerance(plan: Plan, library: Library, mission: Mission) -> list[str]:
     """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
     if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
         return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
     wider = replace(mission, tolerance=plan.tolerance)
-    return [
-        f"at_smallest_tolerance: {problem}"
-        for problem in problems(plan, library, wider, known_hash=known_hash)
-    ]
+    return [f"at_smallest_tolerance: {problem}" for problem in plan_problems(plan, library, wider)]
 
 
 def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
@@ -116,9 +110,9 @@ def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) ->
     return found
 
 
-def _said(plan: Plan) -> list[str]:
+def _gamma_problems(plan: Plan) -> list[str]:
     """Returns where the levels that a plan says it is for are not those that it shows."""
-    found = _price(plan)
+    found = _price_problems(plan)
     if plan.policy == "nominal" and plan.gamma != 0:
         found.append(f"gamma: nominal plans are for 0, got {plan.gamma}")
     if plan.policy != "committed" and plan.miss is not None:
@@ -135,7 +129,7 @@ def _said(plan: Plan) -> list[str]:
     return found
 
 
-def _price(plan: Plan) -> list[str]:
+def _price_problems(plan: Plan) -> list[str]:
     """Returns where a price is not what the plan's own scenarios show.
 
     The sequence at gamma 0 is one of the plans that the nominal optimum is the best of.
@@ -153,7 +147,7 @@ def _price(plan: Plan) -> list[str]:
     return []
 
 
-def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
+def _walk_problems(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
     found = []
     if not plan.sequence or plan.sequence[0] != mission.start_trim:
         found.append(
@@ -169,14 +163,14 @@ def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list
     return found
 
 
-def _tail(plan: Plan, library: Library) -> list[str]:
+def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
     """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn.
 
     Committed plans need not carry one.
     """
     if not plan.tail:
-        missing = plan.policy != "committed" and _comes_to_rest(plan.sequence[-1], library)
-        return [f"tail: missing, though trim {plan.sequence[-1]} leads to rest"] if missing else []
+        missing = plan.policy != "committed" and _fails_to_rest(plan.sequence[-1], library)
+        return [f"tail: missing, though trim {plan.sequence[-1]} has a safe stop"] if missing else []
     try:
         library.maneuvers_along((plan.sequence[-1], *plan.tail))
         end = library.trim(plan.tail[-1]).velocity
@@ -190,7 +184,7 @@ def _tail(plan: Plan, library: Library) -> list[str]:
     return [f"tail: ends in trim {plan.tail[-1]}, which is no rest; one at {slowest:g} m/s is"]
 
 
-def _comes_to_rest(trim: int, library: Library) -> bool:
+def _fails_to_rest(trim: int, library: Library) -> bool:
     """Returns whether a trim is no rest, and maneuvers lead from it to the trim that rests best."""
     speeds = {one.id: hypot(one.velocity.forward, one.velocity.side) for one in library.trims}
     turning = {one.id: one.velocity.yaw_rate != 0 for one in library.trims}
@@ -201,7 +195,7 @@ def _comes_to_rest(trim: int, library: Library) -> bool:
     return trim != rest and rest in reached
 
 
-def _scenario(
+def _scenario_problems(
     scenario: Scenario, velocities: list[Twist], maneuvers: tuple[Maneuver, ...], mission: Mission
 ) -> list[str]:
     times = scenario.coasting_times
@@ -223,10 +217,10 @@ def _scenario(
             heading += moved.heading
         position += exp(1j * heading) * _chord(velocity, time)
         heading += velocity.yaw_rate * time
-    return found + _end(scenario, position, heading, mission)
+    return found + _end_problems(scenario, position, heading, mission)
 
 
-def _end(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
+def _end_problems(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
     found = []
     apart = abs(position - complex(scenario.end.x, scenario.end.y))
     turned = abs(_turn(heading - scenario.end.heading))

@@ -15,7 +15,7 @@ from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightError
 from flight.se2 import SE2
-from planner.walks.kinematics import refuse_negative_durations
+from planner.walks.kinematics import check_durations
 
 TRACK_STEP = 0.05
 """Seconds between the points of a track."""
@@ -75,7 +75,7 @@ class AutomatonVehicle:
     def coast(self, duration: float) -> Leg:
         """Holds the trim for a time in seconds."""
         velocity = self._library.trim(self._trim).at(self._held)
-        poses = [self._pose @ SE2.exp(velocity, float(time)) for time in _moments(duration)]
+        poses = [self._pose @ SE2.exp(velocity, float(time)) for time in _sample_times(duration)]
         return self._flown(duration, poses)
 
     def perform(self, maneuver: Maneuver) -> Leg:
@@ -89,7 +89,9 @@ class AutomatonVehicle:
             raise FlightError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; {held}")
         outcome = maneuver.at(self._next_gamma())
         moved = outcome.displacement
-        shares = _moments(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])
+        shares = (
+            _sample_times(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])
+        )
         poses = [self._pose @ SE2(s * moved.x, s * moved.y, s * moved.heading) for s in shares.tolist()]
         self._trim = maneuver.to_trim
         self._held = self._next_gamma()
@@ -99,7 +101,7 @@ class AutomatonVehicle:
         gamma = next(self._gammas)
         if not -1 <= gamma <= 1:
             raise TrueGammaError(gamma)
-        refuse_negative_durations(self._library, gamma)
+        check_durations(self._library, gamma)
         return gamma
 
     def _flown(self, duration: float, poses: list[SE2]) -> Leg:
@@ -110,5 +112,5 @@ class AutomatonVehicle:
         return Leg(duration=duration, settled=True, track=track)
 
 
-def _moments(duration: float) -> Float[np.ndarray, "n"]:
+def _sample_times(duration: float) -> Float[np.ndarray, "n"]:
     return np.linspace(0.0, duration, max(int(np.ceil(duration / TRACK_STEP)), 1) + 1)

@@ -5,32 +5,30 @@ from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.goal import Arrival, first_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
+from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
 """What leaves a vehicle with the plan that it had."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
+class FlightRecord:
     """What a closed-loop flight came to.
 
     Attributes:
-        reached: whether the true track entered the final tolerance, in the trim wanted there, on a plan, and
-            the vehicle ended its flight for that.
-        claimed: whether the vehicle ended its flight because it took itself to be at the goal.
+        arrival: judgement of the true track.
         flown_time: seconds to there; the whole flight's where it was not reached.
         predicted_time: seconds that the policy promises from the start to the part of the tolerance that
             plans aim at, thinking included; infinite without a plan.
-        closest: metres between the goal and the nearest point of the true track.
-        activations: how often it was planned.
+        replans: number of replans.
         failures: how often that gave no plan that could be flown: none, too late, or failing its check.
-        fallbacks: how often the way to rest was begun.
+        safe_stops: number of safe stops begun.
         plans: every answer of the planner, in order.
         times: seconds since the start at which each was asked for.
         latencies: seconds that each took, as charged.
@@ -41,26 +39,39 @@ class Flown:
         reason: how it ended, one sentence.
     """
 
-    reached: bool
-    claimed: bool
+    arrival: ArrivalVerdict
     flown_time: float
     predicted_time: float
-    closest: float
-    activations: int
+    replans: int
     failures: int
-    fallbacks: int
+    safe_stops: int
     plans: tuple[Plan, ...]
     times: tuple[float, ...]
     latencies: tuple[float, ...]
     missions: tuple[Mission, ...]
     decisions: tuple[Decision, ...]
     legs: tuple[Leg, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PlanStep, ...]
     reason: str
+
+    @property
+    def reached(self) -> bool:
+        """True where the goal was reached."""
+        return self.arrival.reached
+
+    @property
+    def claimed(self) -> bool:
+        """True where the vehicle declared its arrival."""
+        return self.arrival.declared
+
+    @property
+    def closest(self) -> float:
+        """Least true distance to the goal in metres; infinite where nothing was flown."""
+        return inf if self.arrival.closest is None else self.arrival.closest
 
 
 @dataclass(slots=True)
-class FlightRecord:
+class FlightRecorder:
     """What has happened so far.
 
     Attributes:
@@ -79,8 +90,8 @@ class FlightRecord:
     missions: list[Mission] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
-    counted: list[bool] = field(default_factory=list)
+    steps: list[PlanStep] = field(default_factory=list)
+    on_plan: list[bool] = field(default_factory=list)
     claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
@@ -90,20 +101,20 @@ class FlightRecord:
         self.plans.append(plan)
         self.latencies.append(latency)
 
-    def add_leg(self, step: Step, leg: Leg, *, on_a_plan: bool) -> None:
+    def add_leg(self, step: PlanStep, leg: Leg, *, on_a_plan: bool) -> None:
         """Notes what was flown; arrival counts only on a plan, and in the trim that is wanted at the goal."""
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
+        self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        self.counted.append(counts)
-        if counts and not self.claimed and not leg.alarm and self._takes_itself_to_arrive(leg):
+        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _takes_itself_to_arrive(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.spread
-        believed = leg.track if leg.believed is None else leg.believed
+    def _believes_arrival(self, leg: Leg) -> bool:
+        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
+        believed = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
         return sure > 0 and first_arrival([believed], goal).time is not None
 
@@ -123,23 +134,24 @@ class FlightRecord:
         last = [one.kind for one in self.decisions if one.kind is not DecisionKind.FALLBACK]
         return bool(last) and last[-1] in REFUSALS
 
-    def add_lost(self, step: Step, error: FlightLostError) -> None:
+    def add_lost_leg(self, step: PlanStep, error: FlightLostError) -> None:
         """Notes the leg in which the vehicle was lost, as far as it was flown; nothing is reached in it."""
         if error.track is not None:
             duration = float(error.track[-1, 0] - error.track[0, 0])
             self.steps.append(step)
             self.legs.append(Leg(duration, settled=False, track=error.track))
-            self.counted.append(False)
+            self.on_plan.append(False)
 
-    def _arrival(self) -> Arrival:
-        """Returns when the goal was truly reached, on a plan and in the trim wanted there."""
-        tracks = [leg.track for leg, counts in zip(self.legs, self.counted, strict=True) if counts]
-        return first_arrival(tracks, self.goal.destination)
+    def _arrival(self) -> ArrivalVerdict:
+        """Judges the true track."""
+        segments = [
+            TrackSegment(leg.track, step.trim if step.to_trim is None else None, on_plan)
+            for leg, step, on_plan in zip(self.legs, self.steps, self.on_plan, strict=True)
+        ]
+        goal = self.goal
+        return judge_arrival(segments, goal.destination, trim=goal.goal_trim, declared=self.claimed)
 
-    def _closest(self) -> float:
-        return first_arrival([leg.track for leg in self.legs], self.goal.destination).closest
-
-    def close(self, time: float, reason: str) -> Flown:
+    def close(self, time: float, reason: str) -> FlightRecord:
         """Returns what the flight came to.
 
         Args:
@@ -147,19 +159,16 @@ class FlightRecord:
             reason: how, one sentence.
         """
         arrival = self._arrival()
-        reached = self.claimed and arrival.time is not None
-        if self.claimed and not reached:
-            reason = f"took itself to be at the goal, which it came no nearer to than {arrival.closest:.2f} m"
+        if arrival.declared and not arrival.reached:
+            reason = arrival.reason
         kinds = [one.kind for one in self.decisions]
-        return Flown(
-            reached=reached,
-            claimed=self.claimed,
-            flown_time=arrival.time if reached and arrival.time is not None else time,
+        return FlightRecord(
+            arrival=arrival,
+            flown_time=time if arrival.time is None else arrival.time,
             predicted_time=self.predicted_time,
-            closest=arrival.closest if reached else self._closest(),
-            activations=len(self.plans),
+            replans=len(self.plans),
             failures=sum(kind in REFUSALS for kind in kinds),
-            fallbacks=kinds.count(DecisionKind.FALLBACK),
+            safe_stops=kinds.count(DecisionKind.FALLBACK),
             plans=tuple(self.plans),
             times=tuple(self.times),
             latencies=tuple(self.latencies),

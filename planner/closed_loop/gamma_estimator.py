@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from flight.automaton.library import Library
 from flight.se2 import SE2
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 MEMORY = 0.8
 """How much of what was seen still counts after another primitive; chosen."""
@@ -15,7 +15,7 @@ REMEMBERED = 40
 """Primitives that score a level asked for later; what is older counts for less than a thousandth."""
 
 
-class Levels:
+class GammaEstimator:
     """Scores every level by how well it foretold where primitives end.
 
     The worst case promises a time to whoever learns the level before flying. In flight it shows itself: each
@@ -29,16 +29,16 @@ class Levels:
 
     def __init__(self, library: Library, goal: tuple[float, float]) -> None:
         self._library, self._goal = library, goal
-        self._seen: deque[tuple[Step, SE2, SE2]] = deque(maxlen=REMEMBERED)
+        self._seen: deque[tuple[PlanStep, SE2, SE2]] = deque(maxlen=REMEMBERED)
         self._scores: dict[float, float] = {}
 
-    def see(self, step: Step, begin: SE2, end: SE2) -> None:
+    def update(self, step: PlanStep, begin: SE2, end: SE2) -> None:
         """Takes a primitive that was flown, from where and to where as far as the vehicle believes."""
         self._seen.append((step, begin, end))
         for level, score in self._scores.items():
             self._scores[level] = self._after(score, level, step, begin, end)
 
-    def shown(self, levels: Sequence[float], *, otherwise: float) -> float:
+    def estimate(self, levels: Sequence[float], *, otherwise: float) -> float:
         """Returns the level that foretold best, of some; another one where nothing was flown yet."""
         for level in levels:
             if level not in self._scores:
@@ -48,7 +48,7 @@ class Levels:
                 self._scores[level] = score
         return min(levels, key=self._scores.__getitem__) if self._seen and levels else otherwise
 
-    def _after(self, score: float, level: float, step: Step, begin: SE2, end: SE2) -> float:
+    def _after(self, score: float, level: float, step: PlanStep, begin: SE2, end: SE2) -> float:
         foretold = step.exit(begin, self._library, level)
         miss = _seen_from(foretold, self._goal).distance_to(_place(_seen_from(end, self._goal)))
         return MEMORY * score + miss**2

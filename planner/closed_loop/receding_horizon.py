@@ -5,7 +5,6 @@ from dataclasses import replace
 from math import inf
 
 from flight.automaton.library import Library
-from flight.automaton.library_file import library_hash
 from flight.automaton.vehicle import Leg, Vehicle
 from flight.errors import FlightError, FlightLostError
 from flight.mission.mission import Mission
@@ -13,12 +12,12 @@ from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
 from flightlog.decision import DecisionKind
 from planner.policies.policy import Planner
-from planner.walks.safe_stop import way_to_rest
+from planner.walks.safe_stop import safe_stop_path
 
-from .acceptance import Verdict, judge
-from .flight_record import FlightRecord, Flown
-from .gamma_estimator import Levels
-from .remaining_plan import SHORTEST_COAST, Remainder, Step
+from .acceptance import Acceptance, judge_plan
+from .flight_record import FlightRecord, FlightRecorder
+from .gamma_estimator import GammaEstimator
+from .remaining_plan import SHORTEST_COAST, PlanStep, RemainingPlan
 from .settings import Settings
 
 
@@ -29,7 +28,7 @@ class NoToleranceError(FlightError):
         super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
 
 
-def fly(
+def fly_closed_loop(
     vehicle: Vehicle,
     mission: Mission,
     *,
@@ -37,7 +36,7 @@ def fly(
     library: Library,
     settings: Settings | None = None,
     on_leg: Callable[[Leg], None] | None = None,
-) -> Flown:
+) -> FlightRecord:
     """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
 
     A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
@@ -62,7 +61,7 @@ def fly(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    return _Loop(vehicle, goal, planner, library, settings, on_leg=on_leg).fly()
+    return _Loop(vehicle, goal, planner, library, settings, on_leg=on_leg).fly_closed_loop()
 
 
 class _Loop:
@@ -78,23 +77,22 @@ class _Loop:
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
         self._library, self._settings, self._on_leg = library, settings, on_leg
-        self._hash = library_hash(library)
-        self._record = FlightRecord(goal, settings.certainty)
-        self._left = Remainder(vehicle.trim, tail=way_to_rest(library, vehicle.trim))
-        self._levels = Levels(library, goal.goal)
+        self._record = FlightRecorder(goal, settings.certainty)
+        self._left = RemainingPlan(vehicle.trim, tail=safe_stop_path(library, vehicle.trim))
+        self._levels = GammaEstimator(library, goal.goal)
         self._level = 0.0
         self._lost = False
 
-    def fly(self) -> Flown:
+    def fly_closed_loop(self) -> FlightRecord:
         # The promise is for the part of the tolerance that plans aim at in the end; those flown first may aim
         # at a wider one.
         thinking = self._settings.latency.configured
         steps, _ = self._left.window(thinking)
-        promise = self._planner.plan(self._asked(steps, share=0.0))
+        promise = self._planner.plan(self._mission_ahead(steps, share=0.0))
         self._record.predicted_time = thinking + promise.cost
-        reason = f"{self._settings.max_activations} plannings did not lead to the goal"
+        reason = f"{self._settings.max_activations} replans did not reach the goal"
         for _ in range(self._settings.max_activations):
-            ended = self._activate()
+            ended = self._replan()
             if self._record.claimed:
                 reason = "reached the goal"
                 break
@@ -102,22 +100,24 @@ class _Loop:
                 reason = ended
                 break
         if not self._record.claimed and not self._lost and self._record.legs:
-            self._come_to_rest()
+            self._stop_safely()
         return self._record.close(self._vehicle.time, reason)
 
-    def _activate(self) -> str:
+    def _replan(self) -> str:
         """Plans once, and flies until it is time to plan again.
 
         Returns:
             Why the flight cannot go on; empty where it can.
         """
         began = self._vehicle.time
-        steps, rest = self._left.window(self._thinking())
-        asked, plan = self._ask(self._asked(steps, share=self._settings.tolerance_share), rest)
+        steps, rest = self._left.window(self._fly_while_planning())
+        asked, plan = self._plan_mission(
+            self._mission_ahead(steps, share=self._settings.tolerance_share), rest
+        )
         latency = self._settings.latency.of(len(self._record.plans), plan)
         first = not self._record.plans
         self._record.add_planning(began, asked, plan, latency)
-        verdict = self._judged(plan, asked, late=latency > self._settings.latency.configured)
+        verdict = self._judge(plan, asked, late=latency > self._settings.latency.configured)
         if first and verdict.kind is not DecisionKind.ADOPTED:
             self._record.decide(began, verdict.kind, cost=inf, level=self._level)
             return f"no plan from the start: {verdict.reason}"
@@ -126,12 +126,12 @@ class _Loop:
         self._choose(verdict, asked, plan, rest)
         return self._advance(began + self._settings.activation_interval)
 
-    def _thinking(self) -> float:
+    def _fly_while_planning(self) -> float:
         """Returns for how long the vehicle flies on before the plan is; a maneuver that is due is flown."""
         due = self._settings.replan_in_maneuver and self._left.maneuver_due
         return inf if due else self._settings.latency.configured
 
-    def _asked(self, steps: tuple[Step, ...], *, share: float) -> Mission:
+    def _mission_ahead(self, steps: tuple[PlanStep, ...], *, share: float) -> Mission:
         """Returns the mission from where the vehicle will be when the plan is there."""
         pose, trim = self._vehicle.pose, self._vehicle.trim
         for step in steps:
@@ -141,41 +141,41 @@ class _Loop:
         tolerance = max(self._settings.aim * self._goal.tolerance, share * distance)
         return replace(self._goal, start=pose, start_trim=trim, tolerance=tolerance)
 
-    def _ask(self, asked: Mission, rest: Remainder) -> tuple[Mission, Plan]:
+    def _plan_mission(self, asked: Mission, rest: RemainingPlan) -> tuple[Mission, Plan]:
         """Returns a question with its answer: with room for errors, unless room costs too much.
 
         Where the plan under way no longer leads to the goal, and a clearly faster plan does without the room,
         that is the better one: no plan of the automaton corrects a little.
         """
         plan, goal = self._planner.plan(asked), self._goal.tolerance
-        if asked.tolerance >= goal or self._arrives(rest, asked.start) < inf:
+        if asked.tolerance >= goal or self._arrival_time(rest, asked.start) < inf:
             return asked, plan
         close = replace(asked, tolerance=goal)
         faster = self._planner.plan(close)
         took = plan.solve_time + faster.solve_time
-        honest = self._judged(faster, close).kind is DecisionKind.ADOPTED
+        honest = self._judge(faster, close).kind is DecisionKind.ADOPTED
         if honest and faster.cost + self._settings.hysteresis < plan.cost:
             return close, replace(faster, solve_time=took)
         return asked, replace(plan, solve_time=took)
 
-    def _judged(self, plan: Plan, asked: Mission, *, late: bool = False) -> Verdict:
-        return judge(plan, self._library, asked, known_hash=self._hash, late=late)
+    def _judge(self, plan: Plan, asked: Mission, *, late: bool = False) -> Acceptance:
+        return judge_plan(plan, self._library, asked, late=late)
 
-    def _choose(self, verdict: Verdict, asked: Mission, plan: Plan, rest: Remainder) -> None:
+    def _choose(self, verdict: Acceptance, asked: Mission, plan: Plan, rest: RemainingPlan) -> None:
         """Takes the new plan, keeps the one under way, or falls back."""
         now, self._left = self._vehicle.time, rest
         if verdict.kind is not DecisionKind.ADOPTED:
             self._record.decide(now, verdict.kind, cost=inf, level=self._level)
             return
         scenario = self._scenario(plan)
-        remaining = self._arrives(rest, asked.start)
+        remaining = self._arrival_time(rest, asked.start)
         # The same walk with other coasting times is the plan under way, brought up to date.
         same = (rest.trim, *rest.trims) == plan.sequence
         if self._settings.hysteresis and not same and remaining <= scenario.cost + self._settings.hysteresis:
             self._record.decide(now, DecisionKind.KEPT, cost=remaining, level=self._level)
             return
         self._level = scenario.gamma
-        self._left = Remainder.of(plan, scenario)
+        self._left = RemainingPlan.of(plan, scenario)
         self._record.decide(now, DecisionKind.ADOPTED, cost=plan.cost, level=scenario.gamma)
 
     def _scenario(self, plan: Plan) -> Scenario:
@@ -183,48 +183,48 @@ class _Loop:
         if not self._settings.learn_level:
             return plan.deciding
         gammas = [scenario.gamma for scenario in plan.scenarios]
-        shown = self._levels.shown(gammas, otherwise=plan.deciding.gamma)
+        shown = self._levels.estimate(gammas, otherwise=plan.deciding.gamma)
         return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
 
-    def _arrives(self, rest: Remainder, start: SE2) -> float:
+    def _arrival_time(self, rest: RemainingPlan, start: SE2) -> float:
         """Returns the seconds that what is left of a plan takes to the goal; infinite where it misses.
 
         A wanted heading or trim is left to the planner.
         """
         goal = self._goal
-        if rest.used_up or rest.fallback or (goal.goal_heading, goal.goal_trim) != (None, None):
+        if rest.finished or rest.is_safe_stop or (goal.goal_heading, goal.goal_trim) != (None, None):
             return inf
-        end, time = rest.outcome(start, self._library, self._level)
+        end, time = rest.predicted_end(start, self._library, self._level)
         return time if goal.destination.reached(end) else inf
 
     def _advance(self, until: float) -> str:
         """Flies what is left for so long, and a maneuver begun in it to its end."""
         while (time := until - self._vehicle.time) > SHORTEST_COAST:
-            if self._left.used_up and self._record.refused and not self._left.fallback:
-                self._retreat()
-            if self._left.maneuver_due and self._settings.replan_in_maneuver and not self._left.fallback:
+            if self._left.finished and self._record.refused and not self._left.is_safe_stop:
+                self._begin_safe_stop()
+            if self._left.maneuver_due and self._settings.replan_in_maneuver and not self._left.is_safe_stop:
                 return ""
             step, self._left = self._left.step(time)
             if ended := self._fly((step,)):
                 return ended
         return ""
 
-    def _retreat(self) -> None:
-        self._left = self._left.retreat()
+    def _begin_safe_stop(self) -> None:
+        self._left = self._left.safe_stop()
         self._record.decide(self._vehicle.time, DecisionKind.FALLBACK, cost=inf, level=self._level)
 
-    def _come_to_rest(self) -> None:
+    def _stop_safely(self) -> None:
         """Gives up: leaves the vehicle where it can stay, not on its way to nowhere."""
-        self._left = Remainder(self._vehicle.trim, tail=way_to_rest(self._library, self._vehicle.trim))
-        self._retreat()
+        self._left = RemainingPlan(self._vehicle.trim, tail=safe_stop_path(self._library, self._vehicle.trim))
+        self._begin_safe_stop()
         while self._left.trims:
             step, self._left = self._left.step(0.0)
             if self._fly((step,)) and self._record.decisions[-1].kind is not DecisionKind.ALARM:
                 return
         if self._settings.wait:
-            self._fly((Step(self._vehicle.trim, self._settings.wait),))
+            self._fly((PlanStep(self._vehicle.trim, self._settings.wait),))
 
-    def _fly(self, steps: tuple[Step, ...]) -> str:
+    def _fly(self, steps: tuple[PlanStep, ...]) -> str:
         """Flies steps, notes them, and learns from them.
 
         Returns:
@@ -240,17 +240,17 @@ class _Loop:
                     leg = vehicle.perform(self._library.maneuver(step.trim, step.to_trim))
             except FlightLostError as error:
                 self._lost = True
-                self._record.add_lost(step, error)
+                self._record.add_lost_leg(step, error)
                 return str(error)
             on_a_plan = not self._record.refused or not self._record.plans
-            self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.fallback)
+            self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.is_safe_stop)
             if leg.alarm:
                 self._record.decide(vehicle.time, DecisionKind.ALARM, cost=inf, level=self._level)
                 return f"alarm: {leg.alarm}"
             if not leg.settled:
                 return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
             if self._record.decisions:
-                self._levels.see(step, begin, vehicle.pose)
+                self._levels.update(step, begin, vehicle.pose)
             if self._on_leg is not None:
                 self._on_leg(leg)
         return ""

@@ -12,7 +12,7 @@ SHORTEST_COAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class PlanStep:
     """One primitive to be flown: a trim held for seconds, or a maneuver to another trim.
 
     Attributes:
@@ -39,7 +39,7 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Remainder:
+class RemainingPlan:
     """What is left of a plan.
 
     Attributes:
@@ -47,22 +47,22 @@ class Remainder:
         coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
         trims: ids of the trims to come.
         tail: ids of the trims that lead to rest from where the plan ends.
-        fallback: whether nothing but the way to rest is being flown.
+        is_safe_stop: whether nothing but the way to rest is being flown.
     """
 
     trim: int
     coasts: tuple[float, ...] = ()
     trims: Walk = ()
     tail: Walk = ()
-    fallback: bool = False
+    is_safe_stop: bool = False
 
     @classmethod
-    def of(cls, plan: Plan, scenario: Scenario) -> "Remainder":
+    def of(cls, plan: Plan, scenario: Scenario) -> "RemainingPlan":
         """Returns all of a plan, with the coasting times of one of its scenarios."""
         return cls(plan.sequence[0], scenario.coasting_times, plan.sequence[1:], plan.tail)
 
     @property
-    def used_up(self) -> bool:
+    def finished(self) -> bool:
         """Whether the plan is flown: it promised no more than to be near, so its last trim is held."""
         return not self.trims and sum(self.coasts) <= SHORTEST_COAST
 
@@ -71,23 +71,25 @@ class Remainder:
         """Whether a maneuver is the next thing to do."""
         return bool(self.trims) and (not self.coasts or self.coasts[0] <= SHORTEST_COAST)
 
-    def retreat(self) -> "Remainder":
+    def safe_stop(self) -> "RemainingPlan":
         """Returns the way to rest from where the plan ends."""
-        return replace(self, coasts=(0.0,) * (len(self.tail) + 1), trims=self.tail, tail=(), fallback=True)
+        return replace(
+            self, coasts=(0.0,) * (len(self.tail) + 1), trims=self.tail, tail=(), is_safe_stop=True
+        )
 
-    def step(self, within: float) -> tuple[Step, "Remainder"]:
+    def step(self, within: float) -> tuple[PlanStep, "RemainingPlan"]:
         """Returns what to do next, for so many seconds at most or a maneuver, and what is left then."""
         if self.maneuver_due:
-            step = Step(self.trim, 0.0, self.trims[0])
+            step = PlanStep(self.trim, 0.0, self.trims[0])
             return step, replace(self, trim=self.trims[0], coasts=self.coasts[1:], trims=self.trims[1:])
         due = self.coasts[0] if self.coasts else 0.0
         time = within if not self.trims else min(within, due)
         coasts = (max(due - time, 0.0), *self.coasts[1:])
-        return Step(self.trim, time), replace(self, coasts=coasts)
+        return PlanStep(self.trim, time), replace(self, coasts=coasts)
 
-    def window(self, duration: float) -> tuple[tuple[Step, ...], "Remainder"]:
+    def window(self, duration: float) -> tuple[tuple[PlanStep, ...], "RemainingPlan"]:
         """Returns what is flown in the seconds to come, and what is left then; a maneuver ends it."""
-        steps: list[Step] = []
+        steps: list[PlanStep] = []
         left, time = self, duration
         while time > SHORTEST_COAST:
             step, left = left.step(time)
@@ -97,10 +99,10 @@ class Remainder:
             time -= step.duration
         return tuple(steps), left
 
-    def outcome(self, pose: SE2, library: Library, level: float) -> tuple[SE2, float]:
+    def predicted_end(self, pose: SE2, library: Library, level: float) -> tuple[SE2, float]:
         """Returns where the plan ends, flown from a pose at a level, and after how many seconds."""
         left, elapsed = self, 0.0
-        while not left.used_up:
+        while not left.finished:
             step, left = left.step(left.coasts[0] if left.coasts else 0.0)
             pose, elapsed = step.exit(pose, library, level), elapsed + step.time(library, level)
         return pose, elapsed

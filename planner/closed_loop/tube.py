@@ -19,7 +19,7 @@ from flight.automaton.trim import Trim
 from flight.automaton.vehicle import Leg
 from flight.se2 import SE2, wrap_angle
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 ROUNDING = 1e-9
 """Metres, radians and seconds by which the tube is widened."""
@@ -31,7 +31,7 @@ _DIRECTIONS = np.exp(1j * np.linspace(0.0, np.pi, 64, endpoint=False))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Enclosure:
+class ReachableSet:
     """Where a vehicle may be.
 
     Attributes:
@@ -53,7 +53,7 @@ class Enclosure:
     due: float = 0.0
 
     @classmethod
-    def at(cls, pose: SE2) -> "Enclosure":
+    def at(cls, pose: SE2) -> "ReachableSet":
         """Returns a pose that is known."""
         return cls(complex(pose.x, pose.y), pose.heading, np.zeros(0, dtype=complex), np.zeros(0))
 
@@ -67,7 +67,7 @@ class Enclosure:
         bent: float = 0.0,
         due: float = 0.0,
         late: float = 0.0,
-    ) -> "Enclosure":
+    ) -> "ReachableSet":
         """Returns where a primitive may lead from here.
 
         Args:
@@ -82,7 +82,7 @@ class Enclosure:
         facing = np.exp(1j * self.heading)
         off = float(np.abs(self.turns).sum())
         longer = float(np.abs(moves).sum()) + bent
-        return Enclosure(
+        return ReachableSet(
             middle=self.middle + facing * displacement,
             heading=self.heading + turn,
             moves=np.concatenate(
@@ -109,7 +109,7 @@ class Enclosure:
         return bool((seen <= reach + ROUNDING).all())
 
 
-def coasted(where: Enclosure, trim: Trim, duration: float, *, share: float) -> Enclosure:
+def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: float) -> ReachableSet:
     """Returns where a coast may lead, whose velocity errs differently at every moment.
 
     Args:
@@ -137,8 +137,8 @@ def coasted(where: Enclosure, trim: Trim, duration: float, *, share: float) -> E
     )
 
 
-def maneuvered(where: Enclosure, maneuver: Maneuver, *, share: float) -> Enclosure:
-    """Returns where a maneuver may lead; arguments as in `coasted`."""
+def propagate_maneuver(where: ReachableSet, maneuver: Maneuver, *, share: float) -> ReachableSet:
+    """Returns where a maneuver may lead; arguments as in `propagate_coast`."""
     moved, error = maneuver.displacement, maneuver.error
     return where.after(
         complex(moved.x, moved.y),
@@ -150,8 +150,13 @@ def maneuvered(where: Enclosure, maneuver: Maneuver, *, share: float) -> Enclosu
     )
 
 
-def leaves_tube(
-    library: Library, steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float], *, share: float
+def tube_exit_time(
+    library: Library,
+    steps: Sequence[PlanStep],
+    legs: Sequence[Leg],
+    plannings: Sequence[float],
+    *,
+    share: float,
 ) -> float | None:
     """Returns when a flight first left its tube, in seconds since its start; None where it never did.
 
@@ -165,28 +170,28 @@ def leaves_tube(
         share: of the library's errors that the tube is made of.
     """
     for window in _windows(steps, legs, plannings):
-        where, elapsed = Enclosure.at(_pose(window[0][1], 0)), 0.0
+        where, elapsed = ReachableSet.at(_pose(window[0][1], 0)), 0.0
         for step, leg in window:
             if step.to_trim is None:
                 flown = float(leg.track[-1, 0] - leg.track[0, 0])
-                where = coasted(where, library.trim(step.trim), flown, share=share)
+                where = propagate_coast(where, library.trim(step.trim), flown, share=share)
             elif leg.alarm:
                 # Broken off: no primitive of the library was flown, and what follows is no plan's.
                 return None
             else:
                 elapsed += leg.duration
-                where = maneuvered(where, library.maneuver(step.trim, step.to_trim), share=share)
+                where = propagate_maneuver(where, library.maneuver(step.trim, step.to_trim), share=share)
             if not where.holds(_pose(leg, -1), elapsed=elapsed):
                 return float(leg.track[-1, 0])
     return None
 
 
 def _windows(
-    steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float]
-) -> Iterator[list[tuple[Step, Leg]]]:
+    steps: Sequence[PlanStep], legs: Sequence[Leg], plannings: Sequence[float]
+) -> Iterator[list[tuple[PlanStep, Leg]]]:
     """Yields what was flown from one planning to the next."""
     marks = sorted(plannings)
-    found: dict[int, list[tuple[Step, Leg]]] = {}
+    found: dict[int, list[tuple[PlanStep, Leg]]] = {}
     for step, leg in zip(steps, legs, strict=True):
         number = int(np.searchsorted(marks, float(leg.track[0, 0]) + ROUNDING, side="right"))
         found.setdefault(number, []).append((step, leg))

@@ -7,24 +7,25 @@ import numpy as np
 from jaxtyping import Float
 from scipy.optimize import minimize
 
-from planner.fallback.coasting import HEADING_MARGIN
-
-from .fan import Fan
-from .task import Task
+from .committed_task import CommittedTask
+from .walk_batch import WalkBatch
 
 OUTSIDE = 2.5e-7
 """Metres, and seconds or radians, by which an answer may break what it was asked to keep."""
+
+HEADING_MARGIN = 3e-8
+"""Radians by which a heading is asked for inside its limits: solvers relax what they keep by some 1e-8."""
 
 COINCIDENT = 1e-12
 """Metres within which the goal is met exactly; a miss has no direction there."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Finite:
+class FiniteProblem:
     """Coasting times of the only walk of a fan, at its levels.
 
     Attributes:
-        fan: the walk.
+        walk_batch: the walk.
         gammas: those levels.
         task: what is asked.
         turns: radians of full turns with which the wanted heading is meant.
@@ -32,9 +33,9 @@ class Finite:
         radius: metres within which every level must end; None to make the largest miss least instead.
     """
 
-    fan: Fan
+    walk_batch: WalkBatch
     gammas: tuple[float, ...]
-    task: Task
+    task: CommittedTask
     turns: float
     budget: float
     radius: float | None
@@ -43,18 +44,18 @@ class Finite:
         self, times: Float[np.ndarray, "trims"]
     ) -> tuple[Float[np.ndarray, "levels"], Float[np.ndarray, "levels trims"]]:
         """Returns how far from the goal each level ends in metres, and how that grows with each time."""
-        end, _, along = self.fan.ends(times[None, :])
+        end, _, along = self.walk_batch.ends(times[None, :])
         off = end[0] - self.task.goal
         size = np.maximum(np.abs(off), COINCIDENT)
         return size, (np.conj(off / size)[:, None] * along[0]).real
 
-    def linear(self) -> tuple[Float[np.ndarray, "rows trims"], Float[np.ndarray, "rows"]]:
+    def linear_constraints(self) -> tuple[Float[np.ndarray, "rows trims"], Float[np.ndarray, "rows"]]:
         """Returns matrix and room of matrix @ times + room >= 0: the budget, and the wanted heading."""
-        rates, task = self.fan.rate[0], self.task
+        rates, task = self.walk_batch.rate[0], self.task
         matrix, room = -np.ones((1, rates.shape[1])), np.array([self.budget])
         if not task.wants_heading:
             return matrix, room
-        off = self.fan.turned[0] - task.heading - self.turns
+        off = self.walk_batch.turned[0] - task.heading - self.turns
         width = max(task.heading_tolerance - HEADING_MARGIN, 0.0)
         return np.vstack([matrix, -rates, rates]), np.concatenate([room, width - off, width + off])
 
@@ -62,17 +63,17 @@ class Finite:
         """Returns whether every level ends with the heading wanted."""
         if not self.task.wants_heading:
             return True
-        off = self.fan.turned[0] - self.task.heading - self.turns + self.fan.rate[0] @ times
+        off = self.walk_batch.turned[0] - self.task.heading - self.turns + self.walk_batch.rate[0] @ times
         return bool((np.abs(off) <= self.task.heading_tolerance).all())
 
-    def solved(self, start: Float[np.ndarray, "trims"]) -> tuple[Float[np.ndarray, "trims"], float] | None:
+    def solve(self, start: Float[np.ndarray, "trims"]) -> tuple[Float[np.ndarray, "trims"], float] | None:
         """Returns locally best times in seconds with what their misses keep within, or None.
 
         Args:
             start: seconds to start from.
         """
         free, count = self.radius is None, len(start)
-        matrix, room = self.linear()
+        matrix, room = self.linear_constraints()
 
         def value(x: Float[np.ndarray, "x"]) -> Float[np.ndarray, "constraints"]:
             allowed = x[-1] if self.radius is None else self.radius

@@ -36,7 +36,7 @@ class WorstMiss:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lines:
+class LinearWalk:
     """The numbers of one walk, which are straight lines over the level: value + gamma * slope.
 
     Attributes:
@@ -52,7 +52,7 @@ class Lines:
     turn: Float[np.ndarray, "two trims"]
 
     @classmethod
-    def of(cls, library: Library, walk: Walk) -> "Lines":
+    def of(cls, library: Library, walk: Walk) -> "LinearWalk":
         """Returns the numbers of a walk.
 
         Raises:
@@ -88,7 +88,7 @@ class Lines:
         ends: Complex[np.ndarray, "n"] = (step + coast).sum(axis=1)
         return ends
 
-    def bend(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
+    def curvature_bound(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
         """Returns a bound of the second derivative of the end over levels from -gamma to gamma, in metres."""
         swung = np.cumsum(self.turn[1] + self.rate[1] * times)
         before = np.abs(swung - self.rate[1] * times)
@@ -101,7 +101,7 @@ class Lines:
 
 
 def worst_miss(
-    lines: Lines,
+    lines: LinearWalk,
     times: Float[np.ndarray, "trims"],
     goal: complex,
     gamma: float,
@@ -119,7 +119,7 @@ def worst_miss(
         resolution: metres by which the bound may exceed the miss found.
         enough: metres; a miss found beyond it ends the search, the bound is then of no use.
     """
-    bend = lines.bend(times, gamma)
+    bend = lines.curvature_bound(times, gamma)
     low = np.linspace(-gamma, gamma, FIRST_PIECES + 1)
     low, high = low[:-1], low[1:]
     found, at = -1.0, 0.0

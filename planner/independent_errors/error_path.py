@@ -11,10 +11,10 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flight.automaton.library import Library
-from planner.kernel.tables import Table, fold
+from planner.kernel.tables import KernelTable, kernel_table
 from planner.walks.walk import Walk
 
-Each = Literal["primitive", "scalar"]
+ErrorGranularity = Literal["primitive", "scalar"]
 """What has an error variable of its own."""
 
 
@@ -41,7 +41,7 @@ class ErrorPath:
     turn: tuple[Float[np.ndarray, "steps"], Float[np.ndarray, "steps variables"]]
     fixed: tuple[float, Float[np.ndarray, "variables"]]
 
-    def together(self) -> "ErrorPath":
+    def with_single_gamma(self) -> "ErrorPath":
         """Returns the walk with one variable for all errors, as gamma is."""
 
         def sum_(change: np.ndarray) -> np.ndarray:
@@ -61,9 +61,9 @@ class ErrorPath:
         """Returns whether a trim is a turn, with a centre, whatever its errors."""
         return bool(np.abs(self.rate[0][place]) > 2 * np.abs(self.rate[1][place]).sum())
 
-    def at(self, errors: Float[np.ndarray, "n variables"]) -> "Numbers":
+    def at(self, errors: Float[np.ndarray, "n variables"]) -> "WalkCoefficients":
         """Returns the numbers for some choices of the error variables."""
-        return Numbers(
+        return WalkCoefficients(
             self.velocity[0] + errors @ self.velocity[1].T,
             self.rate[0] + errors @ self.rate[1].T,
             self.displacement[0] + errors @ self.displacement[1].T,
@@ -73,7 +73,7 @@ class ErrorPath:
 
     def table(
         self, errors: Float[np.ndarray, "n variables"], least: Float[np.ndarray, "n trims"] | None = None
-    ) -> Table:
+    ) -> KernelTable:
         """Returns some choices of the error variables as a table of the exact search.
 
         Args:
@@ -92,7 +92,7 @@ class ErrorPath:
             displacement[:, -1] += np.exp(1j * turn[:, -1]) * coast[:, -1]
             turn[:, -1] += angle[:, -1]
             fixed = fixed + least.sum(axis=1)
-        return fold(
+        return kernel_table(
             np.tile(np.array(self.walk), (len(errors), 1)),
             velocity=numbers.velocity,
             rate=numbers.rate,
@@ -103,7 +103,7 @@ class ErrorPath:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Numbers:
+class WalkCoefficients:
     """The numbers of a walk for some choices of its error variables."""
 
     velocity: Complex[np.ndarray, "n trims"]
@@ -114,10 +114,10 @@ class Numbers:
 
     def end(self, times: Float[np.ndarray, "n trims"]) -> Complex[np.ndarray, "n"]:
         """Returns where coasting times lead, from the origin heading north, north + i east in metres."""
-        return flown(self, times).end
+        return walk_geometry(self, times).end
 
 
-def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorPath:
+def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularity) -> ErrorPath:
     """Returns a walk with an error variable for each primitive, or for each scalar that has an error.
 
     Args:
@@ -142,13 +142,13 @@ def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorP
                 "side": ("displacement", 1j * step.error.side),
                 "heading change": ("turn", step.error.heading_change),
             }
-            _note(f"maneuver {step.id}", place - 1, parts, each, (names, errors, owners))
+            _add_errors(f"maneuver {step.id}", place - 1, parts, each, (names, errors, owners))
         parts = {
             "forward": ("velocity", trim.error.forward),
             "side": ("velocity", 1j * trim.error.side),
             "yaw rate": ("rate", trim.error.yaw_rate),
         }
-        _note(f"trim {trim.id}", place, parts, each, (names, errors, owners))
+        _add_errors(f"trim {trim.id}", place, parts, each, (names, errors, owners))
     sizes = {
         "velocity": len(trims),
         "rate": len(trims),
@@ -173,11 +173,11 @@ def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorP
     )
 
 
-def _note(
+def _add_errors(
     name: str,
     place: int,
     parts: dict[str, tuple[str, complex]],
-    each: Each,
+    each: ErrorGranularity,
     lists: tuple[list[str], list[tuple[str, int, complex]], list[int]],
 ) -> None:
     """Adds a primitive's errors to the lists of names, errors and their owners."""
@@ -194,7 +194,7 @@ def _note(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
+class WalkGeometry:
     """Walks with coasting times: headings as factors, mean directions of coasts, their ends."""
 
     facing: Complex[np.ndarray, "n trims"]
@@ -205,7 +205,7 @@ class Flown:
     end: Complex[np.ndarray, "n"]
 
 
-def flown(numbers: Numbers, times: Float[np.ndarray, "n trims"]) -> Flown:
+def walk_geometry(numbers: WalkCoefficients, times: Float[np.ndarray, "n trims"]) -> WalkGeometry:
     """Returns walks flown from the origin, heading north."""
     angle = numbers.rate * times
     mean = mean_direction(angle)
@@ -217,7 +217,7 @@ def flown(numbers: Numbers, times: Float[np.ndarray, "n trims"]) -> Flown:
     coast = facing * numbers.velocity * times * mean
     step = np.hstack([nothing, leaving * numbers.displacement])
     exit_ = np.cumsum(coast + step, axis=1)
-    return Flown(facing, leaving, mean, exit_ - coast, exit_, exit_[:, -1])
+    return WalkGeometry(facing, leaving, mean, exit_ - coast, exit_, exit_[:, -1])
 
 
 def mean_direction(angle: np.ndarray) -> np.ndarray:

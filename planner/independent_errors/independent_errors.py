@@ -17,11 +17,11 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from planner.kernel.exact import least_costs_of_each
-from planner.walks.goal import goal_seen
+from planner.kernel.exact import least_costs
+from planner.walks.goal_condition import goal_from_start
 
-from .bound import Bounded
-from .error_path import Each, ErrorPath, error_path
+from .bounded_maximum import BoundedMaximum
+from .error_path import ErrorGranularity, ErrorPath, error_path
 from .worst_miss import worst_miss_bound
 from .worst_time import MOST_TIME_BOXES, worst_time_bound
 
@@ -43,7 +43,7 @@ class TooManyScenariosError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Scenario:
+class SignScenario:
     """One choice of signs.
 
     Attributes:
@@ -58,7 +58,7 @@ class Scenario:
 
 
 @dataclass(frozen=True, slots=True)
-class Signs:
+class SignScenarios:
     """All scenarios of a walk.
 
     Attributes:
@@ -69,21 +69,21 @@ class Signs:
         furthest_single: the furthest of those.
     """
 
-    scenarios: tuple[Scenario, ...]
-    slowest: Scenario
-    furthest: Scenario
-    slowest_single: Scenario
-    furthest_single: Scenario
+    scenarios: tuple[SignScenario, ...]
+    slowest: SignScenario
+    furthest: SignScenario
+    slowest_single: SignScenario
+    furthest_single: SignScenario
 
 
-def all_signs(
+def enumerate_signs(
     library: Library,
     mission: Mission,
     sequence: tuple[int, ...],
     coasting_times: tuple[float, ...],
     *,
     gamma: float = 1.0,
-) -> Signs:
+) -> SignScenarios:
     """Returns what every choice of signs comes to.
 
     Args:
@@ -95,20 +95,20 @@ def all_signs(
 
     Raises:
         TooManyScenariosError: the walk is too long.
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, "primitive")
     if len(path.names) > MOST_PRIMITIVES:
         raise TooManyScenariosError(len(path.names))
     signs = np.array(list(product((-1, 0, 1), repeat=len(path.names))))
-    costs = least_costs_of_each(path.table(signs), mission)
+    costs = least_costs(path.table(signs), mission)
     misses = _misses(path, mission, coasting_times, signs)
     scenarios = tuple(
-        Scenario(tuple(row), cost, miss)
+        SignScenario(tuple(row), cost, miss)
         for row, cost, miss in zip(signs.tolist(), costs.tolist(), misses.tolist(), strict=True)
     )
     single = [one for one in scenarios if len(set(one.signs)) == 1]
-    return Signs(
+    return SignScenarios(
         scenarios,
         slowest=max(scenarios, key=lambda one: one.cost),
         furthest=max(scenarios, key=lambda one: one.miss),
@@ -118,7 +118,7 @@ def all_signs(
 
 
 @dataclass(frozen=True, slots=True)
-class Extreme:
+class ExtremeCase:
     """One choice of the error variables, and what it comes to in seconds or metres."""
 
     errors: tuple[float, ...]
@@ -126,7 +126,7 @@ class Extreme:
 
 
 @dataclass(frozen=True, slots=True)
-class Trust:
+class IndependentErrorBounds:
     """How far a single gamma can be trusted: the worst with one sign for all, at corners, and at most.
 
     Attributes:
@@ -144,24 +144,24 @@ class Trust:
     names: tuple[str, ...]
     scenarios: int
     all_tried: bool
-    slowest_single: Extreme
-    furthest_single: Extreme
-    slowest: Extreme
-    furthest: Extreme
-    slowest_bound: Bounded
-    furthest_bound: Bounded
+    slowest_single: ExtremeCase
+    furthest_single: ExtremeCase
+    slowest: ExtremeCase
+    furthest: ExtremeCase
+    slowest_bound: BoundedMaximum
+    furthest_bound: BoundedMaximum
 
 
-def trust(
+def bound_independent_errors(
     library: Library,
     mission: Mission,
     sequence: tuple[int, ...],
     coasting_times: tuple[float, ...],
     *,
     gamma: float = 1.0,
-    each: Each = "primitive",
+    each: ErrorGranularity = "primitive",
     most_boxes: int = MOST_TIME_BOXES,
-) -> Trust:
+) -> IndependentErrorBounds:
     """Returns the worst that errors of their own do to a plan: with one gamma, at corners, and at most.
 
     Args:
@@ -174,33 +174,33 @@ def trust(
         most_boxes: of errors, that the bound of the time may look at.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, each)
     count = len(path.names)
     one_sign = np.array([[sign] * count for sign in (-1.0, 0.0, 1.0)])
 
     def seconds(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
-        return least_costs_of_each(path.table(errors), mission)
+        return least_costs(path.table(errors), mission)
 
     def metres(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
         return _misses(path, mission, coasting_times, errors)
 
     enumerated = count <= MOST_ENUMERATED
     corners = np.array(list(product((-1.0, 0.0, 1.0), repeat=count))) if enumerated else one_sign
-    search = _largest if enumerated else _climbed
+    search = _largest_case if enumerated else _climb
     slowest, furthest = search(seconds, corners), search(metres, corners)
-    known = Bounded(slowest.value, slowest.errors, inf, 0)
+    known = BoundedMaximum(slowest.value, slowest.errors, inf, 0)
     arrives = slowest.value < inf
     miss = worst_miss_bound(path, mission, coasting_times)
     if furthest.value > miss.found:
         miss = replace(miss, found=furthest.value, errors=furthest.errors)
-    return Trust(
+    return IndependentErrorBounds(
         names=path.names,
         scenarios=3**count,
         all_tried=enumerated,
-        slowest_single=_largest(seconds, one_sign),
-        furthest_single=_largest(metres, one_sign),
+        slowest_single=_largest_case(seconds, one_sign),
+        furthest_single=_largest_case(metres, one_sign),
         slowest=slowest,
         furthest=furthest,
         slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if arrives else known,
@@ -208,33 +208,33 @@ def trust(
     )
 
 
-def _largest(
+def _largest_case(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     choices: Float[np.ndarray, "n variables"],
-) -> Extreme:
+) -> ExtremeCase:
     values = value(choices)
     best = int(values.argmax())
-    return Extreme(tuple(choices[best].tolist()), float(values[best]))
+    return ExtremeCase(tuple(choices[best].tolist()), float(values[best]))
 
 
-def _climbed(
+def _climb(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     starts: Float[np.ndarray, "n variables"],
-) -> Extreme:
+) -> ExtremeCase:
     """Returns the largest value at corners that changing one variable at a time leads to."""
-    best = Extreme((), -inf)
+    best = ExtremeCase((), -inf)
     for start in starts:
         here, known = start, float(value(start[None])[0])
         while True:
             steps = np.repeat(here[None], 3 * len(here), axis=0)
             for place in range(len(here)):
                 steps[3 * place : 3 * place + 3, place] = (-1.0, 0.0, 1.0)
-            next_ = _largest(value, steps)
+            next_ = _largest_case(value, steps)
             if next_.value <= known:
                 break
             here, known = np.array(next_.errors), next_.value
         if known > best.value:
-            best = Extreme(tuple(here.tolist()), known)
+            best = ExtremeCase(tuple(here.tolist()), known)
     return best
 
 
@@ -243,5 +243,5 @@ def _misses(
 ) -> Float[np.ndarray, "n"]:
     """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
     ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
-    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_seen(mission))
+    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_from_start(mission))
     return misses

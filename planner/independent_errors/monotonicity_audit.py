@@ -17,10 +17,9 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.kernel.build import kernel
-from planner.kernel.exact import ExactSearch, NoKernelError, least_costs_of_each
-from planner.kernel.tables import fold
-from planner.walks.kinematics import refuse_negative_durations
+from planner.kernel.exact import ExactSearch, least_costs
+from planner.kernel.tables import kernel_table
+from planner.walks.kinematics import check_durations
 from planner.walks.walk import Walk
 
 GAMMAS = (-1.0, 0.0, 1.0)
@@ -37,7 +36,7 @@ _MANEUVER_NUMBERS = ("duration", "forward", "side", "heading_change")
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Number:
+class PrimitiveScalar:
     """One number of one primitive: `trim` or `maneuver`, its id, the number's name."""
 
     kind: str
@@ -46,7 +45,7 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Rise:
+class TimeIncrease:
     """A mission whose optimal time rises with gamma.
 
     Attributes:
@@ -62,12 +61,12 @@ class Rise:
     gammas: tuple[float, float]
     times: tuple[float, float]
     walk: Walk
-    culprit: Number | None
+    culprit: PrimitiveScalar | None
     saved: float
 
 
 @dataclass(frozen=True, slots=True)
-class Audit:
+class MonotonicityAudit:
     """What became of the missions.
 
     Attributes:
@@ -80,10 +79,12 @@ class Audit:
     missions: int
     reachable: int
     monotone: int
-    rises: tuple[Rise, ...]
+    rises: tuple[TimeIncrease, ...]
 
 
-def audit(library: Library, *, missions: int, seed: int, max_trims: int = 4) -> Audit:
+def audit_monotonicity(
+    library: Library, *, missions: int, seed: int, max_trims: int = 4
+) -> MonotonicityAudit:
     """Returns how often the optimal time is monotone in gamma.
 
     Args:
@@ -94,29 +95,27 @@ def audit(library: Library, *, missions: int, seed: int, max_trims: int = 4) -> 
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    if kernel() is None:
-        raise NoKernelError
     for gamma in GAMMAS:
-        refuse_negative_durations(library, gamma)
+        check_durations(library, gamma)
     searches = [ExactSearch(library, (gamma,)) for gamma in GAMMAS]
-    rises: list[Rise] = []
+    rises: list[TimeIncrease] = []
     reachable = monotone = 0
     for place, mission in enumerate(_missions(library, missions, seed, max_trims)):
-        answers = [search.answer(mission) for search in searches]
-        times = [answer.costs[0] if answer.walk else inf for answer in answers]
+        evaluator = [search.answer(mission) for search in searches]
+        times = [answer.costs[0] if answer.walk else inf for answer in evaluator]
         if not any(isfinite(time) for time in times):
             continue
         reachable += 1
         before = len(rises)
         for (low, high), levels in zip(pairwise(range(len(GAMMAS))), pairwise(GAMMAS), strict=True):
             if times[high] > times[low] + TOLERANCE:
-                walk = answers[low].walk
-                culprit, saved = _culprit(library, mission, walk, levels)
-                rises.append(Rise(place, levels, (times[low], times[high]), walk, culprit, saved))
+                walk = evaluator[low].walk
+                culprit, saved = _costliest_scalar(library, mission, walk, levels)
+                rises.append(TimeIncrease(place, levels, (times[low], times[high]), walk, culprit, saved))
         monotone += len(rises) == before
-    return Audit(missions, reachable, monotone, tuple(rises))
+    return MonotonicityAudit(missions, reachable, monotone, tuple(rises))
 
 
 def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterator[Mission]:
@@ -134,13 +133,13 @@ def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterat
         )
 
 
-def _culprit(
+def _costliest_scalar(
     library: Library, mission: Mission, walk: Walk, levels: tuple[float, float]
-) -> tuple[Number | None, float]:
+) -> tuple[PrimitiveScalar | None, float]:
     """Returns the number that costs most by going from the first level to the second, and what it costs."""
     trims, maneuvers = [library.trim(trim) for trim in walk], library.maneuvers_along(walk)
-    owners = [Number("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
-    owners += [Number("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
+    owners = [PrimitiveScalar("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
+    owners += [PrimitiveScalar("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
     numbers = sorted(set(owners))
     # The first row goes to the second level with everything, each further row holds one number back.
     gamma = np.full((len(numbers) + 1, len(owners)), levels[1])
@@ -167,7 +166,7 @@ def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) ->
     rows, split = len(values), len(_TRIM_NUMBERS) * len(walk)
     trims = values[:, :split].reshape(rows, len(walk), len(_TRIM_NUMBERS))
     maneuvers = values[:, split:].reshape(rows, len(walk) - 1, len(_MANEUVER_NUMBERS))
-    table = fold(
+    table = kernel_table(
         np.tile(np.array(walk), (rows, 1)),
         velocity=trims[:, :, 0] + 1j * trims[:, :, 1],
         rate=trims[:, :, 2],
@@ -175,4 +174,4 @@ def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) ->
         turn=maneuvers[:, :, 3],
         fixed=maneuvers[:, :, 0].sum(axis=1),
     )
-    return least_costs_of_each(table, mission)
+    return least_costs(table, mission)

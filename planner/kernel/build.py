@@ -1,4 +1,4 @@
-"""The kernel's machine code; without a compiler there is none, and NumPy and CasADi search."""
+"""The kernel's machine code: compiled when first needed, then kept."""
 
 import ctypes
 from functools import cache
@@ -22,8 +22,14 @@ COASTING = (
 )
 """Units that solve one walk at one level."""
 
-SOURCES = (*(FOLDER / "coasting" / f"{unit}.c" for unit in COASTING), FOLDER / "search.c")
-HEADERS = (FOLDER / "kernel.h", FOLDER / "coasting" / "coasting.h")
+WALKS = ("automaton", "remaining", "frontier", "each", "search")
+"""Units that search over walks."""
+
+SOURCES = (
+    *(FOLDER / "coasting" / f"{unit}.c" for unit in COASTING),
+    *(FOLDER / "walks" / f"{unit}.c" for unit in WALKS),
+)
+HEADERS = (FOLDER / "kernel.h", FOLDER / "coasting" / "coasting.h", FOLDER / "walks" / "walks.h")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of
 # optimising would take as long again to compile, and make a tenth.
@@ -33,15 +39,19 @@ FLAGS = (
 )
 
 
+SEARCH_BACKEND = "compiled"
+"""How plans are searched for, as logs name it; logs of earlier programs may say `interpreted`."""
+
+
 @cache
-def kernel() -> ctypes.CDLL | None:
-    """Returns the compiled kernel, or None where it cannot be had."""
+def load_kernel() -> ctypes.CDLL:
+    """Returns the compiled kernel.
+
+    Raises:
+        NoMachineCodeError: there is no C compiler that works.
+    """
+    path = shared_library(SOURCES, headers=HEADERS, flags=FLAGS)
     try:
-        return ctypes.CDLL(str(shared_library(SOURCES, headers=HEADERS, flags=FLAGS)))
-    except (NoMachineCodeError, OSError):
-        return None
-
-
-def search_backend() -> str:
-    """Returns how plans are searched for here, `compiled` or `interpreted`; costs differ by 1e-9 s or so."""
-    return "interpreted" if kernel() is None else "compiled"
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise NoMachineCodeError(str(error)) from None

@@ -1,37 +1,28 @@
 """The exact search: all candidates of every walk that no bound excludes, in compiled code."""
 
 import ctypes
-from functools import cache
 from math import inf
-from time import perf_counter
 
 import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
-from flight.mission.goal import SLACK
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
-from planner.walks.answer import Answer
-from planner.walks.goal import goal_seen, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
+from planner.walks.search_result import SearchResult
 
-from .build import kernel
-from .tables import CTable, Table, tables
+from .automaton import Automaton
+from .build import load_kernel
+from .tables import CTable, KernelTable
 
-MOST = 12
+MOST_TRIMS = 12
 """Trims in a walk, and uncertainty levels, that the kernel has room for."""
 
 NO_LIMIT = 2**62
 
 FORGIVEN = 0.99
 """Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
-
-
-class NoKernelError(FlightError):
-    """What only compiled code can do in reasonable time was asked for on a machine without a C compiler."""
-
-    def __init__(self) -> None:
-        super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
 
 
 _NUMBERS = (
@@ -49,7 +40,10 @@ _NUMBERS = (
 class _Task(ctypes.Structure):
     _fields_ = (
         *((name, ctypes.c_double) for name in _NUMBERS),
-        *((name, ctypes.c_long) for name in ("wants_heading", "levels", "tables", "most_nodes")),
+        *(
+            (name, ctypes.c_long)
+            for name in ("wants_heading", "start_trim", "goal_trim", "max_trims", "most_nodes")
+        ),
     )
 
 
@@ -58,9 +52,12 @@ class _Answer(ctypes.Structure):
         ("cost", ctypes.c_double),
         ("bound", ctypes.c_double),
         ("least", ctypes.c_double),
-        ("times", ctypes.c_double * (MOST * MOST)),
-        ("costs", ctypes.c_double * MOST),
-        *((name, ctypes.c_long) for name in ("table", "walk", "nodes", "complete")),
+        ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
+        ("costs", ctypes.c_double * MOST_TRIMS),
+        ("trims", ctypes.c_long),
+        ("walk", ctypes.c_long * MOST_TRIMS),
+        ("nodes", ctypes.c_long),
+        ("complete", ctypes.c_long),
     )
 
 
@@ -73,60 +70,51 @@ class ExactSearch:
     """
 
     def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
+        if len(gammas) > MOST_TRIMS:
+            raise ValueError(f"expected at most {MOST_TRIMS} levels, got {len(gammas)}")
         self._library = library
         self._gammas = gammas
-        self._prepared = cache(self._prepare)
+        self._automaton = Automaton.of(library, gammas)
+        self._structure, self._arrays = self._automaton.structure()
 
-    def can(self, mission: Mission) -> bool:
-        """Whether there is a kernel, and it has room for the mission."""
-        return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
-
-    def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
+    def answer(
+        self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> SearchResult:
         """Returns the walk whose worst level is best.
 
         Args:
             mission: from where to where.
             max_nodes: walks at one level that may be solved; then the best so far is returned, with a bound.
-            deadline: seconds after which it is returned likewise, as soon as the walk at hand is solved; the
-                time to list the walks of a start trim, once, counts.
+            deadline: seconds after which it is returned likewise.
 
         Raises:
+            NoMachineCodeError: there is no C compiler that works.
             UnknownTrimError: the library lacks the start or goal trim.
         """
-        began = perf_counter()
-        compiled = kernel()
-        assert compiled is not None
-        every, structures = self._prepared(mission.start_trim, mission.max_trims, mission.goal_trim)
+        if mission.max_trims > MOST_TRIMS:
+            raise ValueError(f"max_trims must be <= {MOST_TRIMS}, got {mission.max_trims}")
+        self._library.trim(mission.start_trim)
+        if mission.goal_trim is not None:
+            self._library.trim(mission.goal_trim)
         found = _Answer()
-        most_nodes = NO_LIMIT if max_nodes is None else max_nodes
-        seconds = max(deadline - (perf_counter() - began), 0.0)
-        task = _task(
-            mission, levels=len(self._gammas), tables=len(every), most_nodes=most_nodes, seconds=seconds
-        )
-        if compiled.search(ctypes.byref(task), structures, ctypes.byref(found)):
-            raise MemoryError("the list of walks")
-        return self._read(found, every)
+        task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
+        if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
+            raise MemoryError("the search for walks")
+        return self._read(found)
 
-    def _prepare(
-        self, start_trim: int, max_trims: int, goal_trim: int | None
-    ) -> tuple[tuple[Table, ...], "ctypes.Array[CTable]"]:
-        every = tables(self._library, self._gammas, start_trim, max_trims, goal_trim)
-        structures = (CTable * len(every))()
-        for table, structure in zip(every, structures, strict=True):
-            table.fill(structure)
-        return every, structures
-
-    def _read(self, found: _Answer, every: tuple[Table, ...]) -> Answer:
+    def _read(self, found: _Answer) -> SearchResult:
         exhausted = bool(found.complete)
-        if found.walk < 0:
-            return Answer((), (), (), found.bound, exhausted)
-        walk = tuple(every[found.table].walks[found.walk].tolist())
+        if not found.trims:
+            return SearchResult((), (), (), found.bound, exhausted)
+        walk = tuple(self._automaton.ids[found.walk[: found.trims]].tolist())
         levels = range(len(self._gammas))
-        times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
-        return Answer(walk, times, tuple(found.costs[: len(levels)]), found.bound, exhausted)
+        times = tuple(
+            tuple(found.times[MOST_TRIMS * level : MOST_TRIMS * level + len(walk)]) for level in levels
+        )
+        return SearchResult(walk, times, tuple(found.costs[: len(levels)]), found.bound, exhausted)
 
 
-def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "walks"]:
+def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walks"]:
     """Returns the exact least cost of each walk of a table in seconds; infinite where it ends elsewhere.
 
     Args:
@@ -134,13 +122,13 @@ def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "wa
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    return best_of_each(table, mission)[0]
+    return best_times(table, mission)[0]
 
 
-def best_of_each(
-    table: Table, mission: Mission
+def best_times(
+    table: KernelTable, mission: Mission
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "walks trims"]]:
     """Returns the exact least cost of each walk of a table, and its coasting times, in seconds.
 
@@ -151,16 +139,13 @@ def best_of_each(
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    compiled = kernel()
-    if compiled is None:
-        raise NoKernelError
     structure = CTable()
     table.fill(structure)
     costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
-    task = _task(mission, levels=1, tables=1, most_nodes=NO_LIMIT, seconds=inf)
-    compiled.each(
+    task = _task(mission)
+    load_kernel().each(
         ctypes.byref(task),
         ctypes.byref(structure),
         ctypes.c_void_p(costs.ctypes.data),
@@ -169,9 +154,15 @@ def best_of_each(
     return costs, times
 
 
-def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, seconds: float) -> _Task:
+def _task(
+    mission: Mission,
+    *,
+    max_nodes: int | None = None,
+    seconds: float = inf,
+    automaton: Automaton | None = None,
+) -> _Task:
     start = mission.start
-    goal = goal_seen(mission)
+    goal = goal_from_start(mission)
     return _Task(
         goal.real,
         goal.imag,
@@ -182,7 +173,8 @@ def _task(mission: Mission, *, levels: int, tables: int, most_nodes: int, second
         FORGIVEN * SLACK,
         seconds,
         int(wants_heading(mission)),
-        levels,
-        tables,
-        most_nodes,
+        automaton.place(mission.start_trim) if automaton else 0,
+        automaton.place(mission.goal_trim) if automaton and mission.goal_trim is not None else -1,
+        mission.max_trims,
+        NO_LIMIT if max_nodes is None else max_nodes,
     )

@@ -6,13 +6,13 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
 from .policy import Planner
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Levels that are planned for."""
 
 
-class CalibratedGamma:
+class AdaptiveGammaPlanner:
     """Plans for the errors that the present turbulence makes, in parts of those that the library's wind made.
 
     Errors grow with the gusts that make them, so the level is the wind at 20 ft that the vehicle shows over
@@ -29,7 +29,7 @@ class CalibratedGamma:
 
     def __init__(self, library: Library, wind_at_20_ft: float, *, max_nodes: int | None = None) -> None:
         self._planners: dict[float, Planner] = {
-            gamma: WorstCase(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
+            gamma: worst_case_planner(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
         }
         self._wind = wind_at_20_ft
         self.gamma = GAMMAS[-1]

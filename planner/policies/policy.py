@@ -4,29 +4,21 @@ from dataclasses import replace
 from functools import cache, partial
 from math import inf, isfinite
 from time import perf_counter
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Policy, Scenario
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
+from planner.kernel.build import load_kernel
 from planner.kernel.exact import ExactSearch
-from planner.walks.answer import Answer
-from planner.walks.kinematics import motion, refuse_negative_durations
-from planner.walks.safe_stop import way_to_rest
+from planner.walks.kinematics import check_durations, walk_motion
+from planner.walks.safe_stop import safe_stop_path
+from planner.walks.search_result import SearchResult
 from planner.walks.walk import trims_of_walks
 
-if TYPE_CHECKING:
-    from planner.fallback.without_kernel import SearchWithoutKernel
-
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
-
-NOT_PROVED = (
-    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
-    "are better did not end"
-)
-
 
 SLOW = 1e-6
 """Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
@@ -61,6 +53,7 @@ class LibraryPlanner:
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
+        NoMachineCodeError: there is no C compiler that works.
     """
 
     def __init__(
@@ -74,7 +67,9 @@ class LibraryPlanner:
         deadline: float = inf,
     ) -> None:
         for level in gammas:
-            refuse_negative_durations(library, level)
+            check_durations(library, level)
+        # Whoever closes a loop learns before the flight that nothing can be planned here.
+        load_kernel()
         self._library = library
         self._hash = library_hash(library)
         self._policy: Policy = policy
@@ -88,8 +83,7 @@ class LibraryPlanner:
             for trim in library.trims
             if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
         )
-        self._without_kernel = cache(partial(_without_kernel, library, gammas))
-        self._tails = cache(partial(way_to_rest, library))
+        self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the best plan found, re-checked by code that shares nothing with the search.
@@ -98,16 +92,11 @@ class LibraryPlanner:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        answer = self._answer(mission)
-        plan = self._verified(self._assembled(answer, mission), mission)
+        answer = self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
+        plan = self._verify(self._assemble(answer, mission), mission)
         return replace(plan, solve_time=perf_counter() - began)
 
-    def _answer(self, mission: Mission) -> Answer:
-        if self._exact.can(mission):
-            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-        return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-
-    def _assembled(self, answer: Answer, mission: Mission) -> Plan:
+    def _assemble(self, answer: SearchResult, mission: Mission) -> Plan:
         plan = Plan(
             status="unknown",
             library=self._library.name,
@@ -129,13 +118,16 @@ class LibraryPlanner:
         return replace(
             plan,
             status="optimal" if answer.exhausted else "feasible",
-            reason="" if answer.exhausted else self._doubt(mission),
+            reason="" if answer.exhausted else self._optimality_caveat(),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             tail=self._tails(answer.walk[-1]),
             scenarios=tuple(
                 Scenario(
-                    gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)
+                    gamma,
+                    cost,
+                    times,
+                    walk_motion(self._library, answer.walk, gamma).end(mission.start, times),
                 )
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
@@ -146,13 +138,13 @@ class LibraryPlanner:
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
 
-    def _doubt(self, mission: Mission) -> str:
-        return STOPPED if self._exact.can(mission) else NOT_PROVED
+    def _optimality_caveat(self) -> str:
+        return STOPPED
 
-    def _verified(self, plan: Plan, mission: Mission) -> Plan:
+    def _verify(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = plan_problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(
@@ -163,10 +155,3 @@ class LibraryPlanner:
             maneuvers=(),
             scenarios=(),
         )
-
-
-def _without_kernel(library: Library, gammas: tuple[float, ...]) -> "SearchWithoutKernel":
-    # It needs CasADi, which takes long to load.
-    from planner.fallback.without_kernel import SearchWithoutKernel
-
-    return SearchWithoutKernel(library, gammas)

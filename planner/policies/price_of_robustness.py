@@ -15,9 +15,9 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from planner.walks.kinematics import NegativeDurationError
 
-from .certified_gamma import bearable_to
-from .nominal import Nominal
-from .worst_case import WorstCase
+from .certified_gamma import certified_gamma
+from .nominal import nominal_planner
+from .worst_case import worst_case_planner
 
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
@@ -41,7 +41,7 @@ class AlphaError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Price:
+class PricePoint:
     """One point of the curve.
 
     Attributes:
@@ -57,7 +57,7 @@ class Price:
     sequence: tuple[int, ...]
 
 
-def prices(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[Price, ...]:
+def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[PricePoint, ...]:
     """Returns the curve from gamma 0 to 1; empty where the mission has no nominal plan.
 
     Args:
@@ -65,16 +65,16 @@ def prices(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[P
         mission: from where to where.
         steps: levels above 0.
     """
-    nominal = Nominal(library).plan(mission)
+    nominal = nominal_planner(library).plan(mission)
     if not nominal.found:
         return ()
-    curve = [Price(0.0, nominal.cost, 1.0, nominal.sequence)]
+    curve = [PricePoint(0.0, nominal.cost, 1.0, nominal.sequence)]
     for step in range(1, steps + 1):
         gamma = step / steps
         plan = _worst_case(library, gamma, mission)
         cost = inf if plan is None else plan.cost
-        alpha = max(curve[-1].alpha, _ratio(cost, nominal.cost))
-        curve.append(Price(gamma, cost, alpha, () if plan is None else plan.sequence))
+        alpha = max(curve[-1].alpha, _cost_ratio(cost, nominal.cost))
+        curve.append(PricePoint(gamma, cost, alpha, () if plan is None else plan.sequence))
     return tuple(curve)
 
 
@@ -102,7 +102,7 @@ class PriceOfRobustness:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        best = Nominal(self._library).plan(mission)
+        best = nominal_planner(self._library).plan(mission)
         if not best.found:
             return replace(best, policy="price-of-robustness", alpha=self._alpha)
         # The equality at gamma 0 must survive rounding.
@@ -121,11 +121,11 @@ class PriceOfRobustness:
                 high = middle
             else:
                 low, best = middle, plan
-        proved = bearable_to(self._library, mission, limit=limit, gamma=low)
+        proved = certified_gamma(self._library, mission, limit=limit, gamma=low)
         return replace(
             best,
             status="feasible",
-            reason=_reason(low, proved),
+            reason=_gamma_reason(low, proved),
             lower_bound=None,
             policy="price-of-robustness",
             gamma=low,
@@ -138,7 +138,7 @@ class PriceOfRobustness:
         return plan if plan is not None and plan.cost <= limit else None
 
 
-def _reason(gamma: float, proved: float) -> str:
+def _gamma_reason(gamma: float, proved: float) -> str:
     """Returns what is known of the levels below."""
     if gamma == 0:
         return TO_THE_RESOLUTION
@@ -152,13 +152,13 @@ def _reason(gamma: float, proved: float) -> str:
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:
     try:
-        plan = WorstCase(library, gamma).plan(mission)
+        plan = worst_case_planner(library, gamma).plan(mission)
     except NegativeDurationError:
         return None
     return plan if plan.found else None
 
 
-def _ratio(cost: float, nominal: float) -> float:
+def _cost_ratio(cost: float, nominal: float) -> float:
     if nominal:
         return cost / nominal
     return 1.0 if cost == 0 else inf

@@ -6,7 +6,7 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from .dual_bound import Boxes, Each, Multipliers, Problems, bound
+from .dual_bound import Multipliers, PerBox, PerTrim, WalkProblems, dual_bound
 
 UNBOUNDED = 10.0
 """Seconds after the beginning of an interval without an end that count as its middle."""
@@ -17,12 +17,12 @@ FLAT = 1e-3
 TILT = 1e-5
 """Radians by which a line is left behind that may be followed for ever."""
 
-Vectors = Complex[np.ndarray, "boxes"]
-Trial = tuple[float, Vectors, Each]
+BoxVectors = Complex[np.ndarray, "boxes"]
+MultiplierTrial = tuple[float, BoxVectors, PerBox]
 """kappa, the vector, and seconds a radian that turning is worth."""
 
 
-class Refuter:
+class MultiplierSearch:
     """Seeks multipliers for many boxes at once.
 
     Args:
@@ -37,17 +37,17 @@ class Refuter:
         middle: times inside.
     """
 
-    def __init__(self, problems: Problems, low: Boxes, high: Boxes, target: float) -> None:
+    def __init__(self, problems: WalkProblems, low: PerTrim, high: PerTrim, target: float) -> None:
         self._problems, self._low, self._high, self._target = problems, low, high, target
         count, trims = low.shape
-        self.excess: Each = np.full(count, -np.inf)
+        self.excess: PerBox = np.full(count, -np.inf)
         self.by = Multipliers(np.ones(count), np.zeros(count, dtype=complex), np.zeros((count, trims)))
         self._turning = np.zeros(count)
-        self.middle = middle(low, high)
+        self.middle = box_midpoint(low, high)
 
-    def seek(self, hint: Vectors) -> None:
+    def run(self, hint: BoxVectors) -> None:
         """Tries candidates until every box is refuted, or there are none left."""
-        velocity, end, _ = self._problems.flown(self.middle)
+        velocity, end, _ = self._problems.propagate(self.middle)
         for kappa, vector, turning in self._trials(velocity, end, hint):
             rows = np.flatnonzero(self.excess < 0)
             if not len(rows):
@@ -58,7 +58,7 @@ class Refuter:
             if len(rows):
                 self._at_corners(rows)
 
-    def _trials(self, velocity: Boxes, end: Vectors, hint: Vectors) -> Iterator[Trial]:
+    def _trials(self, velocity: PerTrim, end: BoxVectors, hint: BoxVectors) -> Iterator[MultiplierTrial]:
         problems, none = self._problems, np.zeros(len(end))
         bounded = np.isfinite(self._target)
         off = end - problems.goal
@@ -82,8 +82,8 @@ class Refuter:
     def _try(
         self,
         rows: Int[np.ndarray, "some"],
-        trial: tuple[float | Each, Vectors, Each],
-        centre: Boxes,
+        trial: tuple[float | PerBox, BoxVectors, PerBox],
+        centre: PerTrim,
         velocity: Complex[np.ndarray, "some trims"],
     ) -> None:
         """Evaluates one choice for some boxes, and keeps it where it is the best so far."""
@@ -91,7 +91,7 @@ class Refuter:
         kappa, vector, turning = np.broadcast_to(trial[0], len(rows)), trial[1], trial[2]
         worth = kappa[:, None] + (np.conj(vector)[:, None] * velocity).real + turning[:, None] * some.rate
         by = Multipliers(kappa, vector, np.where(some.rate != 0, worth, centre))
-        found = bound(some, self._low[rows], self._high[rows], by)
+        found = dual_bound(some, self._low[rows], self._high[rows], by)
         if np.isfinite(self._target):
             found = found - kappa * self._target
         better = found > self.excess[rows]
@@ -107,28 +107,28 @@ class Refuter:
         kappa, vector, turning = self.by.kappa[rows], self.by.vector[rows], self._turning[rows]
         centre = self.middle[rows]
         for _ in range(2):
-            velocity, _, _ = some.flown(centre)
+            velocity, _, _ = some.propagate(centre)
             worth = kappa[:, None] + (np.conj(vector)[:, None] * velocity).real + turning[:, None] * some.rate
             most = np.where(np.isfinite(high), high, centre)
             centre = np.where(worth > FLAT, low, np.where(worth < -FLAT, most, self.middle[rows]))
-        velocity, _, _ = some.flown(centre)
+        velocity, _, _ = some.propagate(centre)
         self._try(rows, (kappa, vector, turning), centre, velocity)
 
 
-def middle(low: Boxes, high: Boxes) -> Boxes:
+def box_midpoint(low: PerTrim, high: PerTrim) -> PerTrim:
     """Returns times inside boxes; in one without an end some seconds after its beginning."""
     ended = np.isfinite(high)
-    inside: Boxes = np.where(ended, 0.5 * (low + np.where(ended, high, 0.0)), low + UNBOUNDED)
+    inside: PerTrim = np.where(ended, 0.5 * (low + np.where(ended, high, 0.0)), low + UNBOUNDED)
     return inside
 
 
-def _unit(vector: Vectors) -> Vectors:
+def _unit(vector: BoxVectors) -> BoxVectors:
     size = np.abs(vector)
-    unit: Vectors = np.where(size > 0, vector / np.where(size > 0, size, 1.0), 1.0)
+    unit: BoxVectors = np.where(size > 0, vector / np.where(size > 0, size, 1.0), 1.0)
     return unit
 
 
-def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: Vectors) -> Iterator[Trial]:
+def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: BoxVectors) -> Iterator[MultiplierTrial]:
     """One time between its ends: the vector points out of the goal's disc."""
     for place in range(velocity.shape[1]):
         nearing = -(np.conj(normal) * velocity[:, place]).real
@@ -136,7 +136,7 @@ def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: Vectors) -> 
         yield 1.0, np.where(some, normal / np.where(some, nearing, 1.0), 0.0), np.zeros(len(normal))
 
 
-def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[Trial]:
+def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[MultiplierTrial]:
     """Two times between their ends: both are worth exactly their seconds."""
     for one, two in combinations(range(velocity.shape[1]), 2):
         first, second = velocity[:, one], velocity[:, two]
@@ -147,8 +147,8 @@ def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[Trial]:
 
 
 def _turning_free(
-    velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes, normal: Vectors
-) -> Iterator[Trial]:
+    velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim, normal: BoxVectors
+) -> Iterator[MultiplierTrial]:
     """The heading at the goal is worth seconds: to one turn alone, or with the disc's edge to two times."""
     none = np.zeros(len(normal), dtype=complex)
     away = (np.conj(normal)[:, None] * velocity).real
@@ -163,7 +163,7 @@ def _turning_free(
         yield 1.0, np.maximum(size, 0.0) * normal, turning
 
 
-def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Iterator[Trial]:
+def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
     """Three times between their ends, with the heading at the goal a third equation."""
     for places in combinations(range(velocity.shape[1]), 3):
         matrix = _columns(velocity, rate)[:, places]
@@ -174,7 +174,7 @@ def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> It
         yield 1.0, found[:, 0] + 1j * found[:, 1], found[:, 2]
 
 
-def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Iterator[Trial]:
+def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
     """What is worth nothing to two times: across both, in the space of ends and headings."""
     columns = _columns(velocity, rate)
     for one, two in combinations(range(velocity.shape[1]), 2):
@@ -185,5 +185,7 @@ def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> It
             yield 0.0, sign * (across[:, 0] + 1j * across[:, 1]), sign * across[:, 2]
 
 
-def _columns(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Float[np.ndarray, "boxes trims 3"]:
+def _columns(
+    velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim
+) -> Float[np.ndarray, "boxes trims 3"]:
     return np.stack([velocity.real, velocity.imag, rate], axis=2)

@@ -1,6 +1,6 @@
 """Where a walk leads: its end at an uncertainty level.
 
-It is the flow of `flight.se2.SE2.exp` and the composition of poses; `symbolic_motion` does it for symbols.
+It is the flow of `flight.se2.SE2.exp` and the composition of poses; `tests.oracles` has a twin for symbols.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,7 @@ class GammaError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
+class WalkMotion:
     """The numbers of a walk at one uncertainty level.
 
     Attributes:
@@ -60,7 +60,7 @@ class Motion:
         return self.fixed_time + sum(coasting_times)
 
 
-def motion(library: Library, walk: Walk, gamma: float) -> Motion:
+def walk_motion(library: Library, walk: Walk, gamma: float) -> WalkMotion:
     """Returns the numbers of a walk at an uncertainty level.
 
     Raises:
@@ -68,15 +68,15 @@ def motion(library: Library, walk: Walk, gamma: float) -> Motion:
         NegativeDurationError: a maneuver would end before it begins.
     """
     outcomes = [maneuver.at(gamma) for maneuver in library.maneuvers_along(walk)]
-    refuse_negative_durations(library, gamma)
-    return Motion(
+    check_durations(library, gamma)
+    return WalkMotion(
         velocities=tuple(library.trim(trim).at(gamma) for trim in walk),
         displacements=tuple(outcome.displacement for outcome in outcomes),
         fixed_time=sum(outcome.duration for outcome in outcomes),
     )
 
 
-def refuse_negative_durations(library: Library, gamma: float) -> None:
+def check_durations(library: Library, gamma: float) -> None:
     """Raises `NegativeDurationError` where an uncertainty level turns a duration negative."""
     for maneuver in library.maneuvers:
         duration = maneuver.at(gamma).duration
@@ -84,7 +84,7 @@ def refuse_negative_durations(library: Library, gamma: float) -> None:
             raise NegativeDurationError(maneuver.id, duration, gamma)
 
 
-def refuse_gamma(gamma: float) -> None:
+def check_gamma(gamma: float) -> None:
     """Raises `GammaError` where an uncertainty level to plan for is outside [0, 1]."""
     if not 0 <= gamma <= 1:
         raise GammaError(gamma)

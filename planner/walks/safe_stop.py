@@ -14,10 +14,10 @@ def rest_trim(library: Library) -> int:
 
     Where nothing flies straight, the slowest turn: it stays in a circle.
     """
-    return min(library.trims, key=_restlessness).id
+    return min(library.trims, key=_rest_order).id
 
 
-def way_to_rest(library: Library, trim: int) -> Walk:
+def safe_stop_path(library: Library, trim: int) -> Walk:
     """Returns the trims that lead from one, itself excluded, to rest in the least time.
 
     Empty where the vehicle rests already, or where no maneuvers lead to rest.
@@ -45,6 +45,6 @@ def way_to_rest(library: Library, trim: int) -> Walk:
     return ()
 
 
-def _restlessness(trim: Trim) -> tuple[bool, float, int]:
+def _rest_order(trim: Trim) -> tuple[bool, float, int]:
     velocity = trim.velocity
     return velocity.yaw_rate != 0, hypot(velocity.forward, velocity.side), trim.id

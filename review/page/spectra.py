@@ -1,4 +1,4 @@
-"""Spectra of a page: how much of a signal is at which frequency, over the whole flight."""
+"""Amplitude spectra of a page, over the whole flight."""
 
 from collections.abc import Iterator, Sequence
 
@@ -10,13 +10,13 @@ from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 
-from .columns import packed
+from .columns import pack_floats
 
 Content = dict[str, object]
 Column = Float[np.ndarray, "n"]
 
 LONGEST_WINDOW = 20.0
-"""Seconds of a window; the lowest frequency shown is one over it."""
+"""Window length in seconds; the lowest frequency shown is its inverse."""
 
 LEAST_SAMPLES = 64
 _DEGREES = float(np.degrees(1.0))
@@ -25,9 +25,9 @@ _RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
 
 
 def spectra(logs: Sequence[FlightLog]) -> list[Content]:
-    """Returns spectra of controls and of body rates, of those flights that have them; a panel each.
+    """Returns panels with spectra of controls and body rates.
 
-    Where flights compare, each control and each rate has a panel of its own.
+    For compared flights each control and each rate has a panel of its own.
     """
     parts = [(number, *part) for number, log in enumerate(logs) for part in _signals(log)]
     panels: dict[tuple[str, str], list[Content]] = {}
@@ -40,17 +40,16 @@ def spectra(logs: Sequence[FlightLog]) -> list[Content]:
             head = (f"{title}: {name}", unit) if len(logs) > 1 else (title, unit)
             curve = {"flight": number, "role": f"component{place % 4}", "label": name}
             panels.setdefault(head, []).append(
-                {**curve, "frequency": packed(found[0]), "values": packed(found[1])}
+                {**curve, "frequency": pack_floats(found[0]), "values": pack_floats(found[1])}
             )
     return [{"title": title, "unit": unit, "curves": curves} for (title, unit), curves in panels.items()]
 
 
 def amplitude_density(time: Column, values: Column) -> tuple[Column, Column] | None:
-    """Returns frequencies in Hz above 0 and amplitude densities, the unit of the values over root Hz.
+    """Returns frequencies > 0 in Hz and amplitude densities, values' unit/√Hz.
 
-    Welch's method with Hann windows of half overlap, the mean and the slope of each window taken out; samples
-    that are not even are brought to an even spacing by straight lines. None where there are too few, or where
-    nothing varies.
+    Welch's method with Hann windows of half overlap; mean and slope of each window are removed; uneven
+    samples are interpolated linearly to an even spacing. None for too few samples or a constant signal.
     """
     if len(time) < LEAST_SAMPLES or not np.ptp(values) > 0:
         return None
@@ -64,7 +63,7 @@ def amplitude_density(time: Column, values: Column) -> tuple[Column, Column] | N
 
 
 def _signals(log: FlightLog) -> Iterator[tuple[str, str, Series, tuple[str, ...], float]]:
-    """Yields title, unit, series, fields and scale of what there is a spectrum of."""
+    """Yields title, unit, series, fields and scale of each group of signals."""
     if CONTROLS.name in log.series:
         yield "Servo commands", "deg / \u221aHz", log[CONTROLS], _SERVOS, _DEGREES
     if ACTUATORS.name in log.series:
@@ -74,5 +73,5 @@ def _signals(log: FlightLog) -> Iterator[tuple[str, str, Series, tuple[str, ...]
             title = "Controls" if len(held) <= 4 else f"Controls {place + 1} to {place + len(group)}"
             yield title, "as logged / \u221aHz", log[ACTUATORS], group, 1.0
     states = log.motion
-    if states.topic.name in {TRUTH.name, ESTIMATE.name} and states.holds(*_RATES):
+    if states.topic.name in {TRUTH.name, ESTIMATE.name} and states.has_fields(*_RATES):
         yield "Body rates", "deg/s / \u221aHz", states, _RATES, _DEGREES

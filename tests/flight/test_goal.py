@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flight.mission.goal import LARGE, SLACK, Destination, first_arrival, slack_of
+from flight.mission.destination import LARGE, SLACK, Destination, first_arrival, slack_of
 from flight.mission.mission import Mission
 from flight.se2 import SE2
 

@@ -8,7 +8,7 @@ import pytest
 from flight.automaton.library_file import library_text, read_library
 from flight.errors import BadFileError
 from flight.plan.plan import plan_text, read_plan
-from tests.planner.check.test_plan_check import case
+from tests.support.planning.planned_case import case
 from tests.support.synthetic_log import synthetic_library
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.walks.kinematics import motion
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import Walk
 
 from .statements import OPTIONS, Statement, ends_of, miss_of, numbers_of, numbers_of_mission
@@ -65,7 +65,7 @@ def largest_level(
         limit: seconds that a plan may take.
         start: coasting times in seconds for the level's signs 0, - and +, and the level.
     """
-    nominal, probe = motion(library, walk, 0.0), motion(library, walk, PROBE)
+    nominal, probe = walk_motion(library, walk, 0.0), walk_motion(library, walk, PROBE)
     numbers = np.array(numbers_of(nominal))
     error = (np.array(numbers_of(probe)) - numbers) / PROBE
     fixed = nominal.fixed_time, (probe.fixed_time - nominal.fixed_time) / PROBE

@@ -1,7 +1,7 @@
 """The problem of each policy for one walk, stated in CasADi and solved by IPOPT: what planners are held to.
 
-The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and
-the largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every
+The worst case has coasting times for each level and the largest cost as one more variable (thesis, Problem
+6.2; with level 0 alone it is the nominal problem, 6.1); the committed one has the same times at every
 level (Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
 exchange: the level of a fine grid that misses most joins the statement until none misses. The price of
 robustness is stated in `price_statement`.
@@ -17,14 +17,15 @@ import casadi
 import numpy as np
 
 from flight.automaton.library import Library
-from flight.mission.goal import SLACK
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.answer import Times
-from planner.walks.goal import wants_heading
-from planner.walks.kinematics import Motion, motion
-from planner.walks.symbolic_motion import symbolic_motion
+from planner.walks.goal_condition import wants_heading
+from planner.walks.kinematics import WalkMotion, walk_motion
+from planner.walks.search_result import Times
 from planner.walks.walk import Walk
+
+from .symbolic_motion import symbolic_motion
 
 FINE = 2001
 """Levels of the grid on which a committed solution is looked at."""
@@ -129,7 +130,7 @@ def worst_case(
         gammas: the levels.
         start: seconds, one for each trim, for every level.
     """
-    motions = [motion(library, walk, gamma) for gamma in gammas]
+    motions = [walk_motion(library, walk, gamma) for gamma in gammas]
     numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(
         mission, mission.tolerance
     )
@@ -176,7 +177,7 @@ class Question:
 
     def _exchanged(self, kind: str, times: Times) -> tuple[Times, float] | None:
         grid = np.linspace(-self.gamma, self.gamma, FINE).tolist()
-        every = [motion(self.library, self.walk, level) for level in grid]
+        every = [walk_motion(self.library, self.walk, level) for level in grid]
         chosen = [0, FINE // 2, FINE - 1]
         for _ in range(ROUNDS):
             solved = self._at_levels(kind, [every[place] for place in chosen], times)
@@ -193,7 +194,7 @@ class Question:
             chosen.append(most)
         return None
 
-    def _at_levels(self, kind: str, motions: list[Motion], start: Times) -> tuple[Times, float] | None:
+    def _at_levels(self, kind: str, motions: list[WalkMotion], start: Times) -> tuple[Times, float] | None:
         mission, levels = self.mission, len(motions)
         heading, ends = wants_heading(mission), [one.end(mission.start, start) for one in motions]
         miss = max(end.distance_to(mission.goal) for end in ends)
@@ -241,7 +242,7 @@ def miss_of(end: casadi.SX, mission: casadi.SX) -> casadi.SX:
     return casadi.dot(off, off) / mission[5] ** 2 - 1
 
 
-def numbers_of(one: Motion) -> list[float]:
+def numbers_of(one: WalkMotion) -> list[float]:
     """Returns the numbers of a walk in the order of `ends_of`."""
     return [
         *(value for v in one.velocities for value in (v.forward, v.side, v.yaw_rate)),

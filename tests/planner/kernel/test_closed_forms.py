@@ -8,7 +8,7 @@ from .walk_problem import WalkProblem
 
 pytestmark = [
     pytest.mark.kernel,
-    pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler"),
+    pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler"),
 ]
 
 

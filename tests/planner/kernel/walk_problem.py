@@ -8,8 +8,8 @@ import numpy as np
 
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.kernel.exact import best_of_each
-from planner.kernel.tables import Table, fold
+from planner.kernel.exact import best_times
+from planner.kernel.tables import KernelTable, kernel_table
 
 Times = tuple[float, ...]
 
@@ -88,9 +88,9 @@ class WalkProblem:
             after.append(position)
         return np.array(own) + 1j * np.array(self.rates) * (position - np.array(after))
 
-    def table(self) -> Table:
+    def table(self) -> KernelTable:
         """Returns what the kernel reads."""
-        return fold(
+        return kernel_table(
             np.arange(1, len(self.rates) + 1)[None, :],
             velocity=np.array([self.velocities], dtype=complex),
             rate=np.array([self.rates], dtype=float),
@@ -101,7 +101,7 @@ class WalkProblem:
 
     def solved(self) -> tuple[float, Times]:
         """Returns the kernel's least seconds, infinite without an end at the goal, and its coasting times."""
-        costs, times = best_of_each(self.table(), self.mission)
+        costs, times = best_times(self.table(), self.mission)
         return float(costs[0]), tuple(times[0].tolist())
 
 

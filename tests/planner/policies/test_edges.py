@@ -12,14 +12,15 @@ from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flight.se2 import SE2, Twist, wrap_angle
-from planner.check.plan_check import problems
-from planner.commitment.committed import Committed
+from planner.check.plan_check import plan_problems
+from planner.commitment.committed import CommittedPlanner
 from planner.kernel import build
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
-from planner.proof.certify_plan import certified
+from planner.policies.nominal import nominal_planner
+from planner.policies.policy import Planner
+from planner.policies.worst_case import worst_case_planner
+from planner.proof.certify_plan import certify_plan
 
-needs_kernel = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
+needs_kernel = pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler")
 
 STILL = Twist(0.0, 0.0, 0.0)
 NOTHING = ManeuverError(0.0, 0.0, 0.0, 0.0)
@@ -48,10 +49,10 @@ EDGES: dict[str, tuple[Mission, float]] = {
     ),
 }
 
-POLICIES: dict[str, Callable[[Library], Nominal | WorstCase | Committed]] = {
-    "nominal": Nominal,
-    "worst-case": lambda library: WorstCase(library, 0.5),
-    "committed": lambda library: Committed(library, 0.5),
+POLICIES: dict[str, Callable[[Library], Planner]] = {
+    "nominal": nominal_planner,
+    "worst-case": lambda library: worst_case_planner(library, 0.5),
+    "committed": lambda library: CommittedPlanner(library, 0.5),
 }
 
 
@@ -80,11 +81,11 @@ def test_a_goal_on_the_edge_of_its_tolerance_is_reached(
     else:
         # A touching end is told to the root of what the slack leaves, and committed plans to their gap.
         assert plan.cost == pytest.approx(seconds, abs=5e-4 if policy == "committed" else 1e-4)
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
 
 
 def plan_of(mission: Mission) -> Plan:
-    return certified(Nominal(AHEAD).plan(mission), AHEAD, mission)
+    return certify_plan(nominal_planner(AHEAD).plan(mission), AHEAD, mission)
 
 
 @needs_kernel
@@ -93,7 +94,7 @@ def test_a_goal_on_the_edge_is_proved(edge: str) -> None:
     mission, _ = EDGES[edge]
     plan = plan_of(replace(mission, max_trims=1))
     assert plan.status == "optimal", plan.reason
-    assert problems(plan, AHEAD, replace(mission, max_trims=1)) == ()
+    assert plan_problems(plan, AHEAD, replace(mission, max_trims=1)) == ()
 
 
 @needs_kernel
@@ -102,14 +103,14 @@ def test_a_goal_beyond_the_edge_is_proved_to_be_out_of_reach(north: float, east:
     within = Mission("edge", SE2.identity(), 1, (north, east), 2.0, max_trims=1)
     assert plan_of(within).status == "optimal"
     assert plan_of(replace(within, tolerance=2.0 - 1e-3)).status == "infeasible"
-    assert Nominal(AHEAD).plan(replace(within, tolerance=2.0 - 1e-8)).status == "infeasible"
+    assert nominal_planner(AHEAD).plan(replace(within, tolerance=2.0 - 1e-8)).status == "infeasible"
 
 
 @needs_kernel
 def test_a_heading_to_be_met_exactly_is_met_to_rounding() -> None:
     for heading in (0.1, 1.0, -2.0):
         mission = Mission("exactly", SE2.identity(), 1, (6.0, 3.0), 3.0, heading, 0.0, max_trims=2)
-        plan = Nominal(WITH_A_TURN).plan(mission)
+        plan = nominal_planner(WITH_A_TURN).plan(mission)
         assert plan.status == "optimal"
         assert wrap_angle(plan.deciding.end.heading - heading) == pytest.approx(0, abs=1e-12)
 
@@ -121,6 +122,8 @@ def test_a_goal_at_the_edge_of_reach_is_found(goal: tuple[float, float]) -> None
     turn = Library("turn", "", "", (Trim(1, "turn", Twist(1.0, 0.0, -0.4), STILL),), ())
     mission = Mission("far side", SE2(0.0, 0.0, pi / 2), 1, goal, max_trims=1)
     end = SE2(0.0, 0.0, pi / 2) @ SE2.exp(Twist(1.0, 0.0, -0.4), 3.0)
-    assert Nominal(turn).plan(replace(mission, goal=end.position)).cost == pytest.approx(3.0, abs=1e-9)
+    assert nominal_planner(turn).plan(replace(mission, goal=end.position)).cost == pytest.approx(
+        3.0, abs=1e-9
+    )
     far = max(abs(complex(*goal) - 2.5) - 2.5, 0.0)
-    assert (Nominal(turn).plan(mission).status == "optimal") == (far < 1e-12)
+    assert (nominal_planner(turn).plan(mission).status == "optimal") == (far < 1e-12)

@@ -11,11 +11,11 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
 from planner.kernel import build
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 
-pytestmark = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
+pytestmark = pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler")
 
 
 def twist(velocity: Twist, length: float, time: float) -> Twist:
@@ -64,7 +64,7 @@ def random_library(rng: np.random.Generator) -> Library:
             place,
             *pair,
             2.0,
-            SE2(*rng.uniform(-1, 3, 2), float(rng.uniform(-0.5, 0.5))),
+            SE2(*rng.uniform((-1, -1, -0.5), (3, 3, 0.5)).tolist()),
             ManeuverError(-0.1, 0.1, 0.1, 0.02),
         )
         for place, pair in enumerate(pairs, start=1)
@@ -89,18 +89,18 @@ def test_a_plan_is_the_same_in_every_unit(length: float, time: float, seed: int)
     )
     if seed % 2:
         mission = replace(mission, goal_heading=1.0, heading_tolerance=0.2)
-    here = WorstCase(library, 0.5).plan(mission)
+    here = worst_case_planner(library, 0.5).plan(mission)
     there = replace(
         mission,
         start=SE2(mission.start.x * length, mission.start.y * length, mission.start.heading),
         goal=(mission.goal[0] * length, mission.goal[1] * length),
         tolerance=mission.tolerance * length,
     )
-    plan = WorstCase(scaled(library, length, time), 0.5).plan(there)
+    plan = worst_case_planner(scaled(library, length, time), 0.5).plan(there)
     assert plan.status == here.status, plan.reason
     assert plan.cost == pytest.approx(here.cost * time, rel=1e-5 if length < 1 else 1e-9)
     assert plan.sequence == here.sequence
-    assert problems(plan, scaled(library, length, time), there) == ()
+    assert plan_problems(plan, scaled(library, length, time), there) == ()
 
 
 @pytest.mark.parametrize("angle", [1e-2, 1e-5, 1e-8])
@@ -112,7 +112,7 @@ def test_straight_trims_that_are_nearly_parallel_divide_the_way(angle: float, sp
     library = Library("parallel", "", "", (Trim(1, "1", ahead, still), Trim(2, "2", aside, still)), (step,))
     goal = (3e3 * speed, 1e3 * speed * angle)
     mission = Mission("aside", SE2.identity(), 1, goal)
-    plan = WorstCase(library, 0.0).plan(mission)
+    plan = worst_case_planner(library, 0.0).plan(mission)
     assert plan.status == "optimal"
     assert plan.cost == pytest.approx(3001.0)
     # What the slack is worth in seconds aside.

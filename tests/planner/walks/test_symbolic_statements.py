@@ -9,9 +9,9 @@ import pytest
 from experiments.thesis.printed_libraries import thesis_gtmax, thesis_kinematic
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.walk import walks
 from tests.oracles.price_statement import largest_level, state_price
 from tests.oracles.statements import state_committed, state_smallest_tolerance, state_worst_case, worst_case
@@ -53,7 +53,7 @@ def test_ipopt_on_the_joint_problem_finds_no_faster_worst_case(seed: int) -> Non
     angle, distance = rng.uniform(-pi, pi), rng.uniform(5, 40)
     goal = float(distance * cos(angle)), float(distance * sin(angle))
     mission = Mission("random", SE2.identity(), 1 + seed, goal, tolerance=1.0, max_trims=2)
-    plan = WorstCase(library, gamma).plan(mission)
+    plan = worst_case_planner(library, gamma).plan(mission)
     reached = 0
     for walk in walks(library, mission.start_trim, max_trims=2):
         starts = [rng.exponential(6.0, len(walk)).tolist() for _ in range(3)]
@@ -75,7 +75,7 @@ def test_ipopt_finds_no_larger_level_at_the_price_and_confirms_that_of_the_plan(
         angle, distance = rng.uniform(-pi, pi), rng.uniform(10, 40)
         goal = float(distance * cos(angle)), float(distance * sin(angle))
         mission = Mission("random", SE2.identity(), 1 + seed, goal, tolerance=1.0, max_trims=2)
-        nominal = Nominal(library).plan(mission)
+        nominal = nominal_planner(library).plan(mission)
     plan = PriceOfRobustness(library, alpha).plan(mission)
     limit, levels = alpha * nominal.cost, []
     for walk in walks(library, mission.start_trim, max_trims=2):

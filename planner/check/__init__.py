@@ -1,1 +1,1 @@
-"""Checks of plans and certificates; imports no other room of the planner."""
+"""Checks of plans and certificates; imports no other room, so its walks and flows of trims are copies."""

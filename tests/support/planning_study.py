@@ -134,7 +134,9 @@ def _add_mission(tally: Tally, seed: int, number: int) -> None:
 
 def planned(case: OddCase, policy: str) -> Plan:
     """Returns the plan of the nominal or the worst-case policy."""
-    planner = nominal_planner(case.library) if policy == "nominal" else worst_case_planner(case.library, case.gamma)
+    planner = (
+        nominal_planner(case.library) if policy == "nominal" else worst_case_planner(case.library, case.gamma)
+    )
     return planner.plan(case.mission)
 
 

@@ -200,7 +200,7 @@ def random_chain(rng: np.random.Generator) -> tuple[Chain, "ctypes.Array[ctypes.
 
 def total(chain: Chain, signs: "ctypes.Array[ctypes.c_double]", s: float) -> tuple[float, float]:
     slope = ctypes.c_double()
-    function = getattr(compiled(), "sum")
+    function = compiled().sum
     function.restype = ctypes.c_double
     value = function(ctypes.byref(chain), signs, ctypes.c_double(s), ctypes.byref(slope))
     expected = sum(signs[j] * along(chain.stretch[j], s) for j in range(chain.free + 1))

@@ -29,7 +29,10 @@ def problems(one: ReferenceCosts) -> list[str]:
     assert digest(case) == one.digest, "missions are drawn otherwise: write the file anew"
     _, seconds = natural_units(case.library, case.mission)
     wrong = []
-    planners = (nominal_planner(case.library), one.nominal), (worst_case_planner(case.library, case.gamma), one.worst_case)
+    planners = (
+        (nominal_planner(case.library), one.nominal),
+        (worst_case_planner(case.library, case.gamma), one.worst_case),
+    )
     for planner, cost in planners:
         plan = planner.plan(case.mission)
         near = (

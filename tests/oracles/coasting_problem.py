@@ -1,7 +1,7 @@
 """Walks of a library as arrays: some coasts are free, everything between them is merged."""
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -117,7 +117,7 @@ def whole_walks(
         for one in library.maneuvers
     }
     held = [[trims[trim] for trim in walk] for walk in walks]
-    joints = [[edges[pair] for pair in zip(walk, walk[1:], strict=False)] for walk in walks]
+    joints = [[edges[pair] for pair in pairwise(walk)] for walk in walks]
     count, length = len(walks), len(walks[0])
     gap, turn = np.zeros((count, length + 1), dtype=complex), np.zeros((count, length + 1))
     for row, joint in enumerate(joints):

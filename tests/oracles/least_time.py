@@ -65,7 +65,7 @@ def least_times(
     start = complex(mission.start.x, mission.start.y), mission.start.heading
     goal = GoalRegion.of(mission)
     small = replace(goal, centre=(goal.centre - start[0]) / metres, radius=goal.radius / metres)
-    for free, problem in sorted(every.items()):
+    for _free, problem in sorted(every.items()):
         possible = problem.take(problem.fixed < ceiling)
         for begin in range(0, len(possible.walk), ROWS_AT_ONCE):
             part = possible.take(np.arange(begin, min(begin + ROWS_AT_ONCE, len(possible.walk))))

@@ -87,7 +87,7 @@ def judge(
     if wrong:
         return Judgement(wrong, True, Reference(inf), plan)
     best = reference(plan, library, mission, rng=rng, known=known)
-    metres, seconds = natural_units(library, mission)
+    _metres, seconds = natural_units(library, mission)
     least = best.cost * (1 + SLOWER) + BLURRED * seconds
     bound = plan.lower_bound or 0.0
     if plan.cost > least:

@@ -1,5 +1,6 @@
 """Libraries drawn by chance, with everything that a measured one seldom has."""
 
+import itertools
 from math import pi
 
 import numpy as np
@@ -105,7 +106,7 @@ def _errors(rng: np.random.Generator, size: float, count: int) -> list[float]:
 def _edges(rng: np.random.Generator, count: int) -> list[tuple[int, int]]:
     """Returns the pairs of trims that maneuvers join: a path at least, and others by chance."""
     order = [int(one) + 1 for one in rng.permutation(count)]
-    pairs = set(zip(order, order[1:], strict=False))
+    pairs = set(itertools.pairwise(order))
     density = float(rng.choice([0.0, 0.2, 0.5, 0.9], p=[0.4, 0.2, 0.2, 0.2]))
     for one in range(1, count + 1):
         for two in range(1, count + 1):

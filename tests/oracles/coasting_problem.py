@@ -35,7 +35,7 @@ class CoastingProblem:
     @property
     def free(self) -> int:
         """Number of free coasts of each row."""
-        return self.velocity.shape[1]
+        return int(self.velocity.shape[1])
 
     def take(self, rows: Int[np.ndarray, "some"] | Bool[np.ndarray, "rows"]) -> "CoastingProblem":
         """Returns some of the rows."""
@@ -60,7 +60,8 @@ class CoastingProblem:
 
 def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
     """Returns the trim ids of every walk that a mission allows, shorter ones first."""
-    every, ends = [], [(mission.start_trim,)]
+    every: list[tuple[int, ...]] = []
+    ends: list[tuple[int, ...]] = [(mission.start_trim,)]
     for _ in range(mission.max_trims):
         every += ends
         ends = [

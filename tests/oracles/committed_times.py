@@ -85,7 +85,7 @@ class CommittedWalk:
         inside = INSIDE
         for _ in range(ROUNDS):
             problem = self._every.take(np.array(chosen))
-            found = minimize(
+            found = minimize(  # type: ignore[call-overload]
                 lambda x: float(x.sum()),
                 scaled,
                 jac=lambda x: np.ones(len(x)),

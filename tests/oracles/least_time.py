@@ -1,4 +1,4 @@
-"""The least total time that was found to end inside a goal: an upper bound, a feasible plan, checked by flight."""
+"""Reference planner: least total time found that ends inside a goal."""
 
 from dataclasses import dataclass, replace
 from math import inf, log2
@@ -115,7 +115,7 @@ def _moved(
     anywhere, limits = seeds(problem, start, goal, ceiling, rng)
     found = [(anywhere.row, anywhere.times)]
     if goal.heading is None or goal.width > 0:
-        limits = {**limits, None: anywhere}
+        limits = {**limits, None: anywhere}  # type: ignore[dict-item]
     for limit, seed in limits.items():
         if len(seed.row):
             chosen = problem.take(seed.row)

@@ -68,7 +68,7 @@ def _case(library: Library, rng: np.random.Generator) -> OddCase:
     start = SE2.identity()
     if rng.random() < 0.6:
         size = max(abs(value) for trim in library.trims for value in (trim.velocity.forward, 1e-4))
-        start = SE2(*(float(one) for one in rng.normal(0, 5 * size, 2)), float(rng.uniform(-7, 7)))
+        start = SE2(float(rng.normal(0, 5 * size)), float(rng.normal(0, 5 * size)), float(rng.uniform(-7, 7)))
     if rng.random() < 0.2:
         times = tuple(float(round(time)) for time in times)
     end = start

@@ -1,4 +1,4 @@
-"""Missions built around a plan that satisfies the first-order conditions of least time, of any number of coasts.
+"""Missions around plans that satisfy the first-order conditions of least time.
 
 With a multiplier m every coast k has Re(conj(m) e_k) = -1 - mu r_k, where e_k is the velocity with which its
 time moves the end, and mu the worth of a radian at a heading limit. Straight coasts meet it by their heading,

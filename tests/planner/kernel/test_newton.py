@@ -62,7 +62,7 @@ def test_the_end_moves_with_each_time_as_differences_say(seed: int) -> None:
     assert turned.value + sum(turn for _, turn in walk.steps) == pytest.approx(heading, abs=1e-13)
     known = walk.end_velocities(times)
     for place in range(count):
-        shifted = [(*times[:place], times[place] + d, *times[place + 1:]) for d in (1e-4, -1e-4)]
+        shifted = [(*times[:place], times[place] + d, *times[place + 1 :]) for d in (1e-4, -1e-4)]
         later, earlier = (walk.end(one)[0] for one in shifted)
         assert velocity[place].value == pytest.approx((later - earlier) / 2e-4, abs=1e-6)
         assert velocity[place].value == pytest.approx(complex(known[place]), abs=1e-11)

@@ -12,10 +12,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyArrowPatch, Rectangle
+from matplotlib.patches import Rectangle
 
 from flight.errors import AlreadyExistsError
-from flight.mission.goal import Destination
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
@@ -27,15 +26,11 @@ from flightlog.primitives import stretches_flown
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_colors
 from review.pictures import palette
-from review.pictures.automaton_picture import draw_automaton
-from review.pictures.demo_picture import PlanFlown, caption, demo_picture
 from review.pictures.flight_picture import publish_picture, track_picture, write_pictures
-from review.pictures.library_picture import library_picture
 from review.pictures.plan_picture import plan_picture
 from review.pictures.primitive_lane import draw_primitive_lane
 from review.pictures.time_histories import draw_control, draw_velocity, draw_wind
 from review.pictures.track_picture import draw_track
-from review.summary.summary import arrival
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -62,13 +57,6 @@ def poor(log: FlightLog) -> FlightLog:
     """Returns the log with nothing but truth and primitives."""
     gone = {WIND.name, ESTIMATE.name, CONTROLS.name, "/command"}
     return FlightLog(log.header, {k: v for k, v in log.series.items() if k not in gone}, {})
-
-
-def outcome_of(log: FlightLog, *, gammas: tuple[float, ...] = (0.0,)) -> PlanFlown:
-    scenarios = tuple(Scenario(gamma, 20.0 - gamma, COASTS, SE2.identity()) for gamma in gammas)
-    ids = tuple(maneuver.id for maneuver in LIBRARY.maneuvers_along(WALK))
-    plan = Plan("feasible", "", "", "there", "worst-case", 1.0, 2.0, WALK, ids, scenarios)
-    return PlanFlown(plan, (log,))
 
 
 def test_every_picture_is_drawn_that_the_log_has_topics_for(flight: FlightLog, tmp_path: Path) -> None:
@@ -185,49 +173,6 @@ def test_a_limit_is_drawn_where_the_control_comes_near_and_said_anyway(flight: F
     assert "limits" in far[0]
     assert near[1]
     assert not far[1]
-
-
-def test_the_automaton_has_a_circle_for_each_trim_and_an_arrow_for_each_maneuver() -> None:
-    axes = palette.page(6.0, 6.0).subplots()
-    draw_automaton(axes, LIBRARY)
-    circles = [line for line in axes.lines if isinstance(line, Line2D) and line.get_marker() == "o"]
-    arrows = [artist for artist in axes.get_children() if isinstance(artist, FancyArrowPatch)]
-    words = {text.get_text() for text in axes.texts}
-    assert len(circles) == 7
-    assert len(arrows) == 22
-    assert {str(number) for number in range(1, 23)} <= words
-
-
-def test_a_library_of_one_trim_is_drawn(tmp_path: Path) -> None:
-    alone = replace(
-        LIBRARY,
-        trims=LIBRARY.trims[:1],
-        maneuvers=(),
-        conditions=replace(LIBRARY.conditions, maneuver_end=None),
-    )
-    library_picture(alone).savefig(tmp_path / "alone.png")
-    library_picture(LIBRARY).savefig(tmp_path / "library.png")
-
-
-def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_path: Path) -> None:
-    mission = Mission("there", SE2(5.0, -3.0, 0.7), 1, (20.0, 10.0), 2.0)
-    found = outcome_of(flight, gammas=(0.0, -1.0, 1.0))
-    none = PlanFlown(
-        Plan("infeasible", "", "", "there", "nominal", 0.0, 2.0, reason="every walk ends elsewhere"), ()
-    )
-    demo_picture(LIBRARY, mission, [none, found]).savefig(tmp_path / "demo.png")
-
-
-def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLog) -> None:
-    end = Destination((float(flight[TRUTH]["north"][-1]), float(flight[TRUTH]["east"][-1])), 1.0)
-    met, missed = arrival(flight, end), arrival(flight, Destination((-500.0, 0.0), 1.0))
-    plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
-    assert caption(plan, [flight], [missed]).endswith("goal reached in 0 of 1 flight")
-    promised, came = caption(plan, [flight, flight], [met, missed]).split("\n")
-    assert promised == "predicted 21.0 s, the slowest of gamma 0 and \N{PLUS-MINUS SIGN}1"
-    assert came == f"goal reached in 1 of 2 flights, in {met.time:.1f} s"
-    nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
-    assert caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"
 
 
 def test_trims_differ_in_colour() -> None:

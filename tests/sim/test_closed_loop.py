@@ -213,6 +213,7 @@ def test_every_plan_says_how_it_comes_to_rest() -> None:
 def test_what_is_left_of_a_plan_leads_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
     plan = WorstCase(LIBRARY, 1.0).plan(mission)
+    assert len(plan.scenarios) == 3
     for scenario in plan.scenarios:
         end, time = Remainder.of(plan, scenario).outcome(mission.start, LIBRARY, scenario.gamma)
         assert time == pytest.approx(scenario.cost)

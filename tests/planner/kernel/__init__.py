@@ -1,1 +1,1 @@
-"""Tests of planner.kernel: every branch of the C, in at most 20 s."""
+"""Tests of planner.kernel; the mark `kernel` selects those of the C."""

@@ -1,4 +1,4 @@
-"""The units of the kernel that solve one walk, with their private functions callable."""
+"""The kernel's units for one walk, private functions callable."""
 
 import ctypes
 from functools import cache
@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from planner.kernel.build import FLAGS, FOLDER, HEADERS, SOURCES
+from planner.kernel.build import FLAGS, HEADERS, SOURCES
 from planner.kernel.tables import CTable
-from runtime.compiler import NoMachineCodeError, shared_library
+from runtime.compiler import shared_library
 
 from .walk_problem import WalkProblem
 
@@ -25,10 +25,12 @@ class Complex(ctypes.Structure):
 
     @classmethod
     def of(cls, value: complex) -> "Complex":
+        """Returns a number for the kernel."""
         return cls(value.real, value.imag)
 
     @property
     def value(self) -> complex:
+        """Returns it for Python."""
         return complex(self.real, self.imag)
 
 
@@ -106,24 +108,14 @@ class Chain(ctypes.Structure):
 
 
 @cache
-def native() -> ctypes.CDLL | None:
-    """Returns the units, or None without a compiler."""
-    units = [source for source in SOURCES if source.parent != FOLDER]
-    try:
-        flags = [flag for flag in FLAGS if "visibility" not in flag]
-        found = ctypes.CDLL(str(shared_library(units, headers=HEADERS, flags=[*flags, *PRIVATE_TOO])))
-    except (NoMachineCodeError, OSError):
-        return None
+def native() -> Any:
+    """Returns the units."""
+    units = [source for source in SOURCES if source.parent.name == "coasting"]
+    flags = [flag for flag in FLAGS if "visibility" not in flag]
+    found = ctypes.CDLL(str(shared_library(units, headers=HEADERS, flags=[*flags, *PRIVATE_TOO])))
     found.motion.restype = Complex
     for name in ("least_time", "to_cover", "lower_bound", "best_cosine", "least_turn", "along", "slope_of"):
         getattr(found, name).restype = ctypes.c_double
-    return found
-
-
-def compiled() -> Any:
-    """Returns the units where there are any: tests that need them are skipped elsewhere."""
-    found = native()
-    assert found is not None
     return found
 
 
@@ -153,9 +145,9 @@ def problem_of(walk: WalkProblem, *, slack: float = 1e-9) -> Problem:
 
 
 def active(problem: Problem, *places: int) -> ActiveSet:
-    """Returns the set of times at some places."""
+    """Returns the set of the times at some places."""
     found = ActiveSet()
-    compiled().choose(
+    native().choose(
         ctypes.byref(problem), ctypes.byref(found), ctypes.c_uint(sum(1 << place for place in places))
     )
     return found

@@ -1,4 +1,4 @@
-"""Walks by chance whose goal is where chosen times are stationary: worth their seconds, or at the edge of reach."""
+"""Random walks with goals at which known times are stationary."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -12,14 +12,14 @@ LONGEST = 60.0
 """Seconds of a straight coast."""
 
 CONSISTENT = 1e-7
-"""By which multipliers may miss a second."""
+"""Seconds a second by which multipliers may be inconsistent."""
 
 HALVINGS = 60
 
 
 @dataclass(frozen=True, slots=True)
 class Planted:
-    """A walk, times that are stationary, and by how many seconds a metre the goal is worth."""
+    """A walk, stationary times, and the size of their multiplier in s/m."""
 
     walk: WalkProblem
     times: Times
@@ -46,7 +46,10 @@ def planted(rng: np.random.Generator, *, slow: float = 0.1) -> Planted | None:
 
 
 def random_walk(rng: np.random.Generator, *, slow: float) -> WalkProblem:
-    """Returns a walk of one to five coasts, rarely of seven, with equal rates, side velocities, nothing between."""
+    """Returns a walk of one to seven coasts.
+
+    Rates may be equal, slow or 0; velocities may be sideways; maneuvers may lead nowhere.
+    """
     count = int(rng.integers(1, 6)) if rng.random() < 0.9 else int(rng.integers(5, 8))
     base = float(rng.choice([-1, 1]) * rng.uniform(0.05, 0.8))
     rates = [_rate(rng, base, slow) for _ in range(count)]
@@ -95,7 +98,7 @@ def _longest(walk: WalkProblem, place: int) -> float:
 
 
 def _stationary(rng: np.random.Generator, walk: WalkProblem, on: list[int], bound: bool) -> Planted | None:
-    """Moves one time until multipliers exist with which all are worth their seconds."""
+    """Moves one time until multipliers exist for all of them."""
     equations = 2 + bound
     on = on[: equations + 1]
     times = _random_times(rng, walk, on)
@@ -119,7 +122,7 @@ def _stationary(rng: np.random.Generator, walk: WalkProblem, on: list[int], boun
 
 
 def _at_the_edge_of_reach(rng: np.random.Generator, walk: WalkProblem, on: list[int]) -> Planted | None:
-    """Moves one of two times until both move the end alike, so that no end lies further aside."""
+    """Moves one of two times until both move the end in parallel."""
     times, moved = _random_times(rng, walk, on), int(rng.choice(on))
 
     def aside(time: float) -> float:
@@ -163,7 +166,7 @@ def _move_to_root(
 def _goal_at(
     rng: np.random.Generator, walk: WalkProblem, times: list[float], multiplier: complex, bound: bool
 ) -> Planted | None:
-    """Puts the goal so that the tolerance is used up in the direction of the multiplier."""
+    """Places the goal a tolerance from the end, along the multiplier."""
     tolerance = 0.0 if rng.random() < 0.4 else 10.0 ** float(rng.uniform(-4, 0.7))
     end, heading = walk.end(tuple(times))
     if tolerance:

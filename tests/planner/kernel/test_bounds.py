@@ -1,4 +1,4 @@
-"""Bounds of a walk's seconds: never above the least, and near it."""
+"""Lower bounds of a walk's time: valid, and sharp."""
 
 import ctypes
 from dataclasses import replace
@@ -7,24 +7,21 @@ from math import acos, cos, inf, pi, sin
 import numpy as np
 import pytest
 
-from .native import Complex, active, compiled, native, problem_of
+from .native import Complex, active, native, problem_of
 from .planted_walks import planted, random_walk
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(native() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 
 def least_time(walk: WalkProblem, distance: float) -> float:
     problem = problem_of(walk)
     every = active(problem, *range(len(walk.rates)))
-    return float(compiled().least_time(ctypes.byref(problem), ctypes.byref(every), ctypes.c_double(distance)))
+    return float(native().least_time(ctypes.byref(problem), ctypes.byref(every), ctypes.c_double(distance)))
 
 
 def chords_in_line(walk: WalkProblem, distance: float) -> float:
-    """The least seconds in which chords cover a distance: all of them while they near the end faster than u."""
+    """Returns the least time in which chords in line cover a distance."""
     trims = [(abs(velocity), abs(rate)) for velocity, rate in zip(walk.velocities, walk.rates, strict=True)]
     low, high = 0.0, max(speed for speed, _ in trims)
     for _ in range(200):
@@ -68,9 +65,9 @@ def test_a_straight_trim_covers_a_distance_at_its_speed() -> None:
 def test_what_the_maneuvers_leave_of_a_distance_is_to_be_covered() -> None:
     walk = WalkProblem((1, 1), (0.0, 0.0), (3 - 4j,), (0.2,), goal=-30 + 40j, tolerance=2.0)
     problem = problem_of(walk)
-    assert compiled().to_cover(ctypes.byref(problem)) == pytest.approx(50 - 5 - 2 - 1e-9, abs=1e-12)
+    assert native().to_cover(ctypes.byref(problem)) == pytest.approx(50 - 5 - 2 - 1e-9, abs=1e-12)
     problem.fixed = 7.0
-    assert compiled().lower_bound(ctypes.byref(problem)) == pytest.approx(7 + 43, abs=1e-8)
+    assert native().lower_bound(ctypes.byref(problem)) == pytest.approx(7 + 43, abs=1e-8)
 
 
 @pytest.mark.parametrize(
@@ -80,17 +77,17 @@ def test_a_walk_that_never_turns_has_one_heading(off: float, width: float, reach
     straight = WalkProblem(
         (1, 2), (0.0, 0.0), (1,), (0.3,), goal=9, heading=0.3 + off, heading_tolerance=width
     )
-    bound = compiled().lower_bound(ctypes.byref(problem_of(straight)))
+    bound = native().lower_bound(ctypes.byref(problem_of(straight)))
     assert (bound < inf) == bool(reached)
     turning = problem_of(replace(straight, rates=(0.0, 1e-3)))
-    assert compiled().lower_bound(ctypes.byref(turning)) == pytest.approx(4.0, abs=1e-8)
+    assert native().lower_bound(ctypes.byref(turning)) == pytest.approx(4.0, abs=1e-8)
 
 
 @pytest.mark.parametrize("seed", range(40))
 def test_a_cosine_is_bounded_over_an_interval(seed: int) -> None:
     rng = np.random.default_rng(seed)
     angle, low, width = rng.uniform(-9, 9), rng.uniform(-5, 5), float(rng.choice([0.0, rng.uniform(0, 7)]))
-    found = compiled().best_cosine(*map(ctypes.c_double, (angle, low, low + width)))
+    found = native().best_cosine(*map(ctypes.c_double, (angle, low, low + width)))
     most = np.cos(angle + np.linspace(low, low + width, 2001)).max()
     assert most - 1e-15 <= found <= most + 1e-5 + 0.026 * (abs(np.arccos(min(most, 1.0))) / pi) ** 10
 
@@ -98,7 +95,7 @@ def test_a_cosine_is_bounded_over_an_interval(seed: int) -> None:
 def out_of_reach(walk: WalkProblem, seconds: float) -> bool:
     problem = problem_of(walk)
     every = active(problem, *range(len(walk.rates)))
-    return bool(compiled().out_of_reach(ctypes.byref(problem), ctypes.byref(every), ctypes.c_double(seconds)))
+    return bool(native().out_of_reach(ctypes.byref(problem), ctypes.byref(every), ctypes.c_double(seconds)))
 
 
 @pytest.mark.parametrize("seed", range(60))
@@ -113,7 +110,6 @@ def test_what_was_flown_is_in_reach(seed: int) -> None:
 @pytest.mark.parametrize("bearing", [0.0, 0.4, -2.0, 3.0])
 @pytest.mark.parametrize("aside", [0.0, 0.5, -0.5, 1.1, -1.1, 1.8, -1.8])
 def test_straight_coasts_reach_as_far_as_the_fastest_of_them(bearing: float, aside: float) -> None:
-    """Seen from the bearing of what is left, or aside of it: there one velocity alone helps, and the maneuver."""
     left = complex(cos(bearing), sin(bearing))
     direction = left * complex(cos(aside), sin(aside))
     walk = WalkProblem((2 * direction, 0.1), (0.0, 0.0), (3 * direction,), (0.0,), tolerance=0.5)
@@ -131,7 +127,7 @@ def test_straight_coasts_reach_as_far_as_the_fastest_of_them(bearing: float, asi
 def beyond_reach(walk: WalkProblem, seconds: float) -> float:
     """Returns by how many metres the goal is out of reach in the direction in which it is most.
 
-    Headings are sampled: before a coast, whatever the coasts before it can turn to; in it, what it can turn besides.
+    Headings are sampled: all that the coasts before can turn to, and in a coast what it turns besides.
     """
     goal, moved = walk.goal, problem_of(walk).table.arrays[3][0]
     folded = problem_of(walk).table.arrays[1][0]
@@ -178,7 +174,7 @@ def refuted(walk: WalkProblem, best: float, multiplier: complex, *, rounds: int 
     problem, m = problem_of(walk), Complex.of(multiplier)
     problem.best = best
     mask = ctypes.c_uint((1 << len(walk.rates)) - 1)
-    found = compiled().refuted(ctypes.byref(problem), mask, rounds, ctypes.byref(m))
+    found = native().refuted(ctypes.byref(problem), mask, rounds, ctypes.byref(m))
     return bool(found), m.value
 
 
@@ -235,7 +231,7 @@ def test_a_walk_that_cannot_beat_the_best_is_known_by_its_bounds() -> None:
     problem, first = problem_of(walk), -0.1 * walk.goal / abs(walk.goal)
     for share, known in ((0.3, True), (1 + 1e-9, False), (2.0, False), (0.9, True)):
         problem.best, problem.multiplier = share * cost, Complex.of(first)
-        assert bool(compiled().cannot_beat(ctypes.byref(problem))) == known, share
+        assert bool(native().cannot_beat(ctypes.byref(problem))) == known, share
     assert out_of_reach(walk, 0.3 * cost)
     assert not out_of_reach(walk, 0.9 * cost)
     assert problem.multiplier.value != first

@@ -1,4 +1,4 @@
-"""One stretch as a function of u, and every root of the one equation."""
+"""Stretches as functions of u, and the roots of their sum."""
 
 import ctypes
 from cmath import exp, phase
@@ -8,13 +8,10 @@ from math import atan2, inf, pi, sqrt
 import numpy as np
 import pytest
 
-from .native import ActiveSet, Chain, Complex, Problem, Stretch, active, compiled, native, problem_of
+from .native import ActiveSet, Chain, Complex, Problem, Stretch, active, native, problem_of
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(native() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 STEP = 1e-6
 
@@ -39,7 +36,7 @@ def stretch(*, A: complex, a: float, w: complex = 0j, most: float) -> Stretch:
 
 
 def along(one: Stretch, s: float) -> float:
-    return float(compiled().along(ctypes.byref(one), ctypes.c_double(sqrt(one.above + s * s))))
+    return float(native().along(ctypes.byref(one), ctypes.c_double(sqrt(one.above + s * s))))
 
 
 STRETCHES = {
@@ -56,14 +53,14 @@ STRETCHES = {
 @pytest.mark.parametrize("share", [0.05, 0.4, 0.8, 0.99])
 @pytest.mark.parametrize("sign", [1, -1])
 def test_a_stretch_is_where_its_equation_holds(name: str, share: float, sign: int) -> None:
-    """Im(exp(i chi) A) = u a, or Re(exp(i chi) w) = -u; its part along alpha is +-(a E - K / E) or +-|a| E."""
+    """Im(exp(i chi) A) = u a, or Re(exp(i chi) w) = -u."""
     one = STRETCHES[name]
     most = sqrt(one.limit**2 - one.above) if one.limit < inf else 2.0
     u = share * most
     s = sqrt(most**2 - u**2)
     E = sqrt(one.above + s * s)
     A, w = one.A.value, one.w.value
-    heading_of = compiled().heading_of
+    heading_of = native().heading_of
     heading_of.restype = ctypes.c_double
     chi = heading_of(ctypes.byref(one), ctypes.c_double(u), ctypes.c_double(E), int(sign > 0))
     turned = exp(1j * chi)
@@ -82,7 +79,7 @@ def test_a_stretch_is_where_its_equation_holds(name: str, share: float, sign: in
 @pytest.mark.parametrize("s", [1e-3, 0.5, 1.4])
 def test_how_a_stretch_changes_along_a_curve(name: str, s: float) -> None:
     one = STRETCHES[name]
-    slope = compiled().slope_of(ctypes.byref(one), *map(ctypes.c_double, (sqrt(one.above + s * s), s)))
+    slope = native().slope_of(ctypes.byref(one), *map(ctypes.c_double, (sqrt(one.above + s * s), s)))
     difference = (along(one, s + STEP * s) - along(one, s - STEP * s)) / (2 * STEP * s)
     assert slope == pytest.approx(difference, rel=1e-5, abs=1e-6)
 
@@ -103,7 +100,7 @@ def test_how_a_stretch_changes_along_a_curve(name: str, s: float) -> None:
 def test_a_turn_between_two_pieces_takes_at_least_that_long(
     rate: float, headings: tuple[float, ...], seconds: float
 ) -> None:
-    found = compiled().least_turn(*map(ctypes.c_double, (rate, *headings)))
+    found = native().least_turn(*map(ctypes.c_double, (rate, *headings)))
     assert found == pytest.approx(seconds, abs=1e-6)
 
 
@@ -117,11 +114,11 @@ def turning(*, free: int, best: float, last_rate: float = 0.0) -> tuple[Chain, l
 
 def too_long(chain: Chain, *headings: float) -> bool:
     values = (ctypes.c_double * 14)(*headings)
-    return bool(compiled().turns_too_long(ctypes.byref(chain), values, values))
+    return bool(native().turns_too_long(ctypes.byref(chain), values, values))
 
 
 def test_turns_are_too_long_where_together_they_take_what_is_allowed() -> None:
-    """From the goal's heading, -alpha, by each turn to the next; the last one to the target, seen from the goal's."""
+    """Turns lead from the goal's heading, -alpha, to each next one and to the target."""
     # 1 rad to the right at 0.5 rad/s and 1 rad to the left at 0.25: 6 s beside 1 s in maneuvers.
     assert too_long(turning(free=2, best=7.0 - 1e-6)[0], 1.2, 0.2, 0.2)
     assert not too_long(turning(free=2, best=7.0 + 1e-6)[0], 1.2, 0.2, 0.2)
@@ -143,12 +140,12 @@ def test_turns_are_too_long_where_together_they_take_what_is_allowed() -> None:
 def test_a_series_is_the_sum_near_its_middle() -> None:
     """To the third power, and beyond it within the fourth's bound; the slopes are those of the sum."""
     rng = np.random.default_rng(4)
-    compiled().series.restype = Series
+    native().series.restype = Series
     for _ in range(200):
         chain, signs, held = random_chain(rng)
         most = chain.most
         middle, half = float(rng.uniform(0.2, 0.9)) * most, float(rng.uniform(0.001, 0.1)) * most
-        t = compiled().series(
+        t = native().series(
             ctypes.byref(chain), signs, ctypes.c_double(middle), ctypes.c_double(middle - half)
         )
         for x in np.linspace(-half, half, 7).tolist():
@@ -200,7 +197,7 @@ def random_chain(rng: np.random.Generator) -> tuple[Chain, "ctypes.Array[ctypes.
 
 def total(chain: Chain, signs: "ctypes.Array[ctypes.c_double]", s: float) -> tuple[float, float]:
     slope = ctypes.c_double()
-    function = compiled().sum
+    function = native().sum
     function.restype = ctypes.c_double
     value = function(ctypes.byref(chain), signs, ctypes.c_double(s), ctypes.byref(slope))
     expected = sum(signs[j] * along(chain.stretch[j], s) for j in range(chain.free + 1))

@@ -1,4 +1,4 @@
-"""Times corrected on the true motion."""
+"""Newton's methods of the kernel, and what they need."""
 
 import ctypes
 from dataclasses import replace
@@ -7,21 +7,18 @@ from math import inf, pi
 import numpy as np
 import pytest
 
-from .native import ActiveSet, Complex, Problem, active, compiled, native, problem_of
+from .native import ActiveSet, Complex, Problem, active, native, problem_of
 from .planted_walks import planted, random_walk
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(native() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 Doubles = ctypes.c_double * 144
 
 
 def solve_linear(matrix: np.ndarray, right: np.ndarray) -> np.ndarray | None:
     flat, b = Doubles(*matrix.ravel()), Doubles(*right)
-    solved = compiled().solve_linear(flat, b, len(right))
+    solved = native().solve_linear(flat, b, len(right))
     return np.array(b[: len(right)]) if solved else None
 
 
@@ -56,7 +53,7 @@ def test_the_end_moves_with_each_time_as_differences_say(seed: int) -> None:
     count = len(walk.rates)
     times = tuple((rng.exponential(4.0, count) * (rng.random(count) < 0.8)).tolist())
     problem, velocity, turned = problem_of(walk), (Complex * 12)(), ctypes.c_double()
-    end = compiled().motion(ctypes.byref(problem), Doubles(*times), velocity, ctypes.byref(turned))
+    end = native().motion(ctypes.byref(problem), Doubles(*times), velocity, ctypes.byref(turned))
     expected, heading = walk.end(times)
     assert end.value == pytest.approx(expected, abs=1e-12)
     assert turned.value + sum(turn for _, turn in walk.steps) == pytest.approx(heading, abs=1e-13)
@@ -98,7 +95,7 @@ def test_times_move_by_least_to_the_goal(tolerance: float, headed: bool, count: 
         problem, on = placed(asked, times)
         start = np.array(times) + rng.normal(0, 1e-4, count)
         moved = Doubles(*start)
-        assert compiled().meet_goal(ctypes.byref(problem), ctypes.byref(on), moved) == 1
+        assert native().meet_goal(ctypes.byref(problem), ctypes.byref(on), moved) == 1
         found = tuple(moved[:count])
         reached, faced = walk.end(found)
         assert abs(reached - asked.goal) == pytest.approx(tolerance, abs=1e-11)
@@ -121,14 +118,14 @@ def test_newtons_method_ends_where_it_leads_nowhere() -> None:
     """Two coasts that move the end alike: no step does for a goal aside."""
     walk = WalkProblem((1, 2), (0.0, 0.0), goal=5 + 3j)
     problem, on = placed(walk, (1.0, 1.0))
-    assert compiled().meet_goal(ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0)) == 0
-    assert compiled().make_stationary(
+    assert native().meet_goal(ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0)) == 0
+    assert native().make_stationary(
         ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0), Complex.of(-1.0)
     ) in (0, 1)
     # Nearly so: the step is too long to be one.
     near = replace(walk, velocities=(1, 2 + 1e-9j))
     problem, on = placed(near, (1.0, 1.0))
-    assert compiled().meet_goal(ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0)) == 0
+    assert native().meet_goal(ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0)) == 0
 
 
 def test_stationary_times_are_kept_and_times_near_them_led_there() -> None:
@@ -163,9 +160,7 @@ def test_stationary_times_are_kept_and_times_near_them_led_there() -> None:
             continue
         held = np.array(times) > 0
         moved = Doubles(*(np.array(times) + 1e-5 * held * rng.normal(size=len(times))))
-        led = compiled().make_stationary(
-            ctypes.byref(problem), ctypes.byref(on), moved, Complex.of(m * 1.0001)
-        )
+        led = native().make_stationary(ctypes.byref(problem), ctypes.byref(on), moved, Complex.of(m * 1.0001))
         found = np.array(moved[: len(times)])
         if not led or np.abs(found - times).max() > 1e-2:
             continue
@@ -181,7 +176,7 @@ def test_a_time_that_rounding_made_negative_is_none() -> None:
     problem = problem_of(walk)
 
     def kept(*times: float) -> bool:
-        return bool(compiled().update_best(ctypes.byref(problem), Doubles(*times)))
+        return bool(native().update_best(ctypes.byref(problem), Doubles(*times)))
 
     assert not kept(2.0, -1e-8, 0.0)
     assert not kept(2.0, 0.0, -2e-9)
@@ -202,4 +197,4 @@ def test_what_is_kept_has_the_heading_wanted() -> None:
     for turned, there in ((0.5, 1), (0.5 - 2e-9, 0), (0.9, 1), (0.9 + 2e-9, 0), (0.7 + 2 * pi, 1)):
         problem.best = inf
         times = Doubles(3.0, turned / 0.5)
-        assert compiled().update_best(ctypes.byref(problem), times) == there, turned
+        assert native().update_best(ctypes.byref(problem), times) == there, turned

@@ -1,4 +1,4 @@
-"""Problems in units of their own: nothing depends on what lengths and times are measured in."""
+"""Invariance under units of length and time, and the public functions."""
 
 import ctypes
 from dataclasses import replace
@@ -6,14 +6,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from .native import compiled, native, problem_of
+from .native import native, problem_of
 from .planted_walks import random_walk
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(native() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 
 def scaled(walk: WalkProblem, length: float, time: float) -> WalkProblem:
@@ -32,7 +29,7 @@ def solved(
 ) -> tuple[float, list[float]]:
     problem = problem_of(walk, slack=slack)
     problem.best = best
-    compiled().solve(ctypes.byref(problem), most)
+    native().solve(ctypes.byref(problem), most)
     return problem.best, list(problem.times[: len(walk.rates)])
 
 
@@ -94,6 +91,6 @@ def test_seconds_in_maneuvers_count() -> None:
     cost, times = solved(walk, 1e-9)
     problem = problem_of(walk)
     problem.fixed = 3.5
-    compiled().solve(ctypes.byref(problem), 12)
+    native().solve(ctypes.byref(problem), 12)
     assert problem.best == pytest.approx(cost + 3.5, rel=1e-14)
     assert list(problem.times[:2]) == pytest.approx(times, rel=1e-14)

@@ -70,7 +70,8 @@ def toml_table(path: Path) -> dict[str, Any]:
     try:
         table = tomllib.loads(text)
         json.dumps(table)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
+        # Numbers of thousands of digits are refused by another error than TOML's own.
         raise BadFileError(path, f"is not TOML: {error}") from None
     except TypeError:
         raise BadFileError(path, "expected numbers, texts and arrays, got a date or time") from None

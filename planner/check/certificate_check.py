@@ -1,4 +1,4 @@
-"""Whether a certificate proves what it says: every walk there is, every box of its tree, rounded outward.
+"""Check of a certificate: every walk, every box, rounded outward.
 
 Nothing here comes from the search or from what wrote the certificate: the walks are listed anew, their
 numbers taken from the library as intervals, the boxes cut as the tree says, and each bound evaluated in
@@ -32,7 +32,7 @@ def certificate_problems(
     gammas: tuple[float, ...],
     lower_bound: float,
 ) -> tuple[str, ...]:
-    """Returns what a certificate fails to prove; nothing where no plan has a worst time below the bound.
+    """Returns the faults of a certificate; none if its bound is proved.
 
     Args:
         certificate: the proof.
@@ -89,7 +89,7 @@ def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
 def _count_open_leaves(
     refutation: InfeasibilityCertificate, library: Library, mission: Mission, lower_bound: float
 ) -> int:
-    """Returns how many leaves of a tree do not hold.
+    """Returns the number of leaves in a tree whose bound fails.
 
     Raises:
         ValueError: the tree does not cut the whole box into parts.
@@ -147,7 +147,7 @@ def _tree_leaves(nodes: list[BoxSplit | BoxLeaf], longest: tuple[float, ...]) ->
 
 
 def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns the scenarios of a plan that interval arithmetic does not prove to end at the goal."""
+    """Returns the scenarios not proved by interval arithmetic to end at goal."""
     found = []
     for scenario in plan.scenarios:
         try:
@@ -166,7 +166,7 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
 def _largest_miss(
     library: Library, sequence: tuple[int, ...], scenario: Scenario, mission: Mission
 ) -> tuple[float, float]:
-    """Returns by how much a scenario can miss the goal at most, and the wanted heading: metres, radians."""
+    """Returns upper bounds of a scenario's miss: metres and radians."""
     pose = _pose_box(mission.start)
     maneuvers = (None, *library.maneuvers_along(sequence))
     for trim, maneuver, time in zip(sequence, maneuvers, scenario.coasting_times, strict=True):

@@ -1,4 +1,4 @@
-"""Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
+"""Check of a plan by repeating its flight, independent of the search."""
 
 from cmath import exp
 from dataclasses import replace
@@ -27,7 +27,7 @@ PROVED_OPTIMALITY = 1e-3
 
 
 def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns what is wrong with a plan; nothing for one that keeps its word.
+    """Returns the faults of a plan; none for a valid one.
 
     Args:
         plan: the plan.
@@ -66,7 +66,7 @@ def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
 
 
 def _certificate_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns what a plan's certificate, if it has one, does not prove."""
+    """Returns the claims that a plan's certificate fails to prove."""
     if plan.certificate is None:
         return ()
     if plan.found == (plan.lower_bound is None):
@@ -82,7 +82,7 @@ def _levels(plan: Plan) -> set[float]:
 
 
 def _problems_at_wider_tolerance(plan: Plan, library: Library, mission: Mission) -> list[str]:
-    """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
+    """Returns the faults of the plan at the smallest feasible tolerance."""
     if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
         return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
     wider = replace(mission, tolerance=plan.tolerance)
@@ -90,7 +90,7 @@ def _problems_at_wider_tolerance(plan: Plan, library: Library, mission: Mission)
 
 
 def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
-    """Returns where a plan is not for this library and this mission.
+    """Returns mismatches of a plan with this library and mission.
 
     Args:
         plan: the plan.
@@ -111,7 +111,7 @@ def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) ->
 
 
 def _gamma_problems(plan: Plan) -> list[str]:
-    """Returns where the levels that a plan says it is for are not those that it shows."""
+    """Returns mismatches between a plan's stated gamma and its scenarios."""
     found = _price_problems(plan)
     if plan.policy == "nominal" and plan.gamma != 0:
         found.append(f"gamma: nominal plans are for 0, got {plan.gamma}")
@@ -130,7 +130,7 @@ def _gamma_problems(plan: Plan) -> list[str]:
 
 
 def _price_problems(plan: Plan) -> list[str]:
-    """Returns where a price is not what the plan's own scenarios show.
+    """Returns mismatches between a stated alpha and the plan's scenarios.
 
     The sequence at gamma 0 is one of the plans that the nominal optimum is the best of.
     """
@@ -164,7 +164,7 @@ def _walk_problems(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission
 
 
 def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
-    """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn.
+    """Returns the faults of a plan's safe-stop path.
 
     Committed plans need not carry one.
     """
@@ -185,7 +185,7 @@ def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
 
 
 def _fails_to_rest(trim: int, library: Library) -> bool:
-    """Returns whether a trim is no rest, and maneuvers lead from it to the trim that rests best."""
+    """Returns True if a better rest trim is reachable from this trim."""
     speeds = {one.id: hypot(one.velocity.forward, one.velocity.side) for one in library.trims}
     turning = {one.id: one.velocity.yaw_rate != 0 for one in library.trims}
     rest = min(speeds, key=lambda one: (turning[one], speeds[one], one))
@@ -237,7 +237,7 @@ def _end_problems(scenario: Scenario, position: complex, heading: float, mission
 
 
 def _chord(velocity: Twist, time: float) -> complex:
-    """The straight line from begin to end of a coast: it points half the turn aside, and is shorter."""
+    """Returns the chord of a coast, at half its heading change."""
     half = 0.5 * velocity.yaw_rate * time
     shrunk = sin(half) / half if half else 1.0
     return complex(velocity.forward, velocity.side) * time * shrunk * exp(1j * half)

@@ -1,4 +1,4 @@
-"""Whether the answer of a planner may be flown."""
+"""Acceptance of plans in flight."""
 
 from dataclasses import dataclass
 
@@ -11,14 +11,14 @@ from planner.check.plan_check import plan_problems
 
 @dataclass(frozen=True, slots=True)
 class Acceptance:
-    """What an answer is worth: ADOPTED, FAILED, LATE or REFUSED, and why it may not be flown."""
+    """Acceptance of a plan: ADOPTED, FAILED, LATE or REFUSED, with its reason."""
 
     kind: DecisionKind
     reason: str = ""
 
 
 def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> Acceptance:
-    """Returns whether a plan may be flown; it is checked again, whatever it says of itself.
+    """Returns the acceptance of a plan after an independent check.
 
     Args:
         plan: the answer.

@@ -1,4 +1,4 @@
-"""What a closed-loop flight came to, and what is noted on the way."""
+"""Record of a closed-loop flight."""
 
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -19,7 +19,7 @@ REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightRecord:
-    """What a closed-loop flight came to.
+    """Result of a closed-loop flight.
 
     Attributes:
         arrival: judgement of the true track.
@@ -66,13 +66,13 @@ class FlightRecord:
 
     @property
     def closest(self) -> float:
-        """Least true distance to the goal in metres; infinite where nothing was flown."""
+        """Least true distance to the goal in metres; infinite without flight."""
         return inf if self.arrival.closest is None else self.arrival.closest
 
 
 @dataclass(slots=True)
 class FlightRecorder:
-    """What has happened so far.
+    """Records a closed-loop flight while it runs.
 
     Attributes:
         goal: as it is judged.
@@ -95,14 +95,14 @@ class FlightRecorder:
     claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
-        """Notes a question and its answer."""
+        """Records a planning request and its plan."""
         self.times.append(time)
         self.missions.append(asked)
         self.plans.append(plan)
         self.latencies.append(latency)
 
     def add_leg(self, step: PlanStep, leg: Leg, *, on_a_plan: bool) -> None:
-        """Notes what was flown; arrival counts only on a plan, and in the trim that is wanted at the goal."""
+        """Records a leg; arrival counts on a plan in the wanted trim."""
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
@@ -123,19 +123,19 @@ class FlightRecorder:
         return self.decisions[-1].level if self.decisions else 0.0
 
     def decide(self, time: float, kind: DecisionKind, *, cost: float, level: float) -> None:
-        """Notes a decision about the planning noted last."""
+        """Records a decision about the latest plan."""
         tolerance = self.missions[-1].tolerance if self.missions else self.goal.tolerance
         latency = self.latencies[-1] if self.latencies else 0.0
         self.decisions.append(Decision(time, kind, len(self.plans), cost, latency, tolerance, level))
 
     @property
     def refused(self) -> bool:
-        """Whether the planning noted last gave nothing that could be flown."""
+        """Returns True if the latest planning gave no acceptable plan."""
         last = [one.kind for one in self.decisions if one.kind is not DecisionKind.FALLBACK]
         return bool(last) and last[-1] in REFUSALS
 
     def add_lost_leg(self, step: PlanStep, error: FlightLostError) -> None:
-        """Notes the leg in which the vehicle was lost, as far as it was flown; nothing is reached in it."""
+        """Records the leg of the loss; it cannot reach the goal."""
         if error.track is not None:
             duration = float(error.track[-1, 0] - error.track[0, 0])
             self.steps.append(step)
@@ -143,7 +143,7 @@ class FlightRecorder:
             self.on_plan.append(False)
 
     def _arrival(self) -> ArrivalVerdict:
-        """Judges the true track."""
+        """Returns the arrival verdict of the true track."""
         segments = [
             TrackSegment(leg.track, step.trim if step.to_trim is None else None, on_plan)
             for leg, step, on_plan in zip(self.legs, self.steps, self.on_plan, strict=True)
@@ -152,7 +152,7 @@ class FlightRecorder:
         return judge_arrival(segments, goal.destination, trim=goal.goal_trim, declared=self.claimed)
 
     def close(self, time: float, reason: str) -> FlightRecord:
-        """Returns what the flight came to.
+        """Returns the flight record.
 
         Args:
             time: seconds since the start at which it ended.

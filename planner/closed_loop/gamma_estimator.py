@@ -1,4 +1,4 @@
-"""Which uncertainty level the vehicle has shown: one model for each level, and the best of them."""
+"""Online estimate of gamma: the level with the least prediction error."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ REMEMBERED = 40
 
 
 class GammaEstimator:
-    """Scores every level by how well it foretold where primitives end.
+    """Scores every level by its error in predicting the ends of primitives.
 
     The worst case promises a time to whoever learns the level before flying. In flight it shows itself: each
     primitive ends where it would at one of the levels, or nearest to that. What counts is by how many metres
@@ -33,13 +33,13 @@ class GammaEstimator:
         self._scores: dict[float, float] = {}
 
     def update(self, step: PlanStep, begin: SE2, end: SE2) -> None:
-        """Takes a primitive that was flown, from where and to where as far as the vehicle believes."""
+        """Updates the scores with one primitive and its estimated poses."""
         self._seen.append((step, begin, end))
         for level, score in self._scores.items():
             self._scores[level] = self._after(score, level, step, begin, end)
 
     def estimate(self, levels: Sequence[float], *, otherwise: float) -> float:
-        """Returns the level that foretold best, of some; another one where nothing was flown yet."""
+        """Returns the best-scoring level, or the default before any flight."""
         for level in levels:
             if level not in self._scores:
                 score = 0.0

@@ -1,4 +1,4 @@
-"""How long thinking takes, as far as the vehicle is concerned."""
+"""Planning latency in flight."""
 
 from dataclasses import dataclass
 
@@ -15,7 +15,7 @@ class LatencyRecordError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Seconds for which the vehicle flies on while a plan is made.
+    """Seconds that the vehicle flies on while a plan is made.
 
     A plan is asked for from the state predicted after that time. Measured time is no part of a flight that
     repeats, unless it is told: then it comes from the record of the flight that is repeated.
@@ -31,12 +31,12 @@ class Latency:
     recorded: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        """Refuses a time that is none."""
+        """Raises ValueError for a latency outside its range."""
         if not 0 <= self.configured <= 10:
             raise ValueError(f"latency must be between 0 and 10 s, got {self.configured} s")
 
     def of(self, number: int, plan: Plan) -> float:
-        """Returns the seconds that a planning took, by the record, the clock or the configuration.
+        """Returns the planning latency from the record, the clock or the settings.
 
         Args:
             number: of the planning, from 0.

@@ -1,4 +1,4 @@
-"""How the loop is closed."""
+"""Settings of the closed loop."""
 
 from dataclasses import dataclass, field
 from math import inf
@@ -11,7 +11,7 @@ LONGEST_INTERVAL = 3600.0
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How the loop is closed.
+    """Settings of the closed loop.
 
     Attributes:
         activation_interval: seconds between two plannings; a maneuver under way is finished first.
@@ -46,7 +46,7 @@ class Settings:
     wait: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuses a loop that cannot run."""
+        """Raises ValueError for a setting outside its range."""
         if not 0 < self.activation_interval <= LONGEST_INTERVAL:
             raise ValueError(
                 f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "

@@ -1,4 +1,4 @@
-"""The coasting times of one walk that are locally best at finitely many levels, by SLSQP."""
+"""Local optimum of coasting times at finitely many levels, by SLSQP."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -22,7 +22,7 @@ COINCIDENT = 1e-12
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FiniteProblem:
-    """Coasting times of the only walk of a fan, at its levels.
+    """Coasting times of the only walk of a batch, at its levels.
 
     Attributes:
         walk_batch: the walk.
@@ -43,14 +43,14 @@ class FiniteProblem:
     def misses(
         self, times: Float[np.ndarray, "trims"]
     ) -> tuple[Float[np.ndarray, "levels"], Float[np.ndarray, "levels trims"]]:
-        """Returns how far from the goal each level ends in metres, and how that grows with each time."""
+        """Returns each level's miss in metres and its gradient."""
         end, _, along = self.walk_batch.ends(times[None, :])
         off = end[0] - self.task.goal
         size = np.maximum(np.abs(off), COINCIDENT)
         return size, (np.conj(off / size)[:, None] * along[0]).real
 
     def linear_constraints(self) -> tuple[Float[np.ndarray, "rows trims"], Float[np.ndarray, "rows"]]:
-        """Returns matrix and room of matrix @ times + room >= 0: the budget, and the wanted heading."""
+        """Returns `A, b` of `A @ times + b >= 0`: budget and heading."""
         rates, task = self.walk_batch.rate[0], self.task
         matrix, room = -np.ones((1, rates.shape[1])), np.array([self.budget])
         if not task.wants_heading:
@@ -60,14 +60,14 @@ class FiniteProblem:
         return np.vstack([matrix, -rates, rates]), np.concatenate([room, width - off, width + off])
 
     def faces(self, times: Float[np.ndarray, "trims"]) -> bool:
-        """Returns whether every level ends with the heading wanted."""
+        """Returns True if every level ends with the wanted heading."""
         if not self.task.wants_heading:
             return True
         off = self.walk_batch.turned[0] - self.task.heading - self.turns + self.walk_batch.rate[0] @ times
         return bool((np.abs(off) <= self.task.heading_tolerance).all())
 
     def solve(self, start: Float[np.ndarray, "trims"]) -> tuple[Float[np.ndarray, "trims"], float] | None:
-        """Returns locally best times in seconds with what their misses keep within, or None.
+        """Returns locally optimal times and their largest miss, or None.
 
         Args:
             start: seconds to start from.

@@ -1,4 +1,4 @@
-"""What is known of the times that answer the errors of a box: seconds that suffice, and where to cut it.
+"""Evaluates boxes of errors: time bounds and branching sensitivities.
 
 Times that are best in the middle of a box answer its errors in some way (`closing.py`). Those that become
 negative for some errors are held longer from the start; and where a walk is too short to answer large errors,
@@ -42,7 +42,7 @@ COSTS = 0.3
 
 @dataclass(eq=False)
 class BoxState:
-    """What is known of a batch of boxes.
+    """State of a batch of boxes.
 
     Attributes:
         boxes: the batch; their bounds are those of the boxes that they come from.
@@ -71,7 +71,7 @@ class BoxState:
 
 
 class BoxEvaluator:
-    """Looks at boxes of errors of a walk.
+    """Evaluator of error boxes of one walk.
 
     Args:
         path: the walk.
@@ -84,11 +84,11 @@ class BoxEvaluator:
         self._closures = closures_of(path, heading=wants_heading(mission), tolerance=mission.tolerance)
 
     def costs(self, errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
-        """Returns the seconds that errors take, with the best times for each."""
+        """Returns the least seconds for each choice of errors."""
         return best_times(self._path.table(errors), self._mission)[0]
 
     def fine_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
-        """Returns bounds for boxes, as close as they are to be had.
+        """Returns the tightest available bounds for boxes.
 
         Args:
             boxes: of errors.
@@ -102,7 +102,7 @@ class BoxEvaluator:
         return state
 
     def coarse_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
-        """Returns bounds for boxes by the shortest detours that give any; arguments as in `fine_bounds`."""
+        """Returns bounds for boxes from the shortest successful detours."""
         state = self._initial_state(boxes, weight=0.0)
         if np.isfinite(state.cost).all():
             for seconds in ESCAPES:
@@ -114,7 +114,7 @@ class BoxEvaluator:
         return BoxState(boxes, *best_times(self._path.table(boxes.middle), self._mission), weight)
 
     def _set_sensitivity(self, state: BoxState) -> None:
-        """Says where to cut boxes that no attempt has looked at: where the end moves most."""
+        """Sets the default sensitivity: the motion of the end."""
         lost = state.sensitivity.sum(axis=1) == 0
         middle, times = state.boxes.middle[lost], state.times[lost]
         still = np.zeros((*times.shape, middle.shape[1]))
@@ -125,7 +125,7 @@ class BoxEvaluator:
     def _try_detours(
         self, state: BoxState, seconds: tuple[float, ...], enough: float, *, longer: tuple[float, ...] = ()
     ) -> None:
-        """Lets each trim in turn be held for longer than it has to be, in boxes whose bound is not enough."""
+        """Tries longer coasts, trim by trim, in boxes without a sufficient bound."""
         rows, places = np.flatnonzero(state.bound > enough), len(self._path.walk)
         if places == 1:
             return
@@ -143,7 +143,7 @@ class BoxEvaluator:
     def _best_held_times(
         self, state: BoxState, row: Int[np.ndarray, "m"], least: Float[np.ndarray, "m trims"]
     ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m trims"]]:
-        """Returns the best times, each at least so long, for the middles of boxes, and their cost."""
+        """Returns least-cost times with lower limits, for the middles of boxes."""
         cost, times = best_times(self._path.table(state.boxes.middle[row], least), self._mission)
         return cost, times + least
 
@@ -156,7 +156,7 @@ class BoxEvaluator:
         *,
         longer: tuple[float, ...] = (),
     ) -> None:
-        """Lets times answer in every way; where they become too short, tries longer ones."""
+        """Tries all closures; lengthens coasts that become too short."""
         for closure in self._closures:
             use = self._can_answer(times, closure) & (state.bound[row] > enough)
             trying, base = row[use], times[use]
@@ -209,7 +209,7 @@ class BoxEvaluator:
         closure: Closure,
         times: Float[np.ndarray, "m trims"],
     ) -> Bool[np.ndarray, "m"]:
-        """Keeps what is better; returns where only the sign of a time is amiss."""
+        """Records better bounds; returns where only a time's sign is wrong."""
         shortest = np.full(len(row), inf)
         # Numbers without bounds, where nothing holds, may overflow.
         with np.errstate(all="ignore"):
@@ -233,7 +233,7 @@ class BoxEvaluator:
         return np.asarray(holds & (shortest < 0))
 
     def _meets_heading(self, closed: ClosureTimes) -> Bool[np.ndarray, "m"]:
-        """Returns where the heading at the end is as wanted."""
+        """Returns True where the heading at the end is as wanted."""
         mission = self._mission
         if mission.goal_heading is None or not wants_heading(mission):
             return np.ones(len(closed.holds), dtype=bool)

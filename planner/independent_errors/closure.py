@@ -1,4 +1,4 @@
-"""Coasting times that close a walk on its goal for all errors of a box.
+"""Coasting times that close a walk on its goal over error boxes.
 
 Most walks are closed by two times (`legs.py`), the others given; a wanted heading takes a turn more, whose
 time makes up for it.
@@ -24,7 +24,7 @@ UNBOUNDED = 1e9
 
 @dataclass(frozen=True, slots=True)
 class Closure:
-    """Which times answer.
+    """Choice of the adjustable coasting times.
 
     Attributes:
         turn: place of a turn that answers by its bearing; None where there is none.
@@ -38,13 +38,13 @@ class Closure:
 
     @property
     def answering(self) -> tuple[int, ...]:
-        """All places whose times answer."""
+        """Places of all adjustable coasts."""
         return tuple(one for one in (self.turn, *self.others, self.cut) if one is not None)
 
 
 @dataclass(frozen=True, eq=False)
 class ClosureTimes:
-    """How times answer the errors of boxes.
+    """Coasting times as functions of the errors of boxes.
 
     Attributes:
         holds: whether they close the walk for all errors of a box; times may be negative.
@@ -62,7 +62,7 @@ class ClosureTimes:
 
 
 def closures_of(path: ErrorPath, *, heading: bool, tolerance: float) -> tuple[Closure, ...]:
-    """Returns which times may answer: with a wanted heading also those beside a turn that makes up for it."""
+    """Returns the choices of adjustable times, heading corrections included."""
     trims = range(len(path.walk))
     turns = [place for place in trims if path.turns(place)]
     straights = [place for place in trims if place not in turns]
@@ -90,7 +90,7 @@ def close_chain(
     tolerance: float,
     closure: Closure,
 ) -> ClosureTimes:
-    """Returns how times answer the errors of boxes in one way.
+    """Returns the adjusted times over boxes of errors for one closure.
 
     Args:
         path: the walk.

@@ -1,4 +1,4 @@
-"""How far a single gamma can be trusted: every primitive with a sign of its own (thesis, appendix B).
+"""Independent primitive errors against a single gamma (thesis, appendix B).
 
 The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk takes its own,
 from -g, 0 and g: 3^(n_T + n_M) scenarios; or each scalar of them does. Where a scenario takes longer than
@@ -33,7 +33,7 @@ MOST_ENUMERATED = 9
 
 
 class TooManyScenariosError(FlightError):
-    """A walk is too long for all signs to be tried."""
+    """A walk is too long for an enumeration of all signs."""
 
     def __init__(self, primitives: int) -> None:
         super().__init__(
@@ -84,7 +84,7 @@ def enumerate_signs(
     *,
     gamma: float = 1.0,
 ) -> SignScenarios:
-    """Returns what every choice of signs comes to.
+    """Returns the scenarios of every choice of signs.
 
     Args:
         library: the primitives.
@@ -119,7 +119,7 @@ def enumerate_signs(
 
 @dataclass(frozen=True, slots=True)
 class ExtremeCase:
-    """One choice of the error variables, and what it comes to in seconds or metres."""
+    """One choice of errors with its seconds or metres."""
 
     errors: tuple[float, ...]
     value: float
@@ -127,7 +127,7 @@ class ExtremeCase:
 
 @dataclass(frozen=True, slots=True)
 class IndependentErrorBounds:
-    """How far a single gamma can be trusted: the worst with one sign for all, at corners, and at most.
+    """Bounds of independent errors: single gamma, corners, and over all errors.
 
     Attributes:
         names: of the error variables.
@@ -162,7 +162,7 @@ def bound_independent_errors(
     each: ErrorGranularity = "primitive",
     most_boxes: int = MOST_TIME_BOXES,
 ) -> IndependentErrorBounds:
-    """Returns the worst that errors of their own do to a plan: with one gamma, at corners, and at most.
+    """Returns the worst effects of independent errors on a plan.
 
     Args:
         library: the primitives.
@@ -221,7 +221,7 @@ def _climb(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     starts: Float[np.ndarray, "n variables"],
 ) -> ExtremeCase:
-    """Returns the largest value at corners that changing one variable at a time leads to."""
+    """Returns the largest value by coordinate ascent over corners."""
     best = ExtremeCase((), -inf)
     for start in starts:
         here, known = start, float(value(start[None])[0])
@@ -241,7 +241,7 @@ def _climb(
 def _misses(
     path: ErrorPath, mission: Mission, times: tuple[float, ...], errors: Float[np.ndarray, "n variables"]
 ) -> Float[np.ndarray, "n"]:
-    """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
+    """Returns each choice of errors' miss in metres."""
     ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
     misses: Float[np.ndarray, "n"] = np.abs(ends - goal_from_start(mission))
     return misses

@@ -1,4 +1,4 @@
-"""What the sign convention claims, measured: over random missions, does the optimal time fall as gamma rises?
+"""Monotonicity audit of the sign convention over random missions.
 
 The errors are signed so that gamma = +1 means fast and wide for every primitive at once
 (`flight.automaton.sign_convention`). Whether the optimal time then falls from gamma = -1 to gamma = +1 is
@@ -37,7 +37,7 @@ _MANEUVER_NUMBERS = ("duration", "forward", "side", "heading_change")
 
 @dataclass(frozen=True, slots=True, order=True)
 class PrimitiveScalar:
-    """One number of one primitive: `trim` or `maneuver`, its id, the number's name."""
+    """One scalar of one primitive: kind, id and name."""
 
     kind: str
     id: int
@@ -67,7 +67,7 @@ class TimeIncrease:
 
 @dataclass(frozen=True, slots=True)
 class MonotonicityAudit:
-    """What became of the missions.
+    """Counts and exceptions of a monotonicity audit.
 
     Attributes:
         missions: how many were tried.
@@ -136,7 +136,7 @@ def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterat
 def _costliest_scalar(
     library: Library, mission: Mission, walk: Walk, levels: tuple[float, float]
 ) -> tuple[PrimitiveScalar | None, float]:
-    """Returns the number that costs most by going from the first level to the second, and what it costs."""
+    """Returns the scalar with the largest cost change between two levels."""
     trims, maneuvers = [library.trim(trim) for trim in walk], library.maneuvers_along(walk)
     owners = [PrimitiveScalar("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
     owners += [PrimitiveScalar("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
@@ -162,7 +162,7 @@ def _costliest_scalar(
 
 
 def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) -> Float[np.ndarray, "rows"]:
-    """Returns the least time of one walk with each row's numbers: three a trim, then four a maneuver."""
+    """Returns the least time of one walk for each row's coefficients."""
     rows, split = len(values), len(_TRIM_NUMBERS) * len(walk)
     trims = values[:, :split].reshape(rows, len(walk), len(_TRIM_NUMBERS))
     maneuvers = values[:, split:].reshape(rows, len(walk) - 1, len(_MANEUVER_NUMBERS))

@@ -1,4 +1,4 @@
-"""The slowest errors: how long a walk takes at most when every error is its own and the times answer it.
+"""Upper bound of a walk's time with independent, known errors.
 
 Boxes of errors are taken worst first; those whose bound (`enclosed_answers`) is not enough are halved, along
 the variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A
@@ -35,7 +35,7 @@ LookAt = Callable[[BoundedBoxes, float], BoxState]
 def worst_time_bound(
     path: ErrorPath, mission: Mission, known: BoundedMaximum, *, gap: float = GAP, most: int = MOST_TIME_BOXES
 ) -> BoundedMaximum:
-    """Returns the largest least time in seconds: the coasting times are chosen when the errors are known.
+    """Returns the largest least time for errors known before coasting.
 
     It is infinite where errors are found with which the walk never arrives.
 
@@ -81,12 +81,12 @@ class _Search:
 
     @property
     def bounded(self) -> BoundedMaximum:
-        """What was found, and what nothing exceeds."""
+        """Returns the best found value and the upper bound."""
         bound = max(float(self._open.bound.max(initial=0.0)), self._close) + ROUNDING
         return replace(self._known, bound=max(bound, self._known.found), boxes=self._looked)
 
     def branch(self, evaluate: LookAt, most: int, *, above: float = 0.0) -> None:
-        """Looks at boxes, worst first, and halves those whose bound is not enough.
+        """Evaluates boxes, worst first, and halves those with insufficient bounds.
 
         Args:
             evaluate: gives bounds.
@@ -99,7 +99,7 @@ class _Search:
                 break
 
     def learn(self, bounded: BoundedMaximum) -> None:
-        """Takes over what another search over all errors has found."""
+        """Adopts the errors of another search over the same box."""
         self._known = replace(bounded, boxes=0) if bounded.found > self._known.found else self._known
         self._open = replace(self._open, bound=np.minimum(self._open.bound, bounded.bound))
         self._looked += bounded.boxes
@@ -125,7 +125,7 @@ class _Search:
         self._open = joined(self._open.take(~chosen), looked.take(~enough & fine), halves)
 
     def _record_slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
-        """Notes slower errors than were known."""
+        """Records slower errors than the known ones."""
         slowest = int(costs.argmax())
         if costs[slowest] > self._known.found:
             found, at = float(costs[slowest]), tuple(errors[slowest].tolist())

@@ -1,4 +1,4 @@
-"""What every policy is and does: a planner for one library, asked again and again."""
+"""Planner interface of all policies, for one library."""
 
 from dataclasses import replace
 from functools import cache, partial
@@ -30,10 +30,10 @@ SLOW_TURNS = (
 
 
 class Planner(Protocol):
-    """Something that answers missions with plans."""
+    """Interface of planners: a plan for a mission."""
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, or an honest no.
+        """Returns the best plan found, or an infeasible one.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -41,7 +41,7 @@ class Planner(Protocol):
 
 
 class LibraryPlanner:
-    """Answers missions in one library, over the uncertainty levels of a policy.
+    """Planner for one library over a policy's uncertainty levels.
 
     Args:
         library: the primitives.
@@ -86,7 +86,7 @@ class LibraryPlanner:
         self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, re-checked by code that shares nothing with the search.
+        """Returns the best plan found, after an independent check.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.

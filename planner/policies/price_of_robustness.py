@@ -1,4 +1,4 @@
-"""The price of robustness: how much uncertainty a mission can take for how much time (thesis, Problem 4.2).
+"""Price of robustness: tolerable gamma for an allowed time (thesis, Problem 4.2).
 
 A level is bearable at a price alpha where at it, and at every smaller one, the best worst-case time is at
 most alpha times the nominal optimum. That time is looked at on a grid of levels, and bisected where it first
@@ -34,7 +34,7 @@ TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} is too much already"
 
 
 class AlphaError(FlightError):
-    """A price below that of no robustness at all, or none."""
+    """Alpha is below 1 or not a number."""
 
     def __init__(self, alpha: float) -> None:
         super().__init__(f"alpha must be >= 1, got {alpha}")
@@ -58,7 +58,7 @@ class PricePoint:
 
 
 def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[PricePoint, ...]:
-    """Returns the curve from gamma 0 to 1; empty where the mission has no nominal plan.
+    """Returns the curve from gamma 0 to 1; empty if infeasible.
 
     Args:
         library: the primitives.
@@ -79,7 +79,7 @@ def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tu
 
 
 class PriceOfRobustness:
-    """Plans for the largest uncertainty level that is bearable at a price.
+    """Planner for the largest gamma within a time limit alpha.
 
     Args:
         library: the primitives.
@@ -96,7 +96,7 @@ class PriceOfRobustness:
         self._alpha = alpha
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the worst-case plan of the largest level that is bearable.
+        """Returns the worst-case plan at the largest gamma within the limit.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -139,7 +139,7 @@ class PriceOfRobustness:
 
 
 def _gamma_reason(gamma: float, proved: float) -> str:
-    """Returns what is known of the levels below."""
+    """Returns the proof status of the levels below gamma."""
     if gamma == 0:
         return TO_THE_RESOLUTION
     if proved >= gamma:

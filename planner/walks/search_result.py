@@ -1,4 +1,4 @@
-"""What a search says."""
+"""Result of a search."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ Times = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class SearchResult:
-    """The best walk found, with its coasting times at every level; no walk where none was found.
+    """The best walk with its coasting times; empty if none was found.
 
     Attributes:
         walk: trim ids; empty where none was found.

@@ -12,7 +12,7 @@ from .interval_walk import Complex, IntervalWalk, LeafValues, exact_point
 from .intervals import TURN, Interval, as_interval, cos, hypot, sin, sqrt, square
 
 ANGLE_SLACK = 1e-11
-"""Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
+"""Radians, also relative, of slack for a minimum's place; far above arctan2's error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,7 +75,7 @@ def _straight_term(
 ) -> Interval:
     """Returns a lower bound of straight time less x, weighted by multipliers."""
     endless = np.isinf(last)
-    # Where every second is worth something, the first is the worst.
+    # With a positive weight of time the first second gives the bound.
     known = Interval(first, np.where(endless, first, last)) - x
     product = known * Interval(np.minimum(steady, fast), np.maximum(steady, fast))
     low = np.where(endless & (steady < 0), -inf, product.low)
@@ -144,6 +144,6 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
         near = near - hypot(as_interval(x), as_interval(y)) * square(as_interval(error)) * 0.5
         least = np.where(inside, np.minimum(least, np.maximum((around * a - depth).low, near.low)), least)
     low = (as_interval(least) - blur).low
-    # Numbers too large to be squared tell nothing of where the least is.
+    # Numbers too large to be squared do not locate the minimum.
     low = np.where(np.isfinite(length) & np.isfinite(doubt), low, -inf)
     return Interval(low, low)

@@ -18,9 +18,9 @@ SMALL_TURN = 1e-2
 """Radians below which the chord of a turn is taken from its series."""
 
 NARROWEST = 1e-9
-"""Share of the interval below which a piece is not halved any more: it is then undecided, which is a no."""
+"""Share of the interval below which a piece is not halved; undecided pieces count as faults."""
 
-SAME_TIMES = "coasting_times: a committed plan flies the same at every gamma"
+SAME_TIMES = "coasting_times: expected the same at every gamma of a committed plan"
 
 
 def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[str]:
@@ -29,7 +29,7 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     Args:
         plan: with a walk that the library has.
         library: the one it was planned with.
-        mission: the one it answers.
+        mission: the one it was planned for.
     """
     times = plan.coasting_times
     if any(scenario.coasting_times != times for scenario in plan.scenarios):
@@ -38,7 +38,7 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     steps = list(library.maneuvers_along(plan.sequence))
     found = []
     if plan.miss is None or plan.miss > mission.destination.reach:
-        found.append(f"miss: allowed are {mission.tolerance} m at every gamma, stated are {plan.miss} m")
+        found.append(f"miss: allowed {mission.tolerance} m at every gamma, stated {plan.miss} m")
         return found
     position = complex(mission.start.x, mission.start.y)
     walk = _Flight(trims, steps, times, position, mission.start.heading)

@@ -10,8 +10,8 @@ class Guarantees:
     """Guarantees of one plan that passed its check.
 
     Attributes:
-        proved: what the check showed, from the plan, the library and the mission alone.
-        unproved: what the plan says beside that; it may be true.
+        proved: claims that the check showed from plan, library and mission alone.
+        unproved: further claims of the plan, not checked.
     """
 
     proved: tuple[str, ...]
@@ -71,5 +71,5 @@ def _price_sentences(plan: Plan) -> list[str]:
     assert plan.alpha is not None
     return [
         f"alpha: no plan takes less than {plan.cost / plan.alpha:.3f} s at gamma 0",
-        f"gamma: every level below {plan.gamma:g} keeps to alpha {plan.alpha:g}, and none above it does",
+        f"gamma: every level below {plan.gamma:g} meets alpha {plan.alpha:g}, and none above it does",
     ]

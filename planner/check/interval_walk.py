@@ -18,7 +18,7 @@ from .intervals import TURN, Interval, as_interval, cos, hypot, sin
 LeafValues = Float[np.ndarray, "leaves"]
 
 POSITION_SLACK = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+"""Metres by which the end may shift if negligible turns are made straight."""
 
 HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
@@ -138,11 +138,11 @@ def _walk_place(
 def straighten_slow_turns(walk: IntervalWalk, mission: Mission, seconds: float) -> IntervalWalk:
     """Returns a walk with turns negligible within the given seconds made straight.
 
-    With headings off by no more than an angle, the end is off by no more than the length of the way times the
-    angle: what counts as reached is widened by both.
+    If headings differ by at most an angle, the end shifts by at most the path length times the angle: the
+    goal's tolerances are widened by both.
 
     Raises:
-        ValueError: a yaw rate that cannot be told from 0 does show.
+        ValueError: a yaw rate whose interval contains 0 is not negligible.
     """
     spare = float(np.maximum((as_interval(seconds) - walk.fixed).high, 0.0))
     length = as_interval(0.0)
@@ -169,7 +169,7 @@ def straighten_slow_turns(walk: IntervalWalk, mission: Mission, seconds: float) 
             longest = 0.0 if still else inf
             places.append(replace(place, rate=None, centre=exact_point(0.0, 0.0), longest=longest))
         elif place.rate.contains(0.0):
-            raise ValueError(f"the yaw rate at place {number} cannot be told from 0")
+            raise ValueError(f"the interval of the yaw rate at place {number} contains 0")
         else:
             places.append(place)
     off = float((worst * way).high) if worst.high > 0 else 0.0

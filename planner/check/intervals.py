@@ -19,7 +19,7 @@ Array = Float[np.ndarray, "..."]
 Operand: TypeAlias = "Interval | Array | float"
 
 LIBRARY_ERROR = 4 * 2.0**-52
-"""By which a sine or cosine may be off."""
+"""Error bound of a sine or cosine."""
 
 LARGEST_ANGLE = 1e6
 """Radians up to which the reduction modulo 2 pi is trusted; beyond, a sine is anything from -1 to 1."""
@@ -144,7 +144,7 @@ def as_interval(value: Operand) -> Interval:
 
 
 TURN = Interval.of(_round_down(np.array(2 * np.pi)), _round_up(np.array(2 * np.pi)))
-"""2 pi, which is no floating-point number."""
+"""Enclosure of 2 pi."""
 
 
 def square(value: Interval) -> Interval:

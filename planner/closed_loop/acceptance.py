@@ -21,15 +21,15 @@ def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> A
     """Returns the acceptance of a plan after an independent check.
 
     Args:
-        plan: the answer.
+        plan: of the planner.
         library: flown with.
-        asked: the question.
-        late: whether it came when the vehicle was no longer where it begins.
+        asked: the mission that was planned.
+        late: whether the vehicle had already passed the plan's start.
     """
     if not plan.found:
         return Acceptance(DecisionKind.FAILED, plan.reason)
     if late:
-        return Acceptance(DecisionKind.LATE, f"it took {plan.solve_time:.3f} s")
+        return Acceptance(DecisionKind.LATE, f"planning took {plan.solve_time:.3f} s")
     wrong = plan_problems(plan, library, asked)
     if wrong:
         return Acceptance(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")

@@ -14,7 +14,7 @@ from flightlog.decision import Decision, DecisionKind
 from .remaining_plan import PlanStep
 
 REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
-"""What leaves a vehicle with the plan that it had."""
+"""Decisions after which the previous plan is flown on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -24,19 +24,19 @@ class FlightRecord:
     Attributes:
         arrival: judgement of the true track.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy promises from the start to the part of the tolerance that
-            plans aim at, thinking included; infinite without a plan.
+        predicted_time: seconds that the policy predicts from the start to the part of the tolerance that
+            plans aim at, planning included; infinite without a plan.
         replans: number of replans.
-        failures: how often that gave no plan that could be flown: none, too late, or failing its check.
+        failures: replans without an acceptable plan: none found, late, or refused by the check.
         safe_stops: number of safe stops begun.
-        plans: every answer of the planner, in order.
-        times: seconds since the start at which each was asked for.
-        latencies: seconds that each took, as charged.
-        missions: what each of them was asked: from where, how exactly.
+        plans: every plan of the planner, in order.
+        times: seconds since the start at which each planning began.
+        latencies: seconds charged for each.
+        missions: mission of each planning: start and tolerance.
         decisions: what was decided, in the order of time.
-        legs: what was flown, in order.
-        steps: what each leg was meant to be.
-        reason: how it ended, one sentence.
+        legs: flown legs, in order.
+        steps: the intended primitive of each leg.
+        reason: reason for the end, one sentence.
     """
 
     arrival: ArrivalVerdict
@@ -76,9 +76,9 @@ class FlightRecorder:
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the believed position that must be inside the goal's tolerance.
-        predicted_time: promised at the start.
-        claimed: whether the vehicle took itself to be at the goal, on a plan and in the trim wanted there.
+        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        predicted_time: seconds predicted at the start.
+        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
@@ -114,9 +114,9 @@ class FlightRecorder:
 
     def _believes_arrival(self, leg: Leg) -> bool:
         sure = self.goal.tolerance - self.certainty * leg.standard_deviation
-        believed = leg.track if leg.estimated_track is None else leg.estimated_track
+        estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([believed], goal).time is not None
+        return sure > 0 and first_arrival([estimated], goal).time is not None
 
     @property
     def _level(self) -> float:

@@ -17,13 +17,13 @@ class LatencyRecordError(FlightError):
 class Latency:
     """Seconds that the vehicle flies on while a plan is made.
 
-    A plan is asked for from the state predicted after that time. Measured time is no part of a flight that
-    repeats, unless it is told: then it comes from the record of the flight that is repeated.
+    The plan starts at the state predicted after that time. A repeated flight with measured latency takes the
+    latencies from the record of the first flight.
 
     Attributes:
         configured: seconds charged for every planning.
-        measured: whether the clock is asked; a plan that took longer than configured is late.
-        recorded: seconds that each planning took, in order, instead of the clock's; None asks the clock.
+        measured: whether the clock decides; a plan that took longer than configured is late.
+        recorded: seconds of each planning, in order, instead of the clock's; None measures them.
     """
 
     configured: float = 0.05
@@ -40,7 +40,7 @@ class Latency:
 
         Args:
             number: of the planning, from 0.
-            plan: its answer.
+            plan: its result.
 
         Raises:
             LatencyRecordError: the record does not reach that far.

@@ -39,19 +39,18 @@ def fly_closed_loop(
 ) -> FlightRecord:
     """Flies a mission in closed loop until arrival, loss or limit.
 
-    A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
-    is used up, its way to rest is flown. Nothing that is flown so can reach the goal: that takes a plan. The
-    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost
-    or finds something wrong with itself, or at the limit of plannings. It ends where the vehicle takes itself
-    to be at the goal; whether it is, is judged on its true track.
+    After a plan that is missing, late or refused, the previous plan is flown on, and then its safe-stop path,
+    which cannot reach the goal. The flight ends as not reached if the first planning fails, a maneuver times
+    out, the vehicle is lost or raises an alarm, or at the limit of replans. It ends where the vehicle
+    declares arrival; the true track decides whether the goal was reached.
 
     Args:
-        vehicle: what flies; its pose is what it believes.
-        mission: the goal and how exactly; where it starts from, the vehicle knows better.
-        planner: the policy; what it answers is checked.
+        vehicle: the vehicle; its pose is an estimate.
+        mission: goal and tolerance; its start is replaced by the vehicle's pose.
+        planner: the policy; its plans are checked.
         library: of the maneuvers that plans name.
-        settings: how the loop is closed.
-        on_leg: is told every leg that was flown; a planner may learn from it.
+        settings: of the closed loop.
+        on_leg: called with every flown leg, such as by a planner that adapts.
 
     Raises:
         NoToleranceError: neither the mission nor the settings give a tolerance above 0.
@@ -84,12 +83,11 @@ class _Loop:
         self._lost = False
 
     def fly_closed_loop(self) -> FlightRecord:
-        # The promise is for the part of the tolerance that plans aim at in the end; those flown first may aim
-        # at a wider one.
-        thinking = self._settings.latency.configured
-        steps, _ = self._left.window(thinking)
-        promise = self._planner.plan(self._mission_ahead(steps, share=0.0))
-        self._record.predicted_time = thinking + promise.cost
+        # The predicted time is for the final tolerance; plans flown earlier may aim at a wider one.
+        latency = self._settings.latency.configured
+        steps, _ = self._left.window(latency)
+        bound = self._planner.plan(self._mission_ahead(steps, share=0.0))
+        self._record.predicted_time = latency + bound.cost
         reason = f"{self._settings.max_activations} replans did not reach the goal"
         for _ in range(self._settings.max_activations):
             ended = self._replan()
@@ -107,7 +105,7 @@ class _Loop:
         """Plans once and flies until the next replan.
 
         Returns:
-            Why the flight cannot go on; empty where it can.
+            The reason for the end of the flight; empty if it continues.
         """
         began = self._vehicle.time
         steps, rest = self._left.window(self._fly_while_planning())
@@ -144,8 +142,8 @@ class _Loop:
     def _plan_mission(self, asked: Mission, rest: RemainingPlan) -> tuple[Mission, Plan]:
         """Returns mission and plan, with a tightened tolerance where that is cheap.
 
-        Where the plan under way no longer leads to the goal, and a clearly faster plan does without the room,
-        that is the better one: no plan of the automaton corrects a little.
+        If the current plan no longer leads to the goal and a plan for the full tolerance is clearly faster,
+        that one is taken: the automaton has no small corrections.
         """
         plan, goal = self._planner.plan(asked), self._goal.tolerance
         if asked.tolerance >= goal or self._arrival_time(rest, asked.start) < inf:
@@ -153,8 +151,8 @@ class _Loop:
         close = replace(asked, tolerance=goal)
         faster = self._planner.plan(close)
         took = plan.solve_time + faster.solve_time
-        honest = self._judge(faster, close).kind is DecisionKind.ADOPTED
-        if honest and faster.cost + self._settings.hysteresis < plan.cost:
+        acceptable = self._judge(faster, close).kind is DecisionKind.ADOPTED
+        if acceptable and faster.cost + self._settings.hysteresis < plan.cost:
             return close, replace(faster, solve_time=took)
         return asked, replace(plan, solve_time=took)
 
@@ -169,7 +167,7 @@ class _Loop:
             return
         scenario = self._scenario(plan)
         remaining = self._arrival_time(rest, asked.start)
-        # The same walk with other coasting times is the plan under way, brought up to date.
+        # The same walk with other coasting times is an update of the current plan.
         same = (rest.trim, *rest.trims) == plan.sequence
         if self._settings.hysteresis and not same and remaining <= scenario.cost + self._settings.hysteresis:
             self._record.decide(now, DecisionKind.KEPT, cost=remaining, level=self._level)
@@ -189,7 +187,7 @@ class _Loop:
     def _arrival_time(self, rest: RemainingPlan, start: SE2) -> float:
         """Returns the predicted time to the goal; infinite for a predicted miss.
 
-        A wanted heading or trim is left to the planner.
+        The wanted heading and trim at the goal are not checked.
         """
         goal = self._goal
         if rest.finished or rest.is_safe_stop or (goal.goal_heading, goal.goal_trim) != (None, None):
@@ -228,7 +226,7 @@ class _Loop:
         """Flies steps, records them and updates the gamma estimate.
 
         Returns:
-            Why the flight cannot go on; empty where it can.
+            The reason for the end of the flight; empty if it continues.
         """
         vehicle = self._vehicle
         for step in steps:

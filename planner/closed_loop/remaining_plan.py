@@ -47,7 +47,7 @@ class RemainingPlan:
         coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
         trims: ids of the trims to come.
         tail: ids of the trims that lead to rest from where the plan ends.
-        is_safe_stop: whether nothing but the way to rest is being flown.
+        is_safe_stop: whether only the safe-stop path remains.
     """
 
     trim: int

@@ -2,7 +2,7 @@
 
 Every primitive flown errs on its own, and so does each of its numbers: the tube is an enclosure with
 independent signs. A pose is a middle, a slope for each error variable, from -1 to 1, and a radius for what is
-not linear: with the heading off by f and a stretch a longer by b, exp(i f) (a + b) differs from
+not linear: with a heading error f and a displacement a longer by b, exp(i f) (a + b) differs from
 a + b + i f a by at most f^2 |a| / 2 + |f| |b|. Each planning begins a tube anew, from where the vehicle truly
 is.
 """
@@ -116,7 +116,7 @@ def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: 
         where: it begins.
         trim: that is held.
         duration: seconds.
-        share: of the errors that the tube is made of.
+        share: factor on the library's errors.
     """
     nominal, error = SE2.exp(trim.velocity, duration), trim.error
     turn = trim.velocity.yaw_rate * duration
@@ -160,14 +160,14 @@ def tube_exit_time(
 ) -> float | None:
     """Returns the time of first leaving the tube, or None.
 
-    A flight is looked at until an alarm broke off a maneuver.
+    The flight is checked until an alarm interrupts a maneuver.
 
     Args:
         library: flown with.
-        steps: what each leg was meant to be.
-        legs: what was flown; their true tracks are looked at.
-        plannings: seconds since the start at which a tube begins anew.
-        share: of the library's errors that the tube is made of.
+        steps: the intended primitive of each leg.
+        legs: flown legs; their true tracks are checked.
+        plannings: seconds since the start of each replan, where a tube begins.
+        share: factor on the library's errors.
     """
     for window in _windows(steps, legs, plannings):
         where, elapsed = ReachableSet.at(_pose(window[0][1], 0)), 0.0
@@ -176,7 +176,7 @@ def tube_exit_time(
                 flown = float(leg.track[-1, 0] - leg.track[0, 0])
                 where = propagate_coast(where, library.trim(step.trim), flown, share=share)
             elif leg.alarm:
-                # Broken off: no primitive of the library was flown, and what follows is no plan's.
+                # The interrupted maneuver is no primitive of the library; the safe stop follows.
                 return None
             else:
                 elapsed += leg.duration

@@ -18,7 +18,7 @@ from .inequalities import LinearInequalities, least_sum, least_values, tighten_o
 from .walk_batch import WalkBatch
 
 SLACK = 1e-9
-"""Metres, seconds and radians that no bound is trusted beyond, for rounding."""
+"""Metres, seconds and radians of slack for rounding in every bound."""
 
 
 AFTER_PULLS = 3
@@ -33,9 +33,9 @@ class TimeBoxes(Boxes):
         rows: which walk each belongs to.
         turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
         seconds: that all times in the box take together, at least.
-        miss: metres that the largest miss of each set of times in the box exceeds, at least.
-        near: metres that the times in the middle miss by at most, at the levels looked at.
-        widest: the place whose time the box is best split along.
+        miss: lower bound in metres of the largest miss over the box.
+        near: largest miss in metres of the middle times at the computed levels.
+        widest: the place of the best split.
     """
 
     rows: Int[np.ndarray, "n"]
@@ -85,8 +85,8 @@ def contract_boxes(
     Args:
         walk_batch: the walk of each box, at levels from the smallest to the largest or between them.
         boxes: of times.
-        task: what is asked.
-        known: what cuts well; anything is right.
+        task: the mission over the levels.
+        known: cut directions; any are valid.
         radius: metres within which every level must end.
         budget: seconds that the coasting times of each box may take together.
     """

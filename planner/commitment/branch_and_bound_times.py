@@ -25,22 +25,22 @@ DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
 LONGEST_PAUSE = 8
-"""Batches without descents after many that were in vain."""
+"""Batches without descents after many unsuccessful ones."""
 
 GRID = 17
-"""Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
+"""Levels at which each box's middle is evaluated, to choose those of its bounds."""
 
 PEAKS = 3
-"""Levels inside the interval at which a box is bounded, besides those that are known to matter."""
+"""Interior levels at which a box is bounded, besides the known active ones."""
 
 LARGE = 0.5
-"""Radians; a box whose times turn by more is bounded at three levels: closer looks tell little about it."""
+"""Radians; a box whose times turn by more is bounded at three levels only."""
 
 KNOWN = 3
-"""Levels that are known to matter near the best times of a walk, the heaviest of them."""
+"""Active levels kept near the best times of a walk, those of largest weight."""
 
 FAR = 1e6
-"""Metres from the goal at which nothing is of interest."""
+"""Metres from the goal beyond which misses are not resolved."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,8 @@ class Incumbent:
         walk: trim ids.
         found: its coasting times; None where none were found.
         value: seconds or metres; infinite without times.
-        bound: seconds or metres that nothing undercuts.
-        complete: whether nothing better than `bound` is left.
+        bound: lower bound in seconds or metres.
+        complete: whether the bound is proved to the gap.
         nodes: boxes examined.
     """
 
@@ -71,7 +71,7 @@ class BranchAndBound:
         library: the primitives.
         walks: all of them that may be flown.
         fixed: seconds that each takes without coasting, at the level where that is most.
-        task: what is asked.
+        task: the mission over the levels.
         most_nodes: boxes that may be examined.
         until: when to stop, by `time.perf_counter`.
     """
@@ -120,7 +120,7 @@ class BranchAndBound:
             best: the nearest known.
             gap: metres.
             limit: seconds that a plan may take.
-            enough: metres with which the search is content.
+            enough: metres at which the search stops.
         """
         return self._search(best, gap, minimise_time=False, bounds=self.fixed, limit=limit, enough=enough)
 

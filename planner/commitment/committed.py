@@ -32,16 +32,16 @@ GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
 MOST_NODES = 500_000
-"""Boxes of coasting times that a search examines before it gives up its proof."""
+"""Boxes of coasting times that a search may examine."""
 
 LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
 HORIZON = 120.0
-"""Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
+"""Default horizon of a plan in seconds; twice the nominal plan's where that is more."""
 
 WALKS_AT_ONCE = 64
-"""That are solved between two looks at the clock."""
+"""Walks solved between two checks of the deadline."""
 
 NOTHING = Incumbent((), None, inf, 0.0, False, 0)
 
@@ -208,12 +208,14 @@ class CommittedPlanner:
         headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
         kept = "have the wanted heading" if headless else "stay within the tolerance"
         if alone:
-            reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
+            reason = (
+                f"no walk {depth} leads to the goal at all of {LEVELS} levels, each planned alone: proved"
+            )
         elif proved:
             reason = (
                 f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
                 f"walk {depth}, {kept} at every gamma from {-self._gamma:g} to "
-                f"{self._gamma:g}; longer ones were not looked at"
+                f"{self._gamma:g}; longer ones were not searched"
             )
         else:
             reason = (
@@ -229,7 +231,7 @@ class CommittedPlanner:
             f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
             else f"the smallest tolerance that was found within {case.horizon:.1f} s; the search for smaller "
-            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'nothing is proved of them'}"
+            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'without a lower bound'}"
         )
         widened = self._verify(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)

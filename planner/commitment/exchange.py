@@ -11,10 +11,10 @@ from .committed_task import CommittedTask
 from .walk_batch import WalkBatch
 
 OUTSIDE = 2.5e-7
-"""Metres, and seconds or radians, by which an answer may break what it was asked to keep."""
+"""Metres, and seconds or radians, by which a solution may violate its constraints."""
 
 HEADING_MARGIN = 3e-8
-"""Radians by which a heading is asked for inside its limits: solvers relax what they keep by some 1e-8."""
+"""Radians by which heading limits are tightened: solvers relax constraints by some 1e-8."""
 
 COINCIDENT = 1e-12
 """Metres within which the goal is met exactly; a miss has no direction there."""
@@ -27,8 +27,8 @@ class FiniteProblem:
     Attributes:
         walk_batch: the walk.
         gammas: those levels.
-        task: what is asked.
-        turns: radians of full turns with which the wanted heading is meant.
+        task: the mission over the levels.
+        turns: full turns in radians added to the wanted heading.
         budget: seconds that the times may take together.
         radius: metres within which every level must end; None to make the largest miss least instead.
     """
@@ -87,7 +87,7 @@ class FiniteProblem:
             return np.hstack([rows, last[:, None]])
 
         cost = np.append(np.zeros(count), 1.0) if free else np.ones(count)
-        # The stubs of SciPy know no gradient that does not depend on where it is asked for.
+        # SciPy's stubs accept no constant gradient.
         problem: Any = {
             "fun": lambda x: float(cost @ x),
             "x0": np.append(start, self.misses(start)[0].max()) if free else start,
@@ -95,10 +95,10 @@ class FiniteProblem:
             "bounds": [(0.0, None)] * len(cost),
             "constraints": [{"type": "ineq", "fun": value, "jac": slope}],
         }
-        answer: Any = minimize(**problem, method="SLSQP", options={"ftol": 1e-9, "maxiter": 100})
-        if not np.isfinite(answer.x).all():
+        solution: Any = minimize(**problem, method="SLSQP", options={"ftol": 1e-9, "maxiter": 100})
+        if not np.isfinite(solution.x).all():
             return None
-        times = np.maximum(answer.x[:count], 0.0)
+        times = np.maximum(solution.x[:count], 0.0)
         reached = float(self.misses(times)[0].max())
         within = reached if self.radius is None else self.radius
         if reached > within + OUTSIDE or (room + matrix @ times).min() < -OUTSIDE:

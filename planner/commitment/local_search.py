@@ -19,16 +19,16 @@ from .walk_batch import walk_batch
 from .whole_interval import LinearWalk, WorstMiss, worst_miss
 
 ROUNDS = 12
-"""Exchanges after which a descent is given up."""
+"""Most exchanges in a descent."""
 
 RESOLUTION = 1e-9
 """Metres to which the largest miss is known."""
 
 RESOLUTION_AS_GIVEN = 1e-10
-"""Metres likewise, of times that use a tolerance up."""
+"""Metres likewise, at the limit of a tolerance."""
 
 MARGIN = 1e-6
-"""Metres by which a descent aims inside the tolerance: it ends somewhat outside of what it aims for."""
+"""Metres by which a descent aims inside the tolerance, for the solver's overshoot."""
 
 ACTIVE = 1e-4
 """Metres within which a miss counts as one of the largest."""
@@ -67,7 +67,7 @@ class LocalSearch:
     Args:
         library: the primitives.
         walk: trim ids.
-        task: what is asked.
+        task: the mission over the levels.
     """
 
     def __init__(self, library: Library, walk: Walk, task: CommittedTask) -> None:
@@ -135,9 +135,9 @@ class LocalSearch:
             solved = problem.solve(times)
             if solved is None:
                 return None
-            times, kept = solved
+            times, allowed = solved
             worst = worst_miss(self._lines, times, task.goal, gamma, resolution=RESOLUTION)
-            if worst.found <= kept + 0.5 * MARGIN:
+            if worst.found <= allowed + 0.5 * MARGIN:
                 return _local_optimum(problem, times, worst)
             if min(abs(worst.gamma - one) for one in gammas) < SAME_LEVEL:
                 return None

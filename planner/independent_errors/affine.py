@@ -4,7 +4,7 @@ The true value is middle + slope . symbols + something no larger than the radius
 number, so that what two numbers have in common cancels when one is taken from the other (de Figueiredo and
 Stolfi, Numerical Algorithms 37, 2004). Every operation adds to the radius what it makes of the symbols beyond
 first order; a radius is infinite where an operation is not defined for all values that a number may have.
-Rows are boxes of their own.
+Rows are independent boxes.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SERIES = 0.02
 """Radians below which the derivative of the sinc is taken from its series."""
 
 WIDE = 2.0
-"""Radians; a rotation that is less certain has no better bound than its size."""
+"""Radians; a rotation of larger uncertainty is bounded by its size only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,8 @@ class AffineForm:
 
     Attributes:
         middle: value where all symbols are 0.
-        slope: what each symbol adds.
-        radius: by how much the numbers may be off that.
+        slope: coefficient of each symbol.
+        radius: bound of the remaining error.
     """
 
     middle: BoxValues
@@ -182,7 +182,7 @@ class AffinePoint:
     def distance(self) -> AffineForm:
         """Returns the distance from the origin.
 
-        Scaled to 1 + u + i w it is 1 + u and, for what lies aside, between 0 and hypot(1 + u, w) - 1 - u.
+        Scaled to 1 + u + i w, the distance is 1 + u plus a lateral term from 0 to hypot(1 + u, w) - 1 - u.
         """
         unit, nearest, aside = self._ahead()
         nothing = np.zeros(len(nearest))

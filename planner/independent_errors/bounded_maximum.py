@@ -24,7 +24,7 @@ class BoundedMaximum:
         found: the worst that was found, seconds or metres.
         errors: the error variables there, each between -1 and 1.
         bound: what no errors of the box exceed; infinite where none was proved.
-        boxes: how many were looked at.
+        boxes: number of boxes evaluated.
     """
 
     found: float

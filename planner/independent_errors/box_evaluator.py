@@ -1,8 +1,8 @@
 """Evaluates boxes of errors: time bounds and branching sensitivities.
 
-Times that are best in the middle of a box answer its errors in some way (`closing.py`). Those that become
-negative for some errors are held longer from the start; and where a walk is too short to answer large errors,
-some trim is held for longer than the middle asks for: a detour, but one that arrives.
+The best times at the middle of a box are adjusted to its errors (`closure.py`). Times that become negative
+for some errors are lengthened first; where a walk is too short to compensate large errors, some trim is held
+longer than the middle needs: a detour that reaches the goal.
 """
 
 from dataclasses import dataclass, field
@@ -22,22 +22,22 @@ from .enclosure import enclose_end
 from .error_path import ErrorPath
 
 LEAST_HELD = 1e-3
-"""Seconds above which a coasting time can answer."""
+"""Seconds above which a coasting time can be adjusted."""
 
 SPREADS = (1.1, 1.3)
-"""How much longer than errors ask for a time is held from the start, one after the other."""
+"""Factors by which a time is lengthened beyond what the errors need, tried in turn."""
 
 DETOURS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.5)
-"""Seconds that a trim is held at least."""
+"""Least seconds in a trim, tried in turn."""
 
 ESCAPES = (0.0, 1.5, 3.0, 5.0, 8.0, 13.0, 20.0, 30.0)
-"""Likewise, where anything that arrives is welcome."""
+"""Likewise, where no bound is known yet."""
 
 FOREVER = 1e9
-"""Seconds; any time that is not infinite."""
+"""Seconds; a bound on any finite time."""
 
 COSTS = 0.3
-"""Share of a detour's seconds that it costs, at least, as a rule."""
+"""Usual least share of a detour's seconds that it adds to the time."""
 
 
 @dataclass(eq=False)
@@ -50,9 +50,9 @@ class BoxState:
         times: with which.
         bound: seconds that suffice for each box.
         corner: errors in each box that seem slowest.
-        sensitivity: how far each variable bends the walk.
-        rank: how near the attempt came that gave the blame.
-        weight: what a second counts for, beside a second that answering times may become shorter, in ranks.
+        sensitivity: shift of the walk's end by each variable.
+        rank: quality of the attempt that gave the sensitivity.
+        weight: of a second in ranks, relative to a second of margin in the adjusted times.
     """
 
     boxes: BoundedBoxes
@@ -92,7 +92,7 @@ class BoxEvaluator:
 
         Args:
             boxes: of errors.
-            enough: seconds below which no closer bound is looked for.
+            enough: seconds below which a bound suffices.
         """
         state = self._initial_state(boxes, weight=10.0)
         if np.isfinite(state.cost).all():
@@ -132,8 +132,8 @@ class BoxEvaluator:
         row = np.repeat(rows, places * len(seconds))
         place = np.tile(np.repeat(np.arange(places), len(seconds)), len(rows))
         held = np.tile(seconds, len(rows) * places)
-        hopeful = state.cost[row] + COSTS * held < enough
-        row, place, held = row[hopeful], place[hopeful], held[hopeful]
+        promising = state.cost[row] + COSTS * held < enough
+        row, place, held = row[promising], place[promising], held[promising]
         least = np.zeros((len(row), places))
         least[np.arange(len(row)), place] = held
         cost, times = self._best_held_times(state, row, least)
@@ -217,7 +217,7 @@ class BoxEvaluator:
                 shortest = np.minimum(shortest, time.low)
             holds = closed.holds & self._meets_heading(closed)
             bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
-        # Of attempts that fail, those tell most whose times are short by least.
+        # Of failed attempts, the one whose times are least too short ranks highest.
         held = times[:, closure.answering].min(axis=1) if closure.answering else np.zeros(len(row))
         fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + state.weight * times.sum(axis=1) - held)
         rank = np.where(np.isfinite(bound), bound, fails)

@@ -1,7 +1,7 @@
 """A walk and its goal as a closed chain of displacements.
 
-Each displacement is turned by what comes before it; with the way back from the goal to the start they add up
-to nothing. A wanted heading cuts the ring at a turn that makes up for it, and joins it at the goal.
+Each displacement is rotated by the headings before it; with the way back from the goal to the start they sum
+to zero. A wanted heading cuts the chain at a turn that restores it, and joins it at the goal.
 """
 
 from collections.abc import Sequence
@@ -39,7 +39,7 @@ class AffineWalk:
         path: the walk.
         errors: middles of the boxes.
         width: half widths of the boxes.
-        times: coasting times in seconds at the middles; those that do not answer keep them.
+        times: coasting times in seconds at the middles; those not adjusted keep them.
         own: symbols beside those of the errors.
     """
 

@@ -1,7 +1,7 @@
 """Enclosure of a walk's end over a box of errors.
 
-The end of a walk is a sum of stretches, each turned by the heading before it. With the heading off by f and a
-stretch a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
+The end of a walk is a sum of displacements, each rotated by the heading before it. With a heading error f and
+a displacement a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
 f^2 |a| / 2 + |f| |b|: that holds for errors of any size, and is all that the enclosure needs.
 """
 
@@ -24,7 +24,7 @@ class Enclosure:
         middle: north + i east in metres.
         slope: metres for each error variable.
         radius: metres.
-        influence: metres of radius that each variable is roughly to blame for.
+        influence: metres of radius attributed to each variable, roughly.
     """
 
     middle: Complex[np.ndarray, "n"]

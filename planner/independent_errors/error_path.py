@@ -15,7 +15,7 @@ from planner.kernel.tables import KernelTable, kernel_table
 from planner.walks.walk import Walk
 
 ErrorGranularity = Literal["primitive", "scalar"]
-"""What has an error variable of its own."""
+"""Granularity of the error variables."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -84,7 +84,7 @@ class ErrorPath:
         numbers = self.at(errors)
         displacement, turn, fixed = numbers.displacement, numbers.turn, numbers.fixed
         if least is not None:
-            # Within a coast it does not matter which part comes first: one becomes part of the next maneuver.
+            # The order within a coast is free, so a part of it joins the next maneuver.
             angle = numbers.rate * least
             coast = numbers.velocity * least * mean_direction(angle)
             displacement = coast[:, :-1] + np.exp(1j * angle[:, :-1]) * displacement
@@ -124,7 +124,7 @@ def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularit
         library: the primitives.
         walk: trim ids.
         gamma: what the variables, from -1 to 1, scale.
-        each: what has a variable of its own. The same primitive flown twice errs independently.
+        each: granularity of the variables. A primitive flown twice has independent errors.
 
     Raises:
         NoManeuverError: the library does not join two trims of the walk.

@@ -1,9 +1,9 @@
 """Independent primitive errors against a single gamma (thesis, appendix B).
 
-The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk takes its own,
-from -g, 0 and g: 3^(n_T + n_M) scenarios; or each scalar of them does. Where a scenario takes longer than
-every single gamma, or ends further from the goal, it is a counter-example. These are corners: through turns
-they are no bound on what lies between, which comes from an enclosure of the whole box of errors.
+The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk, or each of
+their scalars, takes its own from -g, 0 and g: 3^(n_T + n_M) scenarios. A scenario that takes longer than
+every single gamma, or ends further from the goal, is a counter-example. These corners do not bound the errors
+between them where the walk turns; an enclosure of the whole box of errors does.
 """
 
 from collections.abc import Callable
@@ -29,7 +29,7 @@ MOST_PRIMITIVES = 11
 """Of a walk; more scenarios than 3 to this power are not listed."""
 
 MOST_ENUMERATED = 9
-"""Error variables of which every corner is tried; with more, corners are climbed."""
+"""Error variables up to which every corner is tried; beyond, local search is used."""
 
 
 class TooManyScenariosError(FlightError):
@@ -132,12 +132,12 @@ class IndependentErrorBounds:
     Attributes:
         names: of the error variables.
         scenarios: corners that there are.
-        all_tried: whether every corner was looked at, or those that a climb led to.
+        all_tried: whether every corner was evaluated, or those of a local search.
         slowest_single: the slowest with one value -1, 0 or 1 for all, coasting times chosen for it; seconds.
         furthest_single: with the plan's coasting times, the furthest from the goal; metres.
         slowest: the slowest corner found.
         furthest: the furthest corner found.
-        slowest_bound: what no errors in the whole box exceed, and the slowest found in it.
+        slowest_bound: upper bound over the whole box, and the slowest found in it.
         furthest_bound: likewise for the miss.
     """
 
@@ -171,7 +171,7 @@ def bound_independent_errors(
         coasting_times: seconds, committed before the errors are known.
         gamma: what the error variables, from -1 to 1, scale.
         each: what has an error variable of its own.
-        most_boxes: of errors, that the bound of the time may look at.
+        most_boxes: boxes of errors that the bound of the time may use.
 
     Raises:
         NoMachineCodeError: there is no C compiler that works.

@@ -52,8 +52,8 @@ class TimeIncrease:
         mission: place among the missions.
         gammas: the two levels.
         times: optimal times in seconds; the second is infinite where nothing reaches the goal any more.
-        walk: that is best at the first level.
-        culprit: the number whose holding back to the first level saves most; None where none saves anything.
+        walk: the best at the first level.
+        culprit: the scalar that saves most when kept at the first level; None if none saves any.
         saved: seconds that it saves on this walk; infinite where it makes the goal reachable.
     """
 
@@ -70,10 +70,10 @@ class MonotonicityAudit:
     """Counts and exceptions of a monotonicity audit.
 
     Attributes:
-        missions: how many were tried.
-        reachable: how many have a plan at one level or more.
-        monotone: how many of those have a time that never rises with gamma.
-        rises: where it does.
+        missions: number tried.
+        reachable: number with a plan at one level or more.
+        monotone: number of those whose time never rises with gamma.
+        rises: the exceptions.
     """
 
     missions: int
@@ -89,7 +89,7 @@ def audit_monotonicity(
 
     Args:
         library: the primitives.
-        missions: how many, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
+        missions: number, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
         seed: of the missions.
         max_trims: longest walk searched.
 
@@ -141,7 +141,7 @@ def _costliest_scalar(
     owners = [PrimitiveScalar("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
     owners += [PrimitiveScalar("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
     numbers = sorted(set(owners))
-    # The first row goes to the second level with everything, each further row holds one number back.
+    # The first row takes every scalar to the second level, each further row keeps one at the first.
     gamma = np.full((len(numbers) + 1, len(owners)), levels[1])
     for row, number in enumerate(numbers, start=1):
         gamma[row, [owner == number for owner in owners]] = levels[0]

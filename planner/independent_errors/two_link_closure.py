@@ -1,11 +1,10 @@
 """Solves two coasting times that close the chain, over error boxes.
 
-About the centre of a turn the rest of a ring keeps its distance, however far it turns: so another time has to
-make both sides of the ring equally long, seen from that centre, and the turn's own time follows from two
-bearings. Along a straight coast the length is the hypotenuse over what lies aside of the course; about the
-centre of a second turn it is the third side of a triangle. Two straight coasts meet like two lines; one coast
-alone ends where it enters the disc around the goal. All of it is explicit, and is evaluated in affine
-arithmetic.
+A turn keeps the rest of the chain at one distance from its centre: so another time has to make both sides of
+the chain equally long, seen from that centre, and the turn's own time follows from two bearings. Along a
+straight coast the length is the hypotenuse over what lies aside of the course; about the centre of a second
+turn it is the third side of a triangle. Two straight coasts meet like two lines; one coast alone ends where
+it enters the disc around the goal. All of it is explicit, and is evaluated in affine arithmetic.
 """
 
 from collections.abc import Callable
@@ -31,10 +30,10 @@ from .closed_chain import (
 )
 
 ROUNDS = 8
-"""In which times that bend their own course are looked at before they are given up."""
+"""Iterations for times that depend on themselves."""
 
 ROOM = 1.3
-"""By which the room for a time is made wider than it has to be, for its own effect on itself."""
+"""Factor by which a time's interval is widened for its effect on itself."""
 
 LEAST_ROOM = 1e-9
 """Seconds."""

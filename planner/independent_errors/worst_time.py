@@ -1,8 +1,8 @@
 """Upper bound of a walk's time with independent, known errors.
 
-Boxes of errors are taken worst first; those whose bound (`enclosed_answers`) is not enough are halved, along
-the variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A
-bound holds however few boxes were looked at; more make it closer.
+Boxes of errors are taken worst first; those whose bound (`box_evaluator.py`) is insufficient are halved along
+the most sensitive variable. Where that gives no bound in the boxes allowed, detours give one. The bound holds
+after any number of boxes; more boxes tighten it.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ QUICK, COARSE, LAST = 0.1, 0.3, 0.9
 after the last what is left, on boxes that still have none."""
 
 BATCH = 128
-"""Boxes that are looked at together."""
+"""Boxes evaluated together."""
 
 LookAt = Callable[[BoundedBoxes, float], BoxState]
 """Gives bounds to boxes, no closer than some seconds."""
@@ -43,8 +43,8 @@ def worst_time_bound(
         path: the walk.
         mission: from where to where.
         known: the slowest errors known; seconds.
-        gap: share of the bound at which the search is content.
-        most: boxes that may be looked at.
+        gap: share of the bound at which the search stops.
+        most: boxes that may be evaluated.
 
     Raises:
         NoMachineCodeError: there is no C compiler that works.
@@ -67,10 +67,10 @@ class _Search:
     """Branch and bound over boxes of errors.
 
     Args:
-        evaluator: looks at boxes.
+        evaluator: of boxes.
         whole: all errors.
         known: the slowest errors known.
-        gap: share of the bound at which the search is content.
+        gap: share of the bound at which the search stops.
     """
 
     def __init__(
@@ -90,7 +90,7 @@ class _Search:
 
         Args:
             evaluate: gives bounds.
-            most: boxes looked at in all, after which to stop.
+            most: boxes evaluated in all, after which to stop.
             above: seconds; boxes with a smaller bound are left as they are.
         """
         while self._looked < most and self._open.bound.max(initial=0.0) > max(self._enough, above):

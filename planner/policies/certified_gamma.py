@@ -1,8 +1,8 @@
 """Largest gamma such that every smaller one provably meets the limit.
 
-An interval of levels is bearable if one walk takes no longer than the limit at all of them, at those of the
-other sign, and at 0: coasting times that answer the level, as they would any other error
-(`independent_errors.enclosed_answers`), show it for all at once. Intervals in which they do not are halved.
+An interval of levels is proved if one walk meets the limit at all of them, at those of the other sign, and at
+0. The proof encloses coasting times that are adjusted to the level (`independent_errors.closure.close_chain`)
+over the whole interval. Intervals without a proof are halved.
 """
 
 from functools import cache

@@ -24,8 +24,8 @@ SLOW = 1e-6
 """Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
 
 SLOW_TURNS = (
-    "no walk was found that leads to the goal; trim {trim} turns so slowly that plans which circle in it for "
-    "months were not looked for"
+    "no walk to the goal was found; plans with full circles in trim {trim}, slower than 1e-6 rad/s, "
+    "were not searched"
 )
 
 
@@ -112,7 +112,7 @@ class LibraryPlanner:
         if slow:
             return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
         if not isfinite(answer.lower_bound):
-            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
+            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, proved")
         if not answer.walk:
             return replace(plan, reason=f"no coasting times were found for any walk {depth}")
         return replace(

@@ -1,8 +1,8 @@
 """Price of robustness: tolerable gamma for an allowed time (thesis, Problem 4.2).
 
-A level is bearable at a price alpha where at it, and at every smaller one, the best worst-case time is at
-most alpha times the nominal optimum. That time is looked at on a grid of levels, and bisected where it first
-exceeds the limit; what happens between levels is then proved (`bearable.py`), up to where the limit is met.
+A level meets alpha where at it, and at every smaller one, the best worst-case time is at most alpha times the
+nominal optimum. That time is computed on a grid of levels and bisected where it first exceeds the limit;
+`certified_gamma.py` then proves the levels in between.
 """
 
 from dataclasses import dataclass, replace
@@ -22,15 +22,15 @@ from .worst_case import worst_case_planner
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
 
-ON_A_GRID = f"at other levels, {1 / STEPS:g} apart, it was tried"
+ON_A_GRID = f"it was computed only at levels {1 / STEPS:g} apart"
 
 ALL_BUT = 1e-3
 """Levels below the largest in which a proof may leave off: there the time is all but the limit."""
 
 GAMMA_RESOLUTION = 1e-6
-"""How closely the largest bearable level is found; the plan is the one just below it."""
+"""Resolution of the largest level that meets alpha; the plan is the one just below it."""
 
-TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} is too much already"
+TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} exceeds alpha"
 
 
 class AlphaError(FlightError):
@@ -47,7 +47,7 @@ class PricePoint:
     Attributes:
         gamma: uncertainty level.
         cost: the best worst-case time at that level in seconds; infinite where no plan was found.
-        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels looked at.
+        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels computed.
         sequence: trims of the plan; empty without one.
     """
 
@@ -143,11 +143,11 @@ def _gamma_reason(gamma: float, proved: float) -> str:
     if gamma == 0:
         return TO_THE_RESOLUTION
     if proved >= gamma:
-        return "every smaller gamma keeps to alpha, provably"
+        return "every smaller gamma meets alpha, proved"
     if proved > 0:
-        nearly = "; above it the time is all but alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
-        return f"every gamma up to {proved:.6g} keeps to alpha, provably{nearly}"
-    return f"not proved that every smaller gamma keeps to alpha: {ON_A_GRID}"
+        nearly = "; above it the time is close to alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
+        return f"every gamma up to {proved:.6g} meets alpha, proved{nearly}"
+    return f"not proved that every smaller gamma meets alpha: {ON_A_GRID}"
 
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:

@@ -13,8 +13,8 @@ def worst_case_planner(
 ) -> LibraryPlanner:
     """Returns a planner for the levels 0, -gamma and +gamma.
 
-    Its time is promised to whoever learns the level before flying. It is no promise for one set of coasting
-    times flown at an unknown level: that is Problem 8.1.
+    The plan's time holds if the level is known before the flight. For one set of coasting times at an unknown
+    level see the committed policy (Problem 8.1).
 
     Args:
         library: the primitives.

@@ -11,19 +11,19 @@ from .dual_bound import PerBox, PerTrim, WalkProblems
 from .multipliers import MultiplierSearch
 
 MARGIN = 1e-7
-"""By which a box is refuted here, so that a check that rounds outward agrees."""
+"""Margin of a refutation, so that the check with outward rounding agrees."""
 
 ROUNDING = 1e-14
-"""And this share of what the bound is the sum of: of slow turns that is long, and cancels."""
+"""Relative margin, of the bound's terms, which cancel for slow turns."""
 
 DIGITS, EXACT = 9, 17
-"""Of multipliers: as many as do where ..."""
+"""Digits of multipliers in general, and with turns slower than `SLOW`."""
 
 SLOW = 1e-2
-"""... no turn is slower than this in rad/s, and all there are where one is: its radius multiplies them."""
+"""Yaw rate in rad/s below which multipliers need all digits, for the turn's radius."""
 
 LONG = 1e3
-"""Seconds that a coasting time without an end counts as, where it is decided which one to cut."""
+"""Seconds that stand for an unbounded interval in the choice of cuts."""
 
 NEWTON_ROUNDS = 4
 
@@ -170,11 +170,11 @@ def _choose_cuts(
 ) -> tuple[Int[np.ndarray, "boxes"], Float[np.ndarray, "boxes"]]:
     """Returns each box's cut: the time that most loosens the bound.
 
-    The bound is off by what bends: for every heading its interval squared, times the radius that it turns.
+    The bound's error is, for every heading, its interval squared times the turn radius.
     """
     width = np.minimum(np.where(np.isfinite(high), high - low, LONG), LONG)
     turning = np.abs(problems.rate) * width
-    spread = np.cumsum(turning, axis=1)
+    total = np.cumsum(turning, axis=1)
     onward = np.roll(problems.centre, -1, axis=1)
     onward[:, -1:] = 0
     ahead = np.roll(problems.displacement, -1, axis=1)
@@ -182,7 +182,7 @@ def _choose_cuts(
     radius = np.abs(problems.centre - onward + ahead)
     straight = problems.rate == 0
     moved = np.where(straight, np.abs(problems.velocity) * width, 0.0)
-    bent = np.minimum(spread, np.pi)
+    bent = np.minimum(total, np.pi)
     blur = np.cumsum((radius * bent)[:, ::-1], axis=1)[:, ::-1]
     score = np.where(
         straight, moved * (bent + 1e-3), np.minimum(turning, np.pi) * (blur + moved.sum(axis=1)[:, None])

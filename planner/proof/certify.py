@@ -1,7 +1,7 @@
 """Certificates of optimality: dual bounds over boxes of coasting times.
 
 A walk need be refuted at one uncertainty level only: there its least time, and so its worst one, is no better
-than the plan. Which level that is, is tried out; a level at which a faster way shows up is left at once.
+than the plan. Levels are tried in turn; a level with a faster solution is dropped at once.
 """
 
 from collections.abc import Sequence
@@ -34,8 +34,7 @@ class ProofFailure:
 
     Attributes:
         walk: the one that was not refuted.
-        reached: whether it reaches the goal in less time at every level; where not, the effort was not enough
-            to tell.
+        reached: whether it reaches the goal in less time at every level; if not, the effort was exhausted.
     """
 
     walk: Walk

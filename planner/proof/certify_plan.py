@@ -33,7 +33,7 @@ def certify_plan(plan: Plan, library: Library, mission: Mission) -> Plan:
     Args:
         plan: of the nominal or the worst-case policy.
         library: it was made with.
-        mission: it answers.
+        mission: it was planned for.
 
     Raises:
         NotProvableError: the plan is of another policy.

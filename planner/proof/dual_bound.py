@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 """Seconds (for kappa 0: metres) a second."""
 
 POSITION_SLACK = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+"""Metres by which the end may shift if negligible turns are made straight."""
 
 HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
@@ -99,7 +99,7 @@ class WalkProblems:
     def straightened(self, target: float) -> "WalkProblems":
         """Returns problems with negligible turns straightened and tolerances widened.
 
-        Turning less than an angle in all, a walk leads astray by no more than its length times that angle.
+        If turns made straight turn by at most an angle, the end shifts by at most the walk's length times it.
         """
         if not np.isfinite(target):
             return self
@@ -175,8 +175,8 @@ class Multipliers:
 
     Attributes:
         kappa: 1 for a bound of the cost, 0 where the goal is out of reach.
-        vector: m, seconds a metre.
-        shares: x, one for each trim: seconds a second at a turn, seconds at a straight coast.
+        vector: m, seconds per metre.
+        shares: x, one for each trim: seconds per second at a turn, seconds at a straight coast.
     """
 
     kappa: PerBox
@@ -213,7 +213,7 @@ def dual_bound(problems: WalkProblems, low: PerTrim, high: PerTrim, by: Multipli
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
         before = after
     last = least_wave(slope, m * way, *before)
-    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    # No wanted heading: the box is empty, whatever the weights of straight coasts.
     with np.errstate(invalid="ignore"):
         found: PerBox = np.where(last == np.inf, np.inf, total + last)
     return found
@@ -225,7 +225,7 @@ def _straight_term(times: tuple[PerBox, PerBox], x: PerBox, multiplier: tuple[Pe
     with np.errstate(invalid="ignore"):
         late, early = (last - x) * steady, (first - x) * fast
     least: PerBox = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
-    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    # Outward rounding may make a zero weight negative on an unbounded interval.
     return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 

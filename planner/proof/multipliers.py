@@ -12,14 +12,14 @@ UNBOUNDED = 10.0
 """Seconds after the beginning of an interval without an end that count as its middle."""
 
 FLAT = 1e-3
-"""Seconds a second; a coasting time that is worth more is taken at one end of its interval."""
+"""Seconds per second; a time of larger weight is taken at one end of its interval."""
 
 TILT = 1e-5
-"""Radians by which a line is left behind that may be followed for ever."""
+"""Radians of tilt against a line that may be followed without limit."""
 
 BoxVectors = Complex[np.ndarray, "boxes"]
 MultiplierTrial = tuple[float, BoxVectors, PerBox]
-"""kappa, the vector, and seconds a radian that turning is worth."""
+"""kappa, the vector, and the weight of turning in seconds per radian."""
 
 
 class MultiplierSearch:
@@ -29,7 +29,7 @@ class MultiplierSearch:
         problems: one for each box.
         low: of the coasting times, seconds.
         high: likewise; may be infinite.
-        target: seconds that nothing in the boxes is to undercut; infinite where nothing is to reach the goal.
+        target: lower bound in seconds to prove; infinite to prove the goal unreachable.
 
     Attributes:
         excess: by how much each box is refuted, in seconds (for kappa 0 in metres); negative where it is not.

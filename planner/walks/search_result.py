@@ -16,7 +16,7 @@ class SearchResult:
         walk: trim ids; empty where none was found.
         times: seconds, one tuple for each level.
         costs: seconds, one for each level.
-        lower_bound: seconds that no plan undercuts; infinite where it is proved that there is none.
+        lower_bound: seconds, of every plan; infinite where it is proved that there is none.
         exhausted: whether every walk was searched exactly, or excluded by a bound.
     """
 

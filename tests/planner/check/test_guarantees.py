@@ -93,7 +93,7 @@ def test_of_a_price_it_is_said_what_a_file_cannot_show() -> None:
     plan, _ = priced()
     about = [sentence.split(":")[0] for sentence in guarantees_of(plan).unproved]
     assert about == ["alpha", "gamma"]
-    assert plan.reason.endswith("keeps to alpha, provably")
+    assert plan.reason.endswith("meets alpha, proved")
 
 
 def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
@@ -160,7 +160,7 @@ def test_the_signs_of_a_plan_are_not_judged_with_another_library_or_mission(
     words = refusal(capsys, "plan", "signs", str(path), "--library", "gtmax-sim")
     assert "library: planned with thesis-gtmax, not gtmax-sim" in words
     words = refusal(capsys, "plan", "signs", str(path), "--mission", "gtmax-2")
-    assert "mission: answers gtmax-1, not gtmax-2" in words
+    assert "mission: planned for gtmax-1, not gtmax-2" in words
 
 
 def test_a_plan_for_a_mission_of_ones_own_says_how_to_name_it(
@@ -188,7 +188,7 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
     assert plan.certificate is not None
     every = plan.certificate.refutations
     lies = {
-        "stands there 2 times": (*every, every[0]),
+        "occurs 2 times": (*every, every[0]),
         "there is no walk (3, 99)": (*every, replace(every[0], sequence=(3, 99))),
         f"covers {len(every) - 1} of the {len(every)} walks there are, not": every[1:],
         "got 'xxx": (replace(every[0], tree="x" * 10_000), *every[1:]),

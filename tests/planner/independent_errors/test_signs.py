@@ -103,7 +103,7 @@ def test_errors_that_no_coasting_time_answers_are_named(
     assert run(["plan", "signs", str(tmp_path / "plan.json"), *words]) == 0
     shown = capsys.readouterr().out
     assert "no arrival" in shown
-    assert "with trim 1 - this sequence never arrives" in shown
+    assert "infeasible: with errors trim 1 - the goal is unreachable" in shown
     assert "no bound" not in shown
 
 

@@ -1,4 +1,4 @@
-"""A check says what of a plan it showed, and what the plan only claims."""
+"""Tests of guarantees: proved claims and unproved statements."""
 
 import json
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Told = dict[str, Any]
 def check(
     folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Told, *more: str
 ) -> tuple[int, Told, str]:
-    """Returns the exit code of `plan check`, what it says as JSON, and what it says to people."""
+    """Returns exit code, JSON output and text of `plan check`."""
     path = folder / "plan.json"
     path.write_text(plan_text(plan) if isinstance(plan, Plan) else json.dumps(plan))
     capsys.readouterr()

@@ -1,1 +1,1 @@
-"""Tests of planner.kernel: every branch of the C, in at most 20 s."""
+"""Tests of the C kernel's branches, within 20 s."""

@@ -1,4 +1,4 @@
-"""Candidates that need no root of a curve."""
+"""Tests of closed-form candidates."""
 
 import pytest
 
@@ -13,7 +13,7 @@ pytestmark = [
 
 
 def test_two_straight_coasts_after_a_turn_take_the_direction_of_both() -> None:
-    """Their multiplier was conjugated twice: 28.489 s came out."""
+    """Checks the multiplier's conjugation: 28.489 s was wrong."""
     walk = WalkProblem(
         velocities=(3, 3, -2),
         rates=(-0.4, 0.0, 0.0),

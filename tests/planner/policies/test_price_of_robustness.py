@@ -1,4 +1,4 @@
-"""How much uncertainty a mission can take for how much time."""
+"""Tests of the price of robustness."""
 
 import json
 from math import isclose

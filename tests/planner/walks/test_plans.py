@@ -1,4 +1,4 @@
-"""Minimum-time plans, nominal and for the worst case."""
+"""Tests of minimum-time plans, nominal and worst-case."""
 
 from dataclasses import replace
 from math import cos, pi, sin

@@ -190,7 +190,7 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
     lies = {
         "occurs 2 times": (*every, every[0]),
         "there is no walk (3, 99)": (*every, replace(every[0], sequence=(3, 99))),
-        f"covers {len(every) - 1} of the {len(every)} walks there are, not": every[1:],
+        f"covers {len(every) - 1} of {len(every)} walks, not": every[1:],
         "got 'xxx": (replace(every[0], tree="x" * 10_000), *every[1:]),
     }
     for words, refutations in lies.items():
@@ -209,8 +209,8 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
         ("--pareto --alpha 1.1", "expected no --alpha, got one"),
         ("--alpha 1.1", "--alpha: expected --policy price-of-robustness, got worst-case"),
         ("--gamma 0 --policy nominal", "--gamma: expected --policy worst-case or committed, got nominal"),
-        ("--gamma 1 --policy price-of-robustness", "--gamma goes with"),
-        ("--deadline 1 --policy price-of-robustness", "--deadline goes with"),
+        ("--gamma 1 --policy price-of-robustness", "--gamma: expected --policy worst-case or committed, got"),
+        ("--deadline 1 --policy price-of-robustness", "--deadline: expected --policy"),
         ("--certify --policy committed", "--certify: expected --policy nominal or worst-case, got committed"),
         ("--alpha inf --policy price-of-robustness", "alpha must be >= 1"),
         ("--max-trims 9", "--max-trims: expected at most 8, got 9"),

@@ -30,6 +30,7 @@ class FileValue:
         stated = {field["name"]: field for field in schema["schema"]["fields"]}
         for field in stated.values():
             inner = field["schema"]
+            # A file that says less than it must would be filled up without a word.
             if inner["type"] == "default" and inner.get("default", "") is not None:
                 field["schema"] = inner if "serialization_exclude_if" in field else inner["schema"]
             field.pop("init", None)

@@ -122,7 +122,7 @@ def stock_bytes(log: FlightLog) -> bytes:
     return stream.getvalue()
 
 
-def stock_arrays(content: bytes) -> dict[str, np.ndarray[Any, Any]]:
+def stock_arrays(content: bytes) -> dict[str, np.ndarray]:
     """Reads the channels message by message into arrays."""
     rows: dict[str, list[list[float]]] = {topic.name: [] for topic in TOPICS}
     classes: dict[str, Any] = {}

@@ -63,7 +63,8 @@ ATTRIBUTION_HEADS = (
     *("worst", "of", "flight", "at, s"),
 )
 
-ATTRIBUTION_NOTE = """\ Flights in which an error of the library was exceeded, with the coverage that the
+ATTRIBUTION_NOTE = """\
+Flights in which an error of the library was exceeded, with the coverage that the
 library claims; `p-value` is the probability of at least this many outside if the claim is true. The worst
 deviation is given over the error."""
 

@@ -1,1 +1,1 @@
-"""Checks of plans and certificates; independent of the rest of the planner."""
+"""Checks of plans and certificates; imports nothing else of the planner."""

@@ -81,8 +81,7 @@ class LocalSearch:
             start: seconds.
             budget: seconds that the coasting times may take together.
         """
-        ways = [self._as_given(start, budget), self._descended(start, budget)]
-        return min((way for way in ways if way is not None), key=lambda way: sum(way.times), default=None)
+        return self._descended(start, budget) or self._as_given(start, budget)
 
     def _as_given(self, times: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
         """Returns the given times if feasible, without correction; else None."""

@@ -2,7 +2,7 @@
 
 from dataclasses import replace
 from functools import cache, partial
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from time import perf_counter
 from typing import Protocol
 
@@ -20,12 +20,12 @@ from planner.walks.walk import trims_of_walks
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
-SLOW = 1e-6
-"""Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
+ROUNDING = 1e-16
+"""Share of a full circle's length by which its end is rounded."""
 
 SLOW_TURNS = (
-    "no walk to the goal was found; plans with full circles in trim {trim}, slower than 1e-6 rad/s, "
-    "were not searched"
+    "no plan was found; trim {trim} turns so slowly that the ends of its full circles cannot be computed to "
+    "the slack for rounding"
 )
 
 
@@ -78,11 +78,6 @@ class LibraryPlanner:
         self._max_nodes = max_nodes
         self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
-        self._slow = frozenset(
-            trim.id
-            for trim in library.trims
-            if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
-        )
         self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
@@ -108,7 +103,7 @@ class LibraryPlanner:
             lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
         )
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
-        slow = frozenset[int]() if isfinite(answer.lower_bound) else self._slow & self._on_walks(mission)
+        slow = [] if isfinite(answer.lower_bound) else self._unresolved(mission)
         if slow:
             return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
         if not isfinite(answer.lower_bound):
@@ -133,10 +128,20 @@ class LibraryPlanner:
             ),
         )
 
-    def _on_walks(self, mission: Mission) -> frozenset[int]:
-        return trims_of_walks(
-            self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
-        )
+    def _unresolved(self, mission: Mission) -> list[int]:
+        """Returns the trims of its walks whose full circles are too long for their ends to be computed."""
+        longest = mission.destination.slack / (2 * pi * ROUNDING)
+        twists = {
+            trim: [self._library.trim(trim).at(gamma) for gamma in self._gammas]
+            for trim in trims_of_walks(
+                self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
+            )
+        }
+        return [
+            trim
+            for trim, levels in twists.items()
+            if any(one.yaw_rate and one.speed > longest * abs(one.yaw_rate) for one in levels)
+        ]
 
     def _optimality_caveat(self) -> str:
         return STOPPED

@@ -5,6 +5,7 @@ from math import inf
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
 
+from flight.mission.destination import SLACK
 from flight.plan.certificate import BoxLeaf, BoxSplit, write_tree
 
 from .dual_bound import PerBox, PerTrim, WalkProblems
@@ -26,6 +27,9 @@ LONG = 1e3
 """Seconds that stand for an unbounded interval in the choice of cuts."""
 
 NEWTON_ROUNDS = 4
+
+UNUSED = 0.99
+"""Of the slack for rounding: times that would use it up are not faster."""
 
 
 def root_boxes(problems: WalkProblems, target: float) -> tuple[PerTrim, PerTrim]:
@@ -211,9 +215,9 @@ def _find_reaching_times(
         step = matrix.transpose(0, 2, 1) @ np.linalg.solve(square, wrong[..., None])
         times = np.maximum(times - step[..., 0], 0.0)
     _, end, turned = problems.propagate(times)
-    there = np.abs(end - problems.goal) <= problems.tolerance
+    there = np.abs(end - problems.goal) <= problems.tolerance - UNUSED * problems.slack
     if problems.heading is not None:
-        there &= np.abs(_heading_off(problems, turned)) <= problems.heading_tolerance
+        there &= np.abs(_heading_off(problems, turned)) <= problems.heading_tolerance - UNUSED * SLACK
     cost = problems.fixed + times.sum(axis=1)
     return np.asarray(there & (cost < target)), times
 
@@ -224,12 +228,12 @@ def _goal_misses(
     """Returns excess distances and heading errors beyond the goal's tolerances."""
     away = end - problems.goal
     size = np.abs(away)
-    inner = 0.999 * problems.tolerance
+    inner = 0.999 * (problems.tolerance - problems.slack)
     miss = np.where(size > inner, away * (1 - inner / np.maximum(size, 1e-300)), 0.0)
     if problems.heading is None:
         return miss, np.zeros(len(end))
     off = _heading_off(problems, turned)
-    inside = 0.999 * problems.heading_tolerance
+    inside = 0.999 * (problems.heading_tolerance - SLACK)
     return miss, np.sign(off) * np.maximum(np.abs(off) - inside, 0.0)
 
 

@@ -54,9 +54,10 @@ class WalkProblems:
         fixed: seconds in maneuvers.
         turned: what the maneuvers turn, radians.
         goal: north + i east.
-        tolerance: radius around it in metres.
+        tolerance: radius around it in metres, with the slack for rounding.
         heading: wanted at the goal, from the start's; None for any.
-        heading_tolerance: half width around it in radians.
+        heading_tolerance: half width around it in radians, with the slack for rounding.
+        slack: for rounding, metres.
     """
 
     rate: PerTrim
@@ -70,6 +71,7 @@ class WalkProblems:
     tolerance: float
     heading: float | None
     heading_tolerance: float
+    slack: float
 
     @classmethod
     def of(cls, motions: list[WalkMotion], mission: Mission) -> "WalkProblems":
@@ -94,6 +96,7 @@ class WalkProblems:
             mission.destination.reach,
             None if wanted is None else wanted - start.heading,
             mission.destination.heading_reach,
+            mission.destination.slack,
         )
 
     def straightened(self, target: float) -> "WalkProblems":
@@ -133,6 +136,7 @@ class WalkProblems:
             self.tolerance,
             self.heading,
             self.heading_tolerance,
+            self.slack,
         )
 
     def propagate(

@@ -38,7 +38,7 @@ def coasted(
     safe = np.where(turning, angle, 1.0)
     ahead = np.where(turning, np.sin(safe) / safe, 1.0)
     aside = np.where(turning, 2 * np.sin(0.5 * safe) ** 2 / safe, 0.0)
-    return velocity * time * (ahead + 1j * aside)
+    return np.asarray(velocity * time * (ahead + 1j * aside))
 
 
 def fly(problem: CoastingProblem, times: Times, start: tuple[complex, float], *, until: int = -1) -> Ends:

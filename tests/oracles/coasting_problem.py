@@ -1,7 +1,7 @@
 """Walks as arrays of free coasts with merged fixed parts."""
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -35,7 +35,7 @@ class CoastingProblem:
     @property
     def free(self) -> int:
         """Number of free coasts of each row."""
-        return self.velocity.shape[1]
+        return int(self.velocity.shape[1])
 
     def take(self, rows: Int[np.ndarray, "some"] | Bool[np.ndarray, "rows"]) -> "CoastingProblem":
         """Returns some of the rows."""
@@ -60,7 +60,8 @@ class CoastingProblem:
 
 def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
     """Returns every walk of a mission, shorter ones first."""
-    every, ends = [], [(mission.start_trim,)]
+    every: list[tuple[int, ...]] = []
+    ends: list[tuple[int, ...]] = [(mission.start_trim,)]
     for _ in range(mission.max_trims):
         every += ends
         ends = [
@@ -84,16 +85,16 @@ def coasting_problems(
     found: dict[int, list[CoastingProblem]] = {}
     for length in sorted({len(walk) for walk in walks}):
         index = [place for place, walk in enumerate(walks) if len(walk) == length]
-        whole = _whole(library, [walks[place] for place in index], gamma, np.array(index))
+        whole = whole_walks(library, [walks[place] for place in index], gamma, np.array(index))
         moves = (whole.velocity != 0) | (whole.rate != 0)
         for free in range(length + 1):
             for chosen in combinations(range(length), free):
                 part = _merged(whole, chosen)
                 found.setdefault(free, []).append(part.take(moves[:, list(chosen)].all(axis=1)))
-    return {free: _joined(parts) for free, parts in found.items()}
+    return {free: joined(parts) for free, parts in found.items()}
 
 
-def _whole(
+def whole_walks(
     library: Library, walks: list[tuple[int, ...]], gamma: float, index: Int[np.ndarray, "rows"]
 ) -> CoastingProblem:
     """Returns walks of one length with all coasts free."""
@@ -117,7 +118,7 @@ def _whole(
         for one in library.maneuvers
     }
     held = [[trims[trim] for trim in walk] for walk in walks]
-    joints = [[edges[pair] for pair in zip(walk, walk[1:], strict=False)] for walk in walks]
+    joints = [[edges[pair] for pair in pairwise(walk)] for walk in walks]
     count, length = len(walks), len(walks[0])
     gap, turn = np.zeros((count, length + 1), dtype=complex), np.zeros((count, length + 1))
     for row, joint in enumerate(joints):
@@ -155,7 +156,8 @@ def _merged(whole: CoastingProblem, chosen: tuple[int, ...]) -> CoastingProblem:
     )
 
 
-def _joined(parts: list[CoastingProblem]) -> CoastingProblem:
+def joined(parts: list[CoastingProblem]) -> CoastingProblem:
+    """Returns the rows of several problems with as many free coasts."""
     return CoastingProblem(
         np.concatenate([one.walk for one in parts]),
         np.concatenate([one.place for one in parts]),

@@ -44,13 +44,13 @@ class GoalRegion:
         """Returns radians by which headings are outside the interval; negative inside."""
         if self.heading is None:
             return np.full(ends.heading.shape, -pi)
-        return np.abs(wrapped(ends.heading - self.heading)) - self.width
+        return np.asarray(np.abs(wrapped(ends.heading - self.heading)) - self.width)
 
     def holds(self, ends: Ends, *, slack: float = ROUNDING) -> "np.ndarray":
         """Returns True where ends are inside, with relative slack for rounding."""
         near = slack * (ends.way + abs(self.centre) + self.radius)
         turned = slack * (1 + np.abs(ends.heading) + abs(self.heading or 0.0))
-        return (self.beyond(ends) <= near) & (self.heading_beyond(ends) <= turned)
+        return np.asarray((self.beyond(ends) <= near) & (self.heading_beyond(ends) <= turned))
 
 
 def wrapped(angle: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:

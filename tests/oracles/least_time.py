@@ -1,4 +1,4 @@
-"""Upper bound of the least time by a feasible, checked plan."""
+"""Reference planner: the least total time found that reaches the goal."""
 
 from dataclasses import dataclass, replace
 from math import inf, log2
@@ -65,7 +65,7 @@ def least_times(
     start = complex(mission.start.x, mission.start.y), mission.start.heading
     goal = GoalRegion.of(mission)
     small = replace(goal, centre=(goal.centre - start[0]) / metres, radius=goal.radius / metres)
-    for free, problem in sorted(every.items()):
+    for _free, problem in sorted(every.items()):
         possible = problem.take(problem.fixed < ceiling)
         for begin in range(0, len(possible.walk), ROWS_AT_ONCE):
             part = possible.take(np.arange(begin, min(begin + ROWS_AT_ONCE, len(possible.walk))))
@@ -115,7 +115,7 @@ def _moved(
     anywhere, limits = seeds(problem, start, goal, ceiling, rng)
     found = [(anywhere.row, anywhere.times)]
     if goal.heading is None or goal.width > 0:
-        limits = {**limits, None: anywhere}
+        limits = {**limits, None: anywhere}  # type: ignore[dict-item]
     for limit, seed in limits.items():
         if len(seed.row):
             chosen = problem.take(seed.row)

@@ -87,7 +87,7 @@ def judge(
     if wrong:
         return Judgement(wrong, True, Reference(inf), plan)
     best = reference(plan, library, mission, rng=rng, known=known)
-    metres, seconds = natural_units(library, mission)
+    _metres, seconds = natural_units(library, mission)
     least = best.cost * (1 + SLOWER) + BLURRED * seconds
     bound = plan.lower_bound or 0.0
     if plan.cost > least:
@@ -195,21 +195,20 @@ def flown_beyond(
         return float(beyond), float(turned), float(way)
 
 
-EQUALITY = 1e-6
-"""Metres and radians that count as equality where a tolerance is 0."""
-
 FORGIVEN = 1e-9
-"""Metres and radians, and shares of the path, by which a plan may exceed its tolerance."""
+"""Metres and radians by which a plan may be beyond its tolerance, 0 or more ..."""
+
+FORGIVEN_SHARE = 1e-12
+"""... and share of a way that is longer than a kilometre."""
 
 
 def end_problem(plan: Plan, library: Library, mission: Mission) -> str:
     """Returns the fault in a plan's ends or costs; empty without."""
     for one in plan.scenarios:
         beyond, turned, way = flown_beyond(library, mission, plan.sequence, one.coasting_times, one.gamma)
-        allowed = max(EQUALITY - mission.tolerance, FORGIVEN, 1e-12 * way)
-        if beyond > allowed:
+        if beyond > 1.001 * max(FORGIVEN, FORGIVEN_SHARE * way):
             return "ends outside the disc"
-        if turned > max(EQUALITY - mission.heading_tolerance, FORGIVEN):
+        if turned > 1.001 * FORGIVEN:
             return "ends with another heading"
         durations = [step.at(one.gamma).duration for step in library.maneuvers_along(plan.sequence)]
         total = fsum((*one.coasting_times, *durations))

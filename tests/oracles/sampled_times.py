@@ -210,8 +210,8 @@ def _crossing(
 
 
 def _indices(place: Int[np.ndarray, "2 rows n"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    branch, row, _ = np.indices(place.shape)
-    return branch, row, place
+    branch, row, _ = (np.asarray(one) for one in np.indices(place.shape))
+    return branch, row, np.asarray(place)
 
 
 def _both(*parts: Seeds) -> Seeds:

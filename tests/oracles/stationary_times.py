@@ -122,7 +122,7 @@ def _shortened(step: Float[np.ndarray, "r n"], problem: CoastingProblem, times: 
     share = np.maximum(share, np.abs(step[:, :free] * problem.rate).max(axis=1) / LONGEST_TURN)
     if edge:
         share = np.maximum(share, np.abs(step[:, free]) / LONGEST_TURN)
-    return 1 / np.maximum(share, 1.0)
+    return np.asarray(1 / np.maximum(share, 1.0))
 
 
 def _restored(

@@ -134,4 +134,4 @@ def _arccos(cosine: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 def _turned(angle: Float[np.ndarray, "*n"], rate: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     """Returns seconds for a turn to an angle, modulo full turns."""
-    return np.mod(angle * np.sign(rate), 2 * pi) / np.abs(rate)
+    return np.asarray(np.mod(angle * np.sign(rate), 2 * pi) / np.abs(rate))

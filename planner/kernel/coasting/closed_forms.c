@@ -2,6 +2,7 @@
 #include "coasting.h"
 
 #define SAME_LIMIT 1e-12  /* of a limit: what rounding may exceed it by */
+#define ROUNDING 1e-15    /* of the sides of a triangle */
 
 /* The multiplier that two straight coasts are worth their seconds with. */
 static cplx multiplier_of(cplx one, cplx two) { return I * (two - one) / cross(one, two); }
@@ -25,6 +26,7 @@ static int plain_way(const Chain *c, int doubled, Point *point, cplx *way)
  * radii of slow turns all round to 1. NAN where the third side is too long or too short by more than the slack. */
 static double corner(double one, double two, double third, double slack)
 {
+    slack += ROUNDING * (one + two);
     double beyond = third - fabs(one - two), left = one + two - third;
     if (!(beyond >= -slack && left >= -slack)) return NAN;
     double near = beyond * (third + fabs(one - two)), far = left * (one + two + third);
@@ -35,6 +37,7 @@ static double corner(double one, double two, double third, double slack)
 static int meets(cplx line, cplx offset, double radius, double slack, double *times)
 {
     double square = dot(line, line), along = dot(line, offset), area = cross(line, offset), size = cabs(offset);
+    slack += ROUNDING * (radius + size);
     if (!(fabs(area) <= (radius + slack) * sqrt(square) && square > 0)) return 0;
     double inside = radius * radius * square - area * area;
     /* The root that does not cancel, and the other from their product. */

@@ -102,8 +102,8 @@ static int take_step(const ActiveSet *on, double *times, const double *step)
     double largest = 0, longest = 1;
     for (int i = 0; i < on->count; i++) {
         largest = greater(largest, fabs(step[i]));
-        times[on->place[i]] += step[i];
         longest = greater(longest, fabs(times[on->place[i]]));
+        times[on->place[i]] += step[i];
     }
     if (!(largest < AWAY * longest)) return -1;
     return largest <= STILL * longest;

@@ -112,7 +112,8 @@ def test_one_number_of_a_trim_beyond_its_error_leaves_the_tube(place: int) -> No
     steps = [PlanStep(2, 0.5)]
     for size in (-1.3, 1.3):
         legs = flown(steps, alone(place, size))
-        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.0) is not None, (place, size)
+        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.0) == 0.5
+        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.35) is None
 
 
 def test_what_an_alarm_broke_off_is_no_exit() -> None:

@@ -1,1 +1,1 @@
-"""Tests of the C kernel's branches, within 20 s."""
+"""Tests of planner.kernel; mark `kernel` for the C code."""

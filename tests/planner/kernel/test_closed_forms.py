@@ -2,14 +2,9 @@
 
 import pytest
 
-from planner.kernel import build
-
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 
 def test_two_straight_coasts_after_a_turn_take_the_direction_of_both() -> None:

@@ -5,14 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from planner.kernel import build
-
 from .walk_problem import WalkProblem
 
-pytestmark = [
-    pytest.mark.kernel,
-    pytest.mark.skipif(build.load_kernel() is None, reason="this machine has no C compiler"),
-]
+pytestmark = pytest.mark.kernel
 
 
 def random_walk(rng: np.random.Generator, coasts: int, rate: float) -> WalkProblem:

@@ -1,7 +1,7 @@
 """One walk in plain numbers, with independent formulas."""
 
 from cmath import exp
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import factorial, pi
 
 import numpy as np
@@ -76,19 +76,17 @@ class WalkProblem:
 
     def end_velocities(self, times: Times) -> np.ndarray:
         """Returns the end's velocity with each time, in metres per second."""
-        end, _ = self.end(times)
-        found = []
-        for place in range(len(times)):
-            part = replace(
-                self,
-                velocities=self.velocities[: place + 1],
-                rates=self.rates[: place + 1],
-                displacements=tuple(moved for moved, _ in self.steps[1 : place + 1]),
-                turns=tuple(turned for _, turned in self.steps[1 : place + 1]),
-            )
-            here, heading = part.end(times[: place + 1])
-            found.append(exp(1j * heading) * self.velocities[place] + 1j * self.rates[place] * (end - here))
-        return np.array(found)
+        position, heading, own, after = 0j, 0.0, [], []
+        for (moved, turned), velocity, rate, time in zip(
+            self.steps, self.velocities, self.rates, times, strict=True
+        ):
+            position += exp(1j * heading) * moved
+            heading += turned
+            position += exp(1j * heading) * velocity * time * _mean_direction(rate * time)
+            heading += rate * time
+            own.append(exp(1j * heading) * velocity)
+            after.append(position)
+        return np.array(own) + 1j * np.array(self.rates) * (position - np.array(after))
 
     def table(self) -> KernelTable:
         """Returns the walk as a kernel table."""

@@ -16,7 +16,7 @@ from planner.check.plan_check import plan_problems
 from planner.commitment.committed import CommittedPlanner
 from planner.kernel import build
 from planner.policies.nominal import nominal_planner
-from planner.policies.policy import LibraryPlanner
+from planner.policies.policy import Planner
 from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify_plan import certify_plan
 
@@ -49,7 +49,7 @@ EDGES: dict[str, tuple[Mission, float]] = {
     ),
 }
 
-POLICIES: dict[str, Callable[[Library], LibraryPlanner | CommittedPlanner]] = {
+POLICIES: dict[str, Callable[[Library], Planner]] = {
     "nominal": nominal_planner,
     "worst-case": lambda library: worst_case_planner(library, 0.5),
     "committed": lambda library: CommittedPlanner(library, 0.5),

@@ -64,7 +64,7 @@ def random_library(rng: np.random.Generator) -> Library:
             place,
             *pair,
             2.0,
-            SE2(*rng.uniform(-1, 3, 2), float(rng.uniform(-0.5, 0.5))),
+            SE2(*rng.uniform((-1, -1, -0.5), (3, 3, 0.5)).tolist()),
             ManeuverError(-0.1, 0.1, 0.1, 0.02),
         )
         for place, pair in enumerate(pairs, start=1)

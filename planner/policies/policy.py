@@ -129,7 +129,7 @@ class LibraryPlanner:
         )
 
     def _unresolved(self, mission: Mission) -> list[int]:
-        """Returns the trims of its walks whose full circles are too long for their ends to be computed."""
+        """Returns trims with full circles too long for a computed end."""
         longest = mission.destination.slack / (2 * pi * ROUNDING)
         twists = {
             trim: [self._library.trim(trim).at(gamma) for gamma in self._gammas]

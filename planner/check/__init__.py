@@ -1,1 +1,1 @@
-"""Checks of plans and certificates; imports no other room, so its walks and flows of trims are copies."""
+"""Checks of plans and certificates; imports nothing else of the planner."""

@@ -1,4 +1,4 @@
-"""What files must state, may leave out, and cannot say twice, held against the values' own declarations."""
+"""Tests of file values: required, optional and repeated keys."""
 
 import json
 import pickle

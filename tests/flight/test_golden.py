@@ -1,4 +1,4 @@
-"""Old files: every version of every format still means the same; newer versions are refused by name."""
+"""Tests of format versions: old files keep their meaning, newer are refused."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -125,7 +125,7 @@ def next_version(schema: str) -> str:
 
 
 def newer(schema: str, folder: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Returns a file of the next version, with a key that this one does not know."""
+    """Returns a file of the next version, with an unknown key."""
     path, new = golden(schema), next_version(schema)
     changed = folder / path.name
     match path.suffix:

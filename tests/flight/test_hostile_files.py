@@ -1,4 +1,4 @@
-"""Files that somebody else wrote, or broke: each ends in an answer or in one line, never in a traceback."""
+"""Tests of foreign and damaged files: a result or one error line."""
 
 import ast
 from collections import Counter
@@ -119,7 +119,7 @@ READERS = {"SeekingReader", "NonSeekingReader", "make_reader", "get_chunk_data_s
 
 
 def unchecked(tree: ast.AST) -> list[str]:
-    """Returns the readers of logs that are not told to verify checksums; their default does not."""
+    """Returns the log readers without an explicit checksum check."""
     return [
         call.func.id
         for call in ast.walk(tree)

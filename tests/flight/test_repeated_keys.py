@@ -1,4 +1,4 @@
-"""A key that stands twice means two things: such files are refused, whatever they are."""
+"""Tests of repeated keys: refused in every file format."""
 
 import json
 from pathlib import Path

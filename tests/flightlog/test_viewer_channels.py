@@ -37,7 +37,7 @@ COASTS = (2.0,) * 4
 
 
 def of_a_mission(log: FlightLog) -> FlightLog:
-    """Returns the log as one of a mission with a plan, a planning that failed, and the vehicle's model."""
+    """Returns the log as a mission log with plan, failure and model."""
     plans = [
         planning(0.0, WALK, COASTS, gammas=(0.0, -1.0)),
         planning(3.0, reason="nothing reaches the goal"),

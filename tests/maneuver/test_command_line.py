@@ -1,4 +1,4 @@
-"""The command line as a user meets it: answers, the honest no, and one line for every bad input."""
+"""Tests of the command line: results, exit codes, one-line errors."""
 
 import json
 import subprocess

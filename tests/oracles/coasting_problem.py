@@ -1,4 +1,4 @@
-"""Walks of a library as arrays: some coasts are free, everything between them is merged."""
+"""Walks as arrays of free coasts with merged fixed parts."""
 
 from dataclasses import dataclass
 from itertools import combinations, pairwise
@@ -12,7 +12,7 @@ from flight.mission.mission import Mission
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoastingProblem:
-    """Rows of walks at one uncertainty level in which the same number of coasts is free.
+    """Rows of walks at one level with equally many free coasts.
 
     Attributes:
         walk: index of each row's walk.
@@ -52,14 +52,14 @@ class CoastingProblem:
     def all_times(
         self, times: Float[np.ndarray, "rows free"], longest: int
     ) -> Float[np.ndarray, "rows longest"]:
-        """Returns the times of free coasts at their places in the walk, the others 0."""
+        """Returns free times at their places in the walk, others 0."""
         every = np.zeros((len(times), longest))
         np.put_along_axis(every, self.place, times, axis=1)
         return every
 
 
 def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
-    """Returns the trim ids of every walk that a mission allows, shorter ones first."""
+    """Returns every walk of a mission, shorter ones first."""
     every: list[tuple[int, ...]] = []
     ends: list[tuple[int, ...]] = [(mission.start_trim,)]
     for _ in range(mission.max_trims):
@@ -73,7 +73,7 @@ def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
 def coasting_problems(
     library: Library, walks: list[tuple[int, ...]], gamma: float
 ) -> dict[int, CoastingProblem]:
-    """Returns the walks with every choice of free coasts, by the number of these.
+    """Returns the walks for every choice of free coasts, by number.
 
     Coasts that neither move nor turn are never free.
 
@@ -136,7 +136,7 @@ def whole_walks(
 
 
 def _merged(whole: CoastingProblem, chosen: tuple[int, ...]) -> CoastingProblem:
-    """Returns the walks with only some coasts free: the gaps between them are composed."""
+    """Returns the walks with some coasts free and the gaps composed."""
     count = len(whole.walk)
     gap = np.zeros((count, len(chosen) + 1), dtype=complex)
     turn = np.zeros((count, len(chosen) + 1))

@@ -1,4 +1,4 @@
-"""Committed plans held to the reference, and the answers of all policies to one another."""
+"""Comparison of committed plans with the reference and other policies."""
 
 from math import inf, isfinite
 
@@ -26,7 +26,7 @@ WITHIN = "no coasting times that take at most"
 def judge_committed(
     plan: Plan, library: Library, mission: Mission, *, horizon: float, rng: np.random.Generator
 ) -> Judgement:
-    """Holds a committed plan, or the word that there is none, to the reference.
+    """Compares a committed plan, or its absence, with the reference.
 
     Args:
         plan: of the committed policy, for a level above 0.
@@ -56,7 +56,7 @@ def judge_committed(
 def committed_reference(
     plan: Plan, library: Library, mission: Mission, *, rng: np.random.Generator
 ) -> Reference:
-    """Returns the fastest committed times found, on the walks that are fastest where the level is known."""
+    """Returns the fastest committed times found on the fastest walks."""
     gammas = (0.0, -plan.gamma, plan.gamma)
     walks = all_walks(library, mission)
     ceiling = plan.cost * (1 + SLOWER) + 1e-300

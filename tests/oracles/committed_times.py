@@ -1,4 +1,4 @@
-"""One set of coasting times for every level: found by SLSQP at a few levels, checked at a thousand."""
+"""Committed coasting times by SLSQP at few levels, checked at many."""
 
 from dataclasses import dataclass
 from math import inf
@@ -27,7 +27,7 @@ ROUNDS = 5
 
 @dataclass(frozen=True, slots=True)
 class CommittedTimes:
-    """Times of a walk that end inside the goal at every level looked at.
+    """Times of a walk that reach the goal at every evaluated level.
 
     Attributes:
         cost: seconds at the level that takes longest; infinite where none were found.
@@ -56,7 +56,7 @@ class CommittedWalk:
         self._metres, self._seconds = natural_units(library, mission)
 
     def check(self, times: tuple[float, ...]) -> CommittedTimes:
-        """Returns the times with their cost, infinite where they miss at some level."""
+        """Returns the times with their cost; infinite for a miss."""
         held = np.tile(np.maximum(times, 0.0), (DENSE, 1))
         ends = fly(self._every, held, self._start)
         rounding = ROUNDING * (ends.way + abs(self._goal.centre))
@@ -66,7 +66,7 @@ class CommittedWalk:
         return CommittedTimes(cost if inside else inf, tuple(held[0].tolist()))
 
     def misses(self, times: tuple[float, ...], slack: float) -> bool:
-        """Whether times are outside the goal at some level by more than a slack in metres and radians."""
+        """Returns True if some level misses the goal by more than slack."""
         ends = fly(self._every, np.tile(times, (DENSE, 1)), self._start)
         beyond = self._goal.beyond(ends) - ROUNDING * ends.way
         return bool(beyond.max() > slack or self._goal.heading_beyond(ends).max() > slack)
@@ -114,7 +114,7 @@ class CommittedWalk:
     def _spare(
         self, problem: CoastingProblem, scaled: Float[np.ndarray, "trims"], inside: float
     ) -> tuple[Float[np.ndarray, "constraints"], Float[np.ndarray, "constraints trims"]]:
-        """Returns how far inside the ends are, in natural units, and the slopes."""
+        """Returns the margins of the ends in natural units, and slopes."""
         times = np.tile(scaled * self._seconds, (len(problem.walk), 1))
         ends, moves = end_velocities(problem, times, self._start)
         off = (ends.position - self._goal.centre) / self._goal.radius

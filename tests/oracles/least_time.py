@@ -1,4 +1,4 @@
-"""Reference planner: least total time found that ends inside a goal."""
+"""Reference planner: the least total time found that reaches the goal."""
 
 from dataclasses import dataclass, replace
 from math import inf, log2
@@ -45,7 +45,7 @@ def least_times(
     ceiling: float = inf,
     rng: np.random.Generator,
 ) -> LeastTimes:
-    """Returns the least time found for each of some walks at a level.
+    """Returns the least time found for each walk at a level.
 
     Args:
         library: the primitives.
@@ -107,7 +107,7 @@ def _moved(
     ceiling: float,
     rng: np.random.Generator,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Returns rows with times in which the last coasts lead to the goal."""
+    """Returns rows with times whose last coasts lead to the goal."""
     rows = np.arange(len(problem.walk))
     if problem.free == 1:
         times = telling_times(problem, start, goal)
@@ -130,7 +130,7 @@ def _rotated(
     ceiling: float,
     rng: np.random.Generator,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Returns times of walks whose last coast is a rotation on the spot."""
+    """Returns times of walks with a final rotation on the spot."""
     assert goal.heading is not None
     before = replace(
         problem,
@@ -163,7 +163,7 @@ def _keep(
     cost: Float[np.ndarray, "walks"],
     best: Float[np.ndarray, "walks longest"],
 ) -> None:
-    """Writes down what is faster than what was known of a walk."""
+    """Records improvements over the best known times of each walk."""
     total = problem.fixed + times.sum(axis=1)
     for row in np.argsort(-total):
         walk = problem.walk[row]
@@ -174,7 +174,7 @@ def _keep(
 
 
 def natural_units(library: Library, mission: Mission) -> tuple[float, float]:
-    """Returns a power of 2 in metres and in seconds, by which to measure: scaling by these is exact."""
+    """Returns powers of 2 as exact units of metres and seconds."""
     away = abs(complex(*mission.goal) - complex(mission.start.x, mission.start.y))
     moved = [abs(complex(one.displacement.x, one.displacement.y)) for one in library.maneuvers]
     metres = max(away, mission.tolerance, *moved, 0.0)
@@ -204,9 +204,9 @@ def worst_of_each(
     ceiling: float = inf,
     rng: np.random.Generator,
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "levels walks longest"]]:
-    """Returns for each walk the largest over levels of the least times found, and the times.
+    """Returns each walk's largest least time over levels, with the times.
 
-    Walks that reach the ceiling at one level are not looked at at the others.
+    Walks that reach the ceiling at one level are skipped at the others.
     """
     worst = np.zeros(len(walks))
     times = np.zeros((len(gammas), len(walks), max(map(len, walks), default=0)))

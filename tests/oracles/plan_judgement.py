@@ -1,4 +1,4 @@
-"""Plans held to the independent reference: what is slower, missed, or ends elsewhere."""
+"""Comparison of plans with the independent reference."""
 
 from dataclasses import dataclass, replace
 from math import fsum, inf, isfinite
@@ -18,17 +18,17 @@ SLOWER = 1e-6
 """Share of the reference's cost by which a plan may cost more."""
 
 BLURRED = 1e-7
-"""Share of the natural units of metres and seconds that is never told apart."""
+"""Share of the natural units of metres and seconds below resolution."""
 
 INSIDE = 1e-5
-"""Share of a tolerance by which a reference is inside that shows a fault away from the edge."""
+"""Share of a tolerance inside which a reference is away from the edge."""
 
 DIGITS = 40
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A plan for every level, flown in many digits.
+    """Reference plan for every level, evaluated with 40 digits.
 
     Attributes:
         cost: seconds at the level that takes longest; infinite without a plan.
@@ -74,7 +74,7 @@ def judge(
     rng: np.random.Generator,
     known: tuple[tuple[int, ...], tuple[float, ...]] | None = None,
 ) -> Judgement:
-    """Holds a nominal or a worst-case plan to the reference.
+    """Compares a nominal or worst-case plan with the reference.
 
     Args:
         plan: from a search that was not stopped.
@@ -119,7 +119,7 @@ def reference(
     rng: np.random.Generator,
     known: tuple[tuple[int, ...], tuple[float, ...]] | None = None,
 ) -> Reference:
-    """Returns the best plan that the reference finds, not much slower than the one given."""
+    """Returns the reference's best plan, pruned by the given plan's cost."""
     gammas = levels_of(plan)
     walks = all_walks(library, mission)
     ceiling = plan.cost * (1 + 10 * SLOWER) + 1e-300 if plan.found else inf
@@ -153,7 +153,7 @@ def ends_inside(
     *,
     slack: float = ROUNDING,
 ) -> bool:
-    """Whether times, flown in many digits, end inside the goal but for rounding; that must be small."""
+    """Returns True if the end, in 40 digits, is within rounding."""
     beyond, turned, way = flown_beyond(library, mission, walk, times, gamma)
     metres, _ = natural_units(library, mission)
     if ROUNDING * way > BLURRED * metres:
@@ -164,7 +164,7 @@ def ends_inside(
 def flown_beyond(
     library: Library, mission: Mission, walk: tuple[int, ...], times: tuple[float, ...], gamma: float
 ) -> tuple[float, float, float]:
-    """Returns metres and radians by which a flight ends outside, and its way; negative inside.
+    """Returns excess metres and radians of an end, and path length.
 
     Integrated in 40 digits, step by step: x' = exp(i heading) v.
     """
@@ -203,7 +203,7 @@ FORGIVEN_SHARE = 1e-12
 
 
 def end_problem(plan: Plan, library: Library, mission: Mission) -> str:
-    """Returns what is wrong with the ends or the costs of a plan; empty where they are right."""
+    """Returns the fault in a plan's ends or costs; empty without."""
     for one in plan.scenarios:
         beyond, turned, way = flown_beyond(library, mission, plan.sequence, one.coasting_times, one.gamma)
         if beyond > 1.001 * max(FORGIVEN, FORGIVEN_SHARE * way):

@@ -1,4 +1,4 @@
-"""A check says what of a plan it showed, and what the plan only claims."""
+"""Tests of guarantees: proved claims and unproved statements."""
 
 import json
 from collections.abc import Callable
@@ -32,7 +32,7 @@ Told = dict[str, Any]
 def check(
     folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Told, *more: str
 ) -> tuple[int, Told, str]:
-    """Returns the exit code of `plan check`, what it says as JSON, and what it says to people."""
+    """Returns exit code, JSON output and text of `plan check`."""
     path = folder / "plan.json"
     path.write_text(plan_text(plan) if isinstance(plan, Plan) else json.dumps(plan))
     capsys.readouterr()
@@ -93,7 +93,7 @@ def test_of_a_price_it_is_said_what_a_file_cannot_show() -> None:
     plan, _ = priced()
     about = [sentence.split(":")[0] for sentence in guarantees_of(plan).unproved]
     assert about == ["alpha", "gamma"]
-    assert plan.reason.endswith("keeps to alpha, provably")
+    assert plan.reason.endswith("meets alpha, proved")
 
 
 def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
@@ -160,7 +160,7 @@ def test_the_signs_of_a_plan_are_not_judged_with_another_library_or_mission(
     words = refusal(capsys, "plan", "signs", str(path), "--library", "gtmax-sim")
     assert "library: planned with thesis-gtmax, not gtmax-sim" in words
     words = refusal(capsys, "plan", "signs", str(path), "--mission", "gtmax-2")
-    assert "mission: answers gtmax-1, not gtmax-2" in words
+    assert "mission: planned for gtmax-1, not gtmax-2" in words
 
 
 def test_a_plan_for_a_mission_of_ones_own_says_how_to_name_it(
@@ -190,9 +190,9 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
     assert plan.certificate is not None
     every = plan.certificate.refutations
     lies = {
-        "stands there 2 times": (*every, every[0]),
+        "occurs 2 times": (*every, every[0]),
         "there is no walk (3, 99)": (*every, replace(every[0], sequence=(3, 99))),
-        f"covers {len(every) - 1} of the {len(every)} walks there are, not": every[1:],
+        f"covers {len(every) - 1} of {len(every)} walks, not": every[1:],
         "got 'xxx": (replace(every[0], tree="x" * 10_000), *every[1:]),
     }
     for words, refutations in lies.items():
@@ -211,7 +211,7 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
         ("--pareto --alpha 1.1", "expected no --alpha, got one"),
         ("--alpha 1.1", "--alpha: expected --policy price-of-robustness, got worst-case"),
         ("--gamma 0 --policy nominal", "--gamma: expected --policy worst-case or committed, got nominal"),
-        ("--gamma 1 --policy price-of-robustness", "--gamma: expected --policy"),
+        ("--gamma 1 --policy price-of-robustness", "--gamma: expected --policy worst-case or committed, got"),
         ("--deadline 1 --policy price-of-robustness", "--deadline: expected --policy"),
         ("--certify --policy committed", "--certify: expected --policy nominal or worst-case, got committed"),
         ("--alpha inf --policy price-of-robustness", "alpha must be >= 1"),

@@ -1,4 +1,4 @@
-"""Closed loop: plan, fly a little, plan again."""
+"""Tests of the receding horizon."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -48,7 +48,7 @@ def flown(mission: Mission, settings: Settings | None = None, *, gamma: float = 
 
 @dataclass
 class Refusing:
-    """A planner that gives its first few plans, and then only refusals."""
+    """Planner that refuses after its first few plans."""
 
     planner: Planner
     plans: int
@@ -119,11 +119,11 @@ def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_toler
 
 def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_rest() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
-    planner = Refusing(nominal_planner(library), plans=2)  # the promise and the first plan
+    planner = Refusing(nominal_planner(library), plans=2)  # the predicted time and the first plan
     settings = Settings(max_activations=40)
     broken = vehicle(library, mission)
     result = fly_closed_loop(broken, mission, planner=planner, library=library, settings=settings)
-    assert result.closest <= mission.tolerance  # it was there, but on no plan
+    assert result.closest <= mission.tolerance  # at the goal, but not on a plan
     assert not result.reached
     assert result.failures == result.replans - 1 > 0
     assert result.safe_stops >= 1
@@ -145,19 +145,19 @@ def test_the_limit_of_replans_ends_the_flight_as_not_reached() -> None:
     assert not result.reached
     assert result.replans == 2
     assert result.flown_time == pytest.approx(sum(leg.duration for leg in result.legs))
-    assert result.steps[-1].to_trim == 1  # given up in hover
+    assert result.steps[-1].to_trim == 1  # safe stop in hover
 
 
 class TimingOut(AutomatonVehicle):
-    """Never settles after a maneuver."""
+    """Vehicle that never settles after a maneuver."""
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Flies the maneuver, and says that it did not settle."""
+        """Flies the maneuver without settling."""
         return replace(super().perform(maneuver), settled=False)
 
 
 class Falling(AutomatonVehicle):
-    """Meets the ground in its first maneuver."""
+    """Vehicle that meets the ground in its first maneuver."""
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Loses the vehicle."""
@@ -229,7 +229,7 @@ def test_where_a_heading_is_wanted_arrival_waits_for_it() -> None:
 
 
 class Careless:
-    """Plans as if no trim were wanted at the goal."""
+    """Planner that ignores the trim wanted at the goal."""
 
     def __init__(self, library: Library) -> None:
         self._planner = nominal_planner(library)

@@ -27,7 +27,7 @@ class Planted:
 
 
 def planted(rng: np.random.Generator, *, slow: float = 0.1) -> Planted | None:
-    """Returns a walk and times that may be its best, by chance; None where no such times were found.
+    """Returns a random walk with candidate times, or None.
 
     Args:
         rng: of everything.

@@ -1,4 +1,4 @@
-"""The kernel finds the costs that the independent reference found once, in 1,500 odd missions."""
+"""Tests of kernel costs against 1,500 stored reference costs."""
 
 from math import isfinite
 

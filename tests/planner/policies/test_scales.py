@@ -1,4 +1,4 @@
-"""The same task in other units: a plan is as good at 0.1 mm and at the speed of a tenth of light."""
+"""Tests of plans under scaled units of length and time."""
 
 from dataclasses import replace
 from math import pi
@@ -23,7 +23,7 @@ def twist(velocity: Twist, length: float, time: float) -> Twist:
 
 
 def scaled(library: Library, length: float, time: float) -> Library:
-    """The library with metres and seconds that are so many times as long."""
+    """Returns the library with scaled metres and seconds."""
     trims = tuple(
         replace(one, velocity=twist(one.velocity, length, time), error=twist(one.error, length, time))
         for one in library.trims

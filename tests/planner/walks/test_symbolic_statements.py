@@ -1,4 +1,4 @@
-"""The problems as CasADi states them: their gradients are right, and IPOPT on them finds nothing better."""
+"""Tests of the CasADi statements: gradients, and IPOPT's optima."""
 
 from math import cos, pi, sin
 

@@ -72,7 +72,7 @@ def _segments(log: FlightLog) -> list[TrackSegment]:
 
 
 def _is_on_plan(log: FlightLog, time: float) -> bool:
-    """Returns True where the decisions so far leave the vehicle on a plan."""
+    """Returns True where the decisions leave the vehicle on a plan."""
     if DECISION.name not in log.series:
         return True
     decisions = log[DECISION]

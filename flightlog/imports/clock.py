@@ -50,7 +50,7 @@ def check_unit(stamps: Column) -> None:
 
 
 def check_clock(time: Column, *, sample: str) -> None:
-    """Refuses a clock that jumps ahead, or back over more than a few samples.
+    """Checks that a clock jumps neither ahead nor far back.
 
     Args:
         time: seconds; samples that are not finite are passed over.

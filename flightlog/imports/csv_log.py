@@ -96,7 +96,7 @@ def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
 
 
 def _in_ascending_order(numbers: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
-    """Returns the rows of a table with the latest one first in reverse."""
+    """Returns the rows of a descending table in reverse."""
     steps = np.diff(numbers["time"])
     descending = bool((steps <= 0.0).all() and (steps < 0.0).any())
     return {name: column[::-1] for name, column in numbers.items()} if descending else numbers

@@ -13,7 +13,12 @@ from flight.plan.plan import Plan
 from flight.schema import FileModel, json_content, parse_json
 from flight.se2 import SE2
 
-from .attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT, SPECIFICATION_ATTACHMENT
+from .attachment_names import (
+    MISSION_ATTACHMENT,
+    MISSION_PLAN_ATTACHMENT,
+    PLANS_ATTACHMENT,
+    SPECIFICATION_ATTACHMENT,
+)
 from .log import FlightLog
 
 Content = TypeVar("Content")
@@ -125,6 +130,16 @@ def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
     asked = _attached(log, PLANS_ATTACHMENT, tuple[_Asked, ...]) or ()
     plans = _attached(log, PLANS_ATTACHMENT, tuple[Plan, ...]) or ()
     return tuple(LoggedPlan(one.time, one.latency, plan) for one, plan in zip(asked, plans, strict=True))
+
+
+def logged_planned_time(log: FlightLog) -> float | None:
+    """Returns the cost of the plan for the mission as stated, in seconds; None without one.
+
+    Raises:
+        BadFileError: the attachment is there, but broken.
+    """
+    plan = _attached(log, MISSION_PLAN_ATTACHMENT, Plan)
+    return None if plan is None or not plan.found else plan.cost
 
 
 def plannings_text(plannings: Sequence[LoggedPlan]) -> bytes:

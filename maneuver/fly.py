@@ -46,7 +46,7 @@ LOST = 1
 # How results are said to people, where their names alone would not do.
 LABELS = {
     "flown_time": "flown",
-    "predicted_time": "planned",
+    "planned_time": "planned",
     "closest": "least distance to goal",
     "failures": "failed replans",
     "safe_stops": "safe stops",
@@ -55,10 +55,10 @@ LABELS = {
 }
 # What a result holds for scorecards and pictures.
 NOT_PRINTED = {
-    *("gamma", "plant", "planning_times", "performances", "legs"),
+    *("gamma", "plant", "predicted_time", "planning_times", "performances", "legs"),
     *("claimed", "alarms", "left", "effects", "left_tube"),
 }
-UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
+UNITS = {"flown_time": " s", "planned_time": " s", "closest": " m", "duration": " s"}
 
 
 def fly(

@@ -138,7 +138,8 @@ def validate(
         max_replans: replans after which a flight is given up.
         out: folder for flights, scorecard and pictures; none by default.
         calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
-            NAME.times.toml beside the library NAME.json; for --suite random.
+            NAME.times.toml beside the library NAME.json; for --suite random. Not written where too few
+            flights succeeded.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
         job_executor: who flies.
         status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
@@ -238,6 +239,9 @@ def _calibrate(
     made, lacking = find_time_bounds(results, share=BOUND_SHARE, seed=seed)
     for policy in lacking:
         print(f"{policy}: too few successful flights for a time bound", file=sys.stderr)
+    if not made:
+        print(f"{path} is not written: no policy has a time bound", file=sys.stderr)
+        return
     text = time_bounds_text(made, library_hash=library_hash(library), command=_command())
     write_atomically(text.encode(), path, force=force)
 

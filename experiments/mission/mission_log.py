@@ -4,6 +4,7 @@ import json
 from dataclasses import dataclass, replace
 
 from flight.file_value import FileValue
+from flight.plan.plan import Plan, plan_text, with_mission
 from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.identity import flight_identity
@@ -68,6 +69,11 @@ def mission_json(task: MissionTask) -> bytes:
     asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
     content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)
     return json.dumps(content, indent=1).encode()
+
+
+def mission_plan_json(task: MissionTask, plan: Plan) -> bytes:
+    """Returns the plan for the mission as stated, without its solve time."""
+    return plan_text(with_mission(replace(plan, solve_time=0.0), task.stated_mission)).encode()
 
 
 def plans_json(flown: FlightRecord) -> bytes:

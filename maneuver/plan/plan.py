@@ -13,7 +13,7 @@ from experiments.mission.stated_time_bound import stated_time_bounds, with_time_
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import MAX_TRIMS, Mission
-from flight.plan.plan import Policy, plan_text
+from flight.plan.plan import Policy, plan_text, with_mission
 from flight.plan.time_bound import time_bounds_path
 from maneuver.options.domain_warnings import warn_of_walk
 from maneuver.options.numbers import Count, Seconds
@@ -21,6 +21,7 @@ from runtime.atomic_write import check_output_files, write_atomically
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
 from .check import check
+from .context import holds_no_plan
 from .policy_options import check_policy_options
 from .prices import png_bytes, print_prices
 from .show import print_plan
@@ -96,7 +97,8 @@ def plan(
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
-        out: file for the plan, as JSON.
+        out: file for the plan with its mission, as JSON. A file that says no more than that there is no plan
+            is replaced, even without --force.
         picture: file for a picture of the plan, as PNG.
         force: overwrite these files.
         json: print the plan as JSON.
@@ -107,12 +109,16 @@ def plan(
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
     read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]
-    check_output_files(out, picture, force=force, inputs=read)
+    replace_out = force or holds_no_plan(out)
+    check_output_files(out, picture, force=True, inputs=read)
+    check_output_files(out, force=replace_out)
     check_output_files(picture, force=force, ending=".png")
     primitives = find_library(library)
     task = _find_mission(mission, primitives, max_trims)
     if pareto:
-        return print_prices(primitives, task, out=out, picture=picture, force=force, json=json)
+        return print_prices(
+            primitives, task, out=out, picture=picture, replace_out=replace_out, force=force, json=json
+        )
     planner = planner_of(
         policy or DEFAULT_POLICY,
         primitives,
@@ -130,14 +136,15 @@ def plan(
     answer = with_time_bound(answer, task, planner, primitives, stated_time_bounds(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
+    text = plan_text(with_mission(answer, task))
     if out is not None:
-        write_atomically(plan_text(answer).encode(), out, force=force)
+        write_atomically(text.encode(), out, force=replace_out)
     if picture is not None and answer.found:
         from review.pictures.plan_picture import plan_picture
 
         write_atomically(png_bytes(plan_picture(answer, primitives, task)), picture, force=force)
     if json:
-        sys.stdout.write(plan_text(answer))
+        sys.stdout.write(text)
     else:
         print_plan(answer, primitives)
     return 0 if answer.found else NO_PLAN

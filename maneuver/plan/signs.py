@@ -61,7 +61,7 @@ def signs(
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the name that the plan gives.
+        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
         each: what errs on its own.
         boxes: of errors, that the bound of the time may look at; more make it closer.
         json: print the figures as JSON.

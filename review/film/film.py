@@ -28,6 +28,7 @@ from .film_tracks import FLOWN, PLANNED, FilmTracks
 
 # Rotor speeds in the film, rad/s, the main rotor clockwise seen from above: at the true speed the frame rate
 # would alias the rotation.
+LONGEST_FILM = 6.0 * 3600.0
 _SHOWN_SPEEDS = (-11.0, 17.0)
 # Camera: distance behind, m; azimuth offset and elevation, deg; smoothing of place and of heading, s.
 _DISTANCE, _ASIDE, _DOWN = 7.0, -22.0, -13.0
@@ -66,6 +67,8 @@ class Film:
     """
 
     def __init__(self, log: FlightLog, settings: FilmSettings) -> None:
+        if log.duration > LONGEST_FILM:
+            raise FilmError(f"expected a flight of at most {LONGEST_FILM:g} s, got {log.duration:.6g} s")
         self._times = np.arange(0.0, log.duration + 0.5 / settings.rate, 1.0 / settings.rate)
         self._states = _states(log, self._times)
         self._smooth = _smooth_camera_path(self._states, settings.rate)

@@ -48,7 +48,9 @@ class ReferenceCosts:
 
 def digest(case: OddCase) -> str:
     """Returns eight digits that tell one case from another."""
-    return sha256(repr((case.library, case.mission, case.gamma)).encode()).hexdigest()[:8]
+    return sha256(
+        repr((case.library.trims, case.library.maneuvers, case.mission, case.gamma)).encode()
+    ).hexdigest()[:8]
 
 
 def read_costs() -> list[ReferenceCosts]:

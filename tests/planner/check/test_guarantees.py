@@ -180,7 +180,9 @@ def test_a_curve_of_prices_is_report_from_a_plan(tmp_path: Path, capsys: pytest.
     assert run([*pareto, "--out", str(path)]) == 0
     capsys.readouterr()
     line = refusal(capsys, "plan", "check", str(path))
-    assert line.endswith("this program reads maneuver-plan/1, the file is maneuver-prices/1\n")
+    assert line.endswith(
+        "this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-prices/1\n"
+    )
 
 
 def test_a_certificate_says_which_walk_is_wrong() -> None:

@@ -123,8 +123,7 @@ def test_turns_are_too_long_where_together_they_take_what_is_allowed() -> None:
     assert too_long(turning(free=2, best=7.0 - 1e-6)[0], 1.2, 0.2, 0.2)
     assert not too_long(turning(free=2, best=7.0 + 1e-6)[0], 1.2, 0.2, 0.2)
     # From 1.2 on to 0.2 + 0.7 at -0.1 rad/s: 3 s more.
-    bound = {"free": 2, "last_rate": -0.1}
-    assert too_long(turning(**bound, best=7.0 + 7.0 - 1e-5)[0], 1.2, 0.2 + 1.4, 0.2)
+    assert too_long(turning(free=2, last_rate=-0.1, best=7.0 + 7.0 - 1e-5)[0], 1.2, 0.2 + 1.4, 0.2)
     chain, held = turning(free=1, best=1.0 + 2.0 + 3.0 - 1e-5, last_rate=-0.1)
     assert too_long(chain, 1.2, 0.2)
     chain.problem.contents.best = 1.0 + 2.0 + 3.0 + 1e-5

@@ -158,8 +158,8 @@ def test_stationary_times_are_kept_and_times_near_them_led_there() -> None:
         problem, on = placed(walk, times)
         if on.count < 2 + on.bound_heading:
             continue
-        held = np.array(times) > 0
-        moved = Doubles(*(np.array(times) + 1e-5 * held * rng.normal(size=len(times))))
+        positive = np.array(times) > 0
+        moved = Doubles(*(np.array(times) + 1e-5 * positive * rng.normal(size=len(times))))
         led = native().make_stationary(ctypes.byref(problem), ctypes.byref(on), moved, Complex.of(m * 1.0001))
         found = np.array(moved[: len(times)])
         if not led or np.abs(found - times).max() > 1e-2:

@@ -67,7 +67,9 @@ def test_only_faster_times_count() -> None:
     cost, times = solved(walk, 1e-9)
     assert solved(walk, 1e-9, best=cost * (1 - 1e-12))[1] == [0.0, 0.0]
     assert solved(walk, 1e-9, best=cost * (1 - 1e-12))[0] == cost * (1 - 1e-12)
-    assert solved(walk, 1e-9, best=cost * 1.01) == (pytest.approx(cost, rel=1e-14), pytest.approx(times))
+    again, same = solved(walk, 1e-9, best=cost * 1.01)
+    assert again == pytest.approx(cost, rel=1e-14)
+    assert same == pytest.approx(times)
 
 
 def test_no_more_times_are_used_than_asked_for() -> None:

@@ -47,7 +47,7 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class Asked(FileValue):
-    """What the log of a mission says of its flight beside the mission, in the same object.
+    """Planner and loop settings of a flight, logged beside its mission.
 
     Attributes:
         policy: which planner.
@@ -64,7 +64,7 @@ class Asked(FileValue):
 
 
 def mission_json(task: MissionTask) -> bytes:
-    """Returns what a mission is flown from: mission, planner, and how the loop is closed."""
+    """Returns mission, planner and loop settings as JSON."""
     settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
     asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
     content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)

@@ -108,12 +108,12 @@ def _digest(result: MissionResult) -> str:
 
 
 def code_identity() -> str:
-    """Returns the versions of the code that flies missions here and that judges them, and how it plans."""
+    """Returns the digests of the code that flies and evaluates missions."""
     return f"{code_version()}, judged by {evaluation_version()}, plans {SEARCH_BACKEND}"
 
 
 def stored_task(task: MissionTask, folder: Path) -> StoredTask:
-    """Returns the flight with the file that keeps it: another flight has another file."""
+    """Returns the flight with the path of its result."""
     code = code_identity()
     content = {
         "code": code,

@@ -66,8 +66,8 @@ def check_clock(time: Column, *, sample: str) -> None:
         at = jumps[0]
         raise ClockError(
             f"{sample} {places[at + 1] + 1}: time jumps ahead by {steps[at]:.6g} s, from "
-            f"{time[places[at]]:.12g} s; expected gaps of at most {LONGEST_GAP:g} s: correct the times, or cut "
-            "the file there"
+            f"{time[places[at]]:.12g} s; expected gaps of at most {LONGEST_GAP:g} s: correct the times, or "
+            "cut the file there"
         )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())

@@ -53,7 +53,7 @@ def read_external_csv(
     try:
         chosen = _select_columns(table, columns)
         numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
-        numbers = _in_ascending_order(numbers)
+        numbers = dict(_in_ascending_order(numbers))
         if time_unit is None:
             check_unit(numbers["time"])
         time = SECONDS[time_unit or "s"] * numbers["time"]

@@ -56,14 +56,14 @@ def plan(
 ) -> int:
     """Plans a mission: trims and coasting times of least total time.
 
-    The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
-    and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
-    the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case time stays, at
-    it and at every smaller one, within alpha times the nominal optimum; --pareto shows the whole curve.
-    The committed policy fixes the coasting times before gamma is known: they end within the tolerance at
-    every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do is shown.
-    Every plan is flown again by code that shares nothing with the search. The exit code is 1 where there is
-    no plan.
+    The nominal policy uses the values without errors. The worst-case policy plans for the errors, scaled by
+    0, -gamma and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown
+    are those of the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case
+    time stays, at it and at every smaller one, within alpha times the nominal optimum; --pareto shows the
+    whole curve. The committed policy fixes the coasting times before gamma is known: they end within the
+    tolerance at every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do
+    is shown. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
+    there is no plan.
 
     For example:
 
@@ -103,9 +103,9 @@ def plan(
         force: overwrite these files.
         json: print the plan as JSON.
     """
-    told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
-    told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
-    check_policy_options(policy, told, pareto=pareto)
+    given = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
+    given |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
+    check_policy_options(policy, given, pareto=pareto)
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
     read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]

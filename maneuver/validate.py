@@ -31,6 +31,7 @@ from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from flight.plan.time_bound import time_bounds_text
+from maneuver.options.depth import at_depth
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_walks
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.folder_status import print_status
@@ -84,6 +85,7 @@ def validate(
     latency: str = "0.05",
     max_nodes: Count | None = None,
     max_replans: Count = 200,
+    max_trims: Count | None = None,
     out: Path | None = None,
     logs: Path | None = None,
     calibrate: Path | None = None,
@@ -136,6 +138,7 @@ def validate(
             too late), or a log of a flight to be repeated.
         max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
         max_replans: replans after which a flight is given up.
+        max_trims: longest sequence that missions are planned with, at most 8; each mission's by default.
         out: folder for flights, scorecard and pictures; none by default.
         calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
             NAME.times.toml beside the library NAME.json; for --suite random. Not written where too few
@@ -163,7 +166,8 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
-    _check_calibration(calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None))
+    plain = (settings, max_nodes, max_trims) == (Settings(), None, None)
+    _check_calibration(calibrate, suite, plant, plain=plain)
     check_output_files(calibrate, force=force, inputs=[library_path(library)])
     if job_executor.cluster is not None and logs is not None and out is None:
         raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
@@ -174,7 +178,10 @@ def validate(
     if plant == "helicopter" and true_gamma:
         raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
     grid = Grid(
-        missions=_missions(suite, missions, flown_with, seed=seed, gamma=gamma[0]),
+        missions=tuple(
+            at_depth(mission, max_trims)
+            for mission in _missions(suite, missions, flown_with, seed=seed, gamma=gamma[0])
+        ),
         policies=policies,
         library=flown_with,
         gammas=gamma,

@@ -43,8 +43,7 @@ class MissionResult:
 
     Attributes:
         planned_time: seconds of the plan for the mission as stated; None without one.
-        predicted_time: seconds to the goal that the loop predicts at its start, with its latency and aim; None
-            without a plan.
+        predicted_time: seconds to the goal that the loop predicts at its start, with its latency and aim.
         planning_times: CPU seconds of each replan; they differ between repetitions.
         performances: deviations of the helicopter's primitives.
         legs: primitives flown.

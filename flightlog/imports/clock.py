@@ -42,10 +42,9 @@ def check_unit(stamps: Column) -> None:
         for unit, size in SECONDS.items()
         if INTERVALS[0] <= size * interval <= INTERVALS[1]
     ]
-    found = f"; found those of {' or '.join(fitting)}" if fitting else ""
     raise ClockError(
         f"expected sample intervals of {INTERVALS[0]:g} to {INTERVALS[1]:g} s, got {interval:.3g} s if times "
-        f"are in seconds{found}: give --time-unit"
+        f"are in seconds: give --time-unit {' or '.join(fitting)}".rstrip()
     )
 
 

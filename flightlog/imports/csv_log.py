@@ -57,8 +57,7 @@ def read_external_csv(
             raise FlightError(f"column {chosen['time']!r}: expected times, got no finite number")
         numbers["time"] = np.where(np.isfinite(numbers["time"]), numbers["time"], np.nan)
         numbers = _in_ascending_order(numbers)
-        if time_unit is None:
-            check_unit(numbers["time"])
+        check_unit(numbers["time"], time_unit)
         time = SECONDS[time_unit or "s"] * numbers["time"]
         check_clock(time, sample="row")
         sources, velocity = _sources(numbers, time - np.nanmin(time), axes)

@@ -72,6 +72,15 @@ def test_the_unit_that_is_named_is_the_one_to_give(tmp_path: Path, unit: str) ->
     np.testing.assert_allclose(estimate["forward"], 4.0, atol=1e-6)
 
 
+def test_a_stated_unit_may_be_slow_and_not_impossibly_fast() -> None:
+    minutes = 60.0 * np.arange(20)
+    check_unit(minutes, "s")
+    with pytest.raises(ClockError, match="got 60 s if times are in s: give --time-unit ms"):
+        check_unit(minutes, None)
+    with pytest.raises(ClockError, match=r"got 2e-11 s if times are in ns: give --time-unit s \(50 Hz\)"):
+        check_unit(TIME, "ns")
+
+
 def test_a_table_with_the_latest_row_first_is_read_from_its_end(tmp_path: Path) -> None:
     path, out = circle(tmp_path, TIME), tmp_path / "flight.mcap"
     headings, *rows = path.read_text().splitlines()
@@ -85,7 +94,7 @@ def test_a_table_with_the_latest_row_first_is_read_from_its_end(tmp_path: Path) 
 @given(st.floats(-3.9, 0.99), st.floats(0.0, 1.7e9), st.integers(2, 400))
 def test_an_even_clock_of_a_flight_is_seconds(exponent: float, start: float, count: int) -> None:
     time = start + 10.0**exponent * np.arange(count)
-    check_unit(time)
+    check_unit(time, None)
     check_clock(time, sample="row")
 
 

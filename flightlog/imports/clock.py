@@ -49,13 +49,13 @@ def check_unit(stamps: Column, unit: TimeUnit | None) -> None:
         if shortest <= second * interval <= longest
     ]
     raise ClockError(
-        f"expected sample intervals of {shortest:g} to {longest:g} s, got {size * interval:.3g} s if times are "
-        f"in {unit or 's'}: give --time-unit {' or '.join(fitting)}".rstrip()
+        f"expected sample intervals of {shortest:g} to {longest:g} s, got {size * interval:.3g} s if times "
+        f"are in {unit or 's'}: give --time-unit {' or '.join(fitting)}".rstrip()
     )
 
 
 def check_clock(time: Column, *, sample: str) -> None:
-    """Refuses a clock that jumps ahead, or back over more than a few samples.
+    """Refuses a clock that is too fast, jumps ahead, or back over many samples.
 
     Args:
         time: seconds; samples that are not finite are passed over.
@@ -73,6 +73,11 @@ def check_clock(time: Column, *, sample: str) -> None:
             f"{sample} {places[at + 1] + 1}: time jumps ahead by {steps[at]:.6g} s, from "
             f"{time[places[at]]:.12g} s; expected gaps of at most {LONGEST_GAP:g} s: correct the times, or "
             "cut the file there"
+        )
+    if len(steps) and 0.0 < np.ptp(time[places]) < INTERVALS[0] * len(steps):
+        raise ClockError(
+            f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {len(places)} in "
+            f"{np.ptp(time[places]):.3g} s: the unit of the times is another"
         )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())

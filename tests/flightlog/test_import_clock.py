@@ -106,6 +106,11 @@ def test_a_few_samples_out_of_order_or_without_a_time_are_no_jump() -> None:
         check_clock(np.concatenate([TIME[:10], TIME[:10]]), sample="row")
 
 
+def test_a_rate_of_no_sensor_is_another_unit() -> None:
+    with pytest.raises(ClockError, match=r"expected a message every 0\.0001 s or less often, got 500 in"):
+        check_clock(TIME / 1e3, sample="message")
+
+
 def test_what_is_made_of_a_log_does_not_grow_with_its_time_alone() -> None:
     """Gives a thousand samples over 31 years, which would need gigabytes."""
     time = np.concatenate([TIME, 1e9 + TIME])

@@ -39,7 +39,7 @@ Change = Callable[[bytes, Random], bytes]
 
 
 class _TooLongError(BaseException):
-    """What a program that handles its own errors cannot swallow."""
+    """Error that a program's own handlers cannot catch."""
 
 
 @dataclass(frozen=True, slots=True)

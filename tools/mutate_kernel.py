@@ -180,7 +180,7 @@ BUILD = (
 
 
 def machine_code(tree: Path) -> bytes | None:
-    """Returns the compiled kernel of a tree; None if it does not compile."""
+    """Returns the compiled kernel of a tree; None without machine code."""
     command = [sys.executable, "-c", BUILD.format(str(tree))]
     done = subprocess.run(command, cwd=tree, env=environment(tree), check=False, capture_output=True)
     made = list((tree.parent / "cache").rglob("*.so"))

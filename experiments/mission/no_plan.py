@@ -1,4 +1,4 @@
-"""Reason of an infeasible mission, with the depth at which it has a plan."""
+"""Reason of an infeasible mission, and the depth with a plan."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from .policies import CERTIFIABLE, planner_of
 
 
 def with_full_reason(plan: Plan, library: Library, mission: Mission) -> Plan:
-    """Returns an infeasible plan with a reason that names what would change it.
+    """Returns an infeasible plan whose reason names what would change it.
 
     Args:
         plan: the answer; one that is not infeasible is returned as it is.

@@ -55,7 +55,7 @@ def check_unit(stamps: Column, unit: TimeUnit | None) -> None:
 
 
 def check_clock(time: Column, *, sample: str) -> None:
-    """Refuses a clock that is too fast, jumps ahead, or back over many samples.
+    """Checks that a clock is slow enough, without jumps.
 
     Args:
         time: seconds; samples that are not finite are passed over.

@@ -122,7 +122,7 @@ def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -
 
 
 def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> SceneEntity:
-    """Draws a plan from the estimated pose at its time, over its tube."""
+    """Draws a plan from the estimated pose at its time."""
     entity = SceneEntity(frame_id=WORLD, id="plan")
     plan, start = planning.plan, estimated_pose(log, planning.time)
     height = float(-np.interp(planning.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))

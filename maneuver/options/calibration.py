@@ -45,7 +45,7 @@ def write_time_bounds(
     command: str,
     force: bool,
 ) -> None:
-    """Writes the time bounds of flights; none, and a warning, without a bound.
+    """Writes the time bounds of flights, or warns that there are none.
 
     Args:
         path: file of time bounds, if any.

@@ -1,4 +1,4 @@
-"""Option of the longest sequence searched, `--max-trims`."""
+"""Option for the longest sequence: `--max-trims`."""
 
 from dataclasses import replace
 
@@ -7,7 +7,7 @@ from flight.mission.mission import MAX_TRIMS, Mission
 
 
 def at_depth(mission: Mission, max_trims: int | None) -> Mission:
-    """Returns the mission with the longest sequence that is asked for; None for its own.
+    """Returns the mission with the given longest sequence, if any.
 
     Raises:
         FlightError: it is longer than can be searched.

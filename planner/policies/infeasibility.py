@@ -1,4 +1,4 @@
-"""Reasons why a mission has no plan, and the depth at which it has one."""
+"""Reasons of infeasible missions, and the depth that has a plan."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,7 +21,7 @@ ROUNDING = 1e-9
 
 
 def unreachable_end(library: Library, mission: Mission) -> str:
-    """Returns why no walk can end as wanted, wherever it leads; empty where one can.
+    """Returns the end condition that no walk meets; empty if there is none.
 
     Args:
         library: the primitives.
@@ -42,7 +42,7 @@ def unreachable_end(library: Library, mission: Mission) -> str:
 
 
 def fewest_trims(library: Library, start: int, goal: int) -> int | None:
-    """Returns the number of trims in the shortest walk between two trims; None without a walk."""
+    """Returns the number of trims in the shortest walk; None without one."""
     reached, count = {start}, 1
     while goal not in reached:
         onward = reached | {after for trim in reached for after in library.successors(trim)}
@@ -55,7 +55,7 @@ def fewest_trims(library: Library, start: int, goal: int) -> int | None:
 def longer_walk(
     mission: Mission, plan_within: Callable[[Mission, float], Plan], *, patience: float = PATIENCE
 ) -> str:
-    """Returns the depth at which an infeasible mission has a plan, in words; empty where not known.
+    """Returns the depth with a plan, in words; empty if unknown.
 
     Args:
         mission: without a plan at its own depth.
@@ -77,7 +77,7 @@ def longer_walk(
 
 
 def _turns_to_goal(library: Library, mission: Mission) -> bool:
-    """Returns whether a walk to the wanted trim can turn to the wanted heading.
+    """Returns True where a walk can turn to the wanted heading.
 
     A coast in a trim that turns may last until any heading; without one the maneuvers alone turn. The library
     without its errors decides: every plan must reach the goal with it.

@@ -37,7 +37,7 @@ class Body(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class MainRotor(FileValue):
-    """Main rotor: m, rad/s, hub spring in N m/rad, drag shares in 1/s."""
+    """Main rotor: m, rad/s, hub spring in N m/rad, drag in 1/s."""
 
     radius: PositiveFloat
     blades: int

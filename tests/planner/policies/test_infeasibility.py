@@ -1,4 +1,4 @@
-"""What an infeasible answer names: the end that no walk has, and the depth at which there is a plan."""
+"""Tests of the reasons of infeasible answers: end and depth."""
 
 from dataclasses import replace
 from math import inf, pi

@@ -21,7 +21,7 @@ ROUNDING = 1e-9
 
 
 def unreachable_end(library: Library, mission: Mission) -> str:
-    """Returns the end condition that no walk meets; empty if there is none.
+    """Returns the end condition that no walk meets; empty if none.
 
     Args:
         library: the primitives.

@@ -1,8 +1,8 @@
 """Measures the kernel's tests by mutation: `python -m tools.mutate_kernel --mutants 300 --seed 1`.
 
 One change at a time to the C of planner/kernel: a sign flipped, a conj dropped, cos and sin swapped, a
-threshold moved, < and <= swapped. Each is compiled in a scratch folder; the tests marked `kernel` run with it
-up to the first that fails. Mutants that give the same machine code are no mutants. Survivors are printed.
+threshold moved, < and <= swapped. Each is compiled in a scratch folder, and the tests marked `kernel` run on
+it up to the first failure. Mutants that give the same machine code are no mutants. Survivors are printed.
 """
 
 import argparse

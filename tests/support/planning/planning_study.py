@@ -19,7 +19,7 @@ from tests.oracles.plan_judgement import Judgement, judge, levels_of
 
 from .odd_missions import OddCase, odd_case
 
-COMPARED = 10
+COMPARED = 5
 """Every so many missions the committed policy and certificates are compared, too."""
 
 FEW_WALKS = 10

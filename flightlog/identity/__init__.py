@@ -1,1 +1,1 @@
-"""Identity of a flight, fingerprint of a log, and differences of two logs."""
+"""Identity of flights, fingerprints of logs, and differences of logs."""

@@ -168,7 +168,7 @@ def test_a_log_without_specification_is_not_replayed(
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
     write_log(log, tmp_path / "planted.mcap")
     assert run(["replay", str(tmp_path / "planted.mcap")]) == 2
-    assert "has no specification.json" in capsys.readouterr().err
+    assert "expected a log of this program's simulator with specification.json" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("broken", [b"[]", b"{}", b"no", b'{"policy": "fast", "gamma": 1, "max_nodes": 1}'])

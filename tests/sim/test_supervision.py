@@ -179,7 +179,7 @@ def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
     assert flown.claimed
     assert not flown.reached
     assert flown.closest > mission.tolerance
-    assert flown.reason.startswith("took itself to be at the goal")
+    assert flown.reason.startswith("vehicle declared arrival, but")
 
 
 def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:

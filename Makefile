@@ -3,7 +3,6 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := benchmarks experiments flight flightlog identification libraries maneuver models planner review runtime scenarios sim tests tools
 
 # One BLAS thread: the thread count changes the last bits of results.
 export OPENBLAS_NUM_THREADS := 1
@@ -40,8 +39,8 @@ test: install
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: install
-	$(BIN)/ruff format --check $(SOURCES)
-	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
@@ -49,8 +48,8 @@ gallery: install
 	$(BIN)/python -m tools.gallery $(ULOG)
 
 format: install
-	$(BIN)/ruff format $(SOURCES)
-	$(BIN)/ruff check --fix $(SOURCES)
+	$(BIN)/ruff format
+	$(BIN)/ruff check --fix
 
 # Needs pip-tools; writes names, versions and hashes, and no address.
 lock:

@@ -4,7 +4,7 @@ import json
 import tomllib
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -32,21 +32,21 @@ class FileModel(BaseModel):
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def schema_named(known: str) -> AfterValidator:
-    """Returns what refuses every schema but one, by name."""
-    return AfterValidator(partial(check_schema_name, known=known))
+def schema_named(*known: str) -> AfterValidator:
+    """Returns what refuses every schema but the known ones, by name."""
+    return AfterValidator(lambda schema: check_schema_name(schema, *known))
 
 
-def check_schema_name(schema: str, known: str) -> str:
-    """Returns the schema name of a file if it is the known one.
+def check_schema_name(schema: str, *known: str) -> str:
+    """Returns the schema name of a file if it is known.
 
     Raises:
-        ValueError: it is another; says both.
+        ValueError: it is another; says all.
     """
-    if schema != known:
-        newer = schema.partition("/")[0] == known.partition("/")[0]
+    if schema not in known:
+        newer = schema.partition("/")[0] == known[0].partition("/")[0]
         instead = "; another version may read it" if newer else ""
-        raise ValueError(f"this program reads {known}, the file is {schema:.60}{instead}")
+        raise ValueError(f"this program reads {' and '.join(known)}, the file is {schema:.60}{instead}")
     return schema
 
 
@@ -70,7 +70,8 @@ def toml_table(path: Path) -> dict[str, Any]:
     try:
         table = tomllib.loads(text)
         json.dumps(table)
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:
+        # Numbers of thousands of digits are refused by another error than TOML's own.
         raise BadFileError(path, f"is not TOML: {error}") from None
     except TypeError:
         raise BadFileError(path, "expected numbers, texts and arrays, got a date or time") from None

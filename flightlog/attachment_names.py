@@ -15,6 +15,9 @@ FAULTS_ATTACHMENT = "faults.json"
 PLANS_ATTACHMENT = "plans.json"
 """The plans of a flight in receding horizon, in order: a JSON array of `maneuver-plan/1` with their times."""
 
+MISSION_PLAN_ATTACHMENT = "mission_plan.json"
+"""The plan for the mission as stated, as `maneuver plan` makes it: a `maneuver-plan/2`."""
+
 MISSION_ATTACHMENT = "mission.json"
 """The mission of a flight in receding horizon."""
 

@@ -13,7 +13,12 @@ from flight.plan.plan import Plan
 from flight.schema import FileModel, json_content, parse_json
 from flight.se2 import SE2
 
-from .attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT, SPECIFICATION_ATTACHMENT
+from .attachment_names import (
+    MISSION_ATTACHMENT,
+    MISSION_PLAN_ATTACHMENT,
+    PLANS_ATTACHMENT,
+    SPECIFICATION_ATTACHMENT,
+)
 from .log import FlightLog
 
 Content = TypeVar("Content")
@@ -98,7 +103,7 @@ def logged_goal(log: FlightLog) -> Destination | None:
 
 
 def logged_goal_trim(log: FlightLog) -> int | None:
-    """Returns the id of the trim wanted at the goal, or None where any will do.
+    """Returns the id of the goal's trim; None for any trim.
 
     Raises:
         BadFileError: the attachment is there, but broken.
@@ -117,7 +122,7 @@ def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
 
 
 def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
-    """Returns every planning, with a plan or without, in order; empty where the log has none.
+    """Returns all replans in order, with or without a plan.
 
     Raises:
         BadFileError: the attachment is invalid.
@@ -127,6 +132,16 @@ def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
     return tuple(LoggedPlan(one.time, one.latency, plan) for one, plan in zip(asked, plans, strict=True))
 
 
+def logged_planned_time(log: FlightLog) -> float | None:
+    """Returns the planned time in seconds; None without a plan.
+
+    Raises:
+        BadFileError: the attachment is there, but broken.
+    """
+    plan = _attached(log, MISSION_PLAN_ATTACHMENT, Plan)
+    return None if plan is None or not plan.found else plan.cost
+
+
 def plannings_text(plannings: Sequence[LoggedPlan]) -> bytes:
     """Returns the plannings of a flight as its log carries them."""
     content = [{"time": one.time, "latency": one.latency, **json_content(one.plan)} for one in plannings]
@@ -134,7 +149,7 @@ def plannings_text(plannings: Sequence[LoggedPlan]) -> bytes:
 
 
 def _attached(log: FlightLog, name: str, kind: type[Content]) -> Content | None:
-    """Returns what an attachment says of one kind, among other things; None where the log lacks it.
+    """Returns a value of one kind from an attachment; None without it.
 
     Raises:
         BadFileError: the attachment is there, but broken.

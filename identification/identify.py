@@ -21,6 +21,10 @@ class InconsistentLogsError(FlightError):
     """Logs of different conditions or automata cannot make one library."""
 
 
+class NoAutomatonError(FlightError):
+    """Fewer than two trims, or no maneuver, cannot be planned with."""
+
+
 def identify(
     flights: Iterable[FlightEvidence],
     *,
@@ -47,6 +51,7 @@ def identify(
 
     Raises:
         InconsistentLogsError: there are none, or they differ in vehicle, wind or automaton.
+        NoAutomatonError: the automaton has fewer than two trims or no maneuver.
         NeverFlownError: no log has some trim or maneuver of the automaton.
     """
     bounding, centring = _sort_flights(flights), _sort_flights(nominal)
@@ -55,6 +60,7 @@ def identify(
         raise InconsistentLogsError("expected flight logs that give the bounds, got nominal flights alone")
     first = bounding[0]
     flown, header = first.library, first.header
+    _check_automaton(flown)
     trims = _trims(bounding, trim_errors, confidence)
     maneuvers = tuple(_maneuver(row, flown, bounding, centring, confidence) for row in flown.maneuvers)
     beside = f" (values from {len(centring)} others)" if centring else ""
@@ -158,6 +164,15 @@ def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
                 f"{flight.name}: expected the library of {first.name}, {first.library.name}, got another "
                 f"({flight.library.name})"
             )
+
+
+def _check_automaton(library: Library) -> None:
+    """Refuses trims and maneuvers that no plan can use."""
+    if len(library.trims) < 2 or not library.maneuvers:
+        raise NoAutomatonError(
+            f"expected at least two trims and a maneuver to identify, got {len(library.trims)} and "
+            f"{len(library.maneuvers)} in library {library.name!r}"
+        )
 
 
 def _coasting_range(flights: Sequence[FlightEvidence]) -> tuple[float, float]:

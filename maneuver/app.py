@@ -13,11 +13,11 @@ from rich.console import Console
 from flight.errors import FlightError
 from runtime.version import VERSION
 
-WHOLE = "files that are there are whole"
-RESUME = f"{WHOLE}, and the same command goes on from there"
+WHOLE = "all files written are complete"
+RESUME = f"{WHOLE}; the same command resumes"
 
 RESUMING = {"regenerate": "", "fly": "--campaign", "validate": "--out", "faults": "--out"}
-"""Verbs that keep each flight when it is flown, and fly only what is missing; where, with this option."""
+"""Verbs that resume from the flights on disk, and the option that this needs."""
 
 WORKER_DIED = 1
 BAD_INPUT = 2
@@ -119,7 +119,7 @@ def run(arguments: Sequence[str] | None = None) -> int:
 
 
 def _is_resumable(words: Sequence[str]) -> bool:
-    """Returns whether a command that was stopped goes on where it was."""
+    """Returns True if the command resumes after a stop."""
     options = {"", *(word.partition("=")[0] for word in words)}
     return any(words[:1] == [verb] and option in options for verb, option in RESUMING.items())
 

@@ -14,7 +14,8 @@ from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ESTIMATE, FAULT, FAULT_EFFECT, MOTION, TOPICS, TRUTH
 from flightlog.file.writer import write_log
 from flightlog.imports.axes import Axes, BodyAxes, WorldAxes
-from flightlog.imports.csv_log import TimeUnit, read_external_csv
+from flightlog.imports.clock import TimeUnit
+from flightlog.imports.csv_log import read_external_csv
 from flightlog.imports.mcap_log import McapImportSettings, VelocityAxes, read_external_mcap
 from flightlog.imports.measured_motion import velocity_disagreement
 from flightlog.imports.px4_log import read_px4_log
@@ -74,7 +75,7 @@ def import_log(
         pose: topic of an MCAP that says where the vehicle is and how it stands.
         velocity: topic of an MCAP that says how it moves; the pose's own topic by default.
         columns: of a table, as NAME=HEADING.
-        time_unit: of a table's times; seconds by default.
+        time_unit: of a table's times; seconds by default, where they can be.
         world: axes of the world: north, east, down or east, north, up.
         body: axes of the body: forward, right, down or forward, left, up.
         velocity_in: whether an MCAP's velocities are along the world's axes or the body's.
@@ -104,7 +105,7 @@ def import_log(
     elif log.suffix == ".csv":
         _check_options("they are for MCAP files", stated)
         axes = Axes(world or "ned", body or "frd")
-        flight = read_external_csv(log, _pairs(columns), axes=axes, time_unit=time_unit or "s", topic=topic)
+        flight = read_external_csv(log, _pairs(columns), axes=axes, time_unit=time_unit, topic=topic)
     else:
         raise FlightError(f"expected FLIGHT.ulg, FLIGHT.mcap or FLIGHT.csv, got {log}")
     write_log(flight, path, force=force)
@@ -162,7 +163,7 @@ def _warn(log: Path, flight: FlightLog) -> int:
     if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
         print(
             f"maneuver: {log}: velocities differ from what the positions show by {apart[0]:.2f} m/s at a "
-            f"speed of {apart[1]:.2f} m/s: see --world, --body and --velocity-in",
+            f"speed of {apart[1]:.2f} m/s: see --world, --body, --velocity-in, and --time-unit of tables",
             file=sys.stderr,
         )
     states = flight.motion

@@ -74,6 +74,10 @@ ATTACHMENTS = (
         "mission of a receding-horizon flight, its planner and settings",
     ),
     (
+        attachment_names.MISSION_PLAN_ATTACHMENT,
+        "plan for the mission as stated, a `maneuver-plan/2`; its cost is the planned time",
+    ),
+    (
         attachment_names.PLANS_ATTACHMENT,
         "its plans in order, each `maneuver-plan/1` with time and duration of the planning",
     ),

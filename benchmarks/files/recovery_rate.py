@@ -1,4 +1,4 @@
-"""Damaged logs by the thousand: what `maneuver recover` says it saved must open and be a part of the log.
+"""Recovery rate of damaged logs by `maneuver recover`.
 
 For example:
 
@@ -15,7 +15,7 @@ from flightlog.file.recovery import Salvage, contains_salvage, recovered_bytes, 
 
 
 def main() -> None:
-    """Cuts logs at random places, half of them with a flipped bit too, and prints what came of it."""
+    """Prints recovery counts of randomly cut logs, half with a flipped bit."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

@@ -1,4 +1,4 @@
-"""How fast logs are written, read and made into pages: `python -m benchmarks.files.review_speed`.
+"""Speed of log writing, reading and pages: `python -m benchmarks.files.review_speed`.
 
 A simulated flight of ten minutes with six channels at 100 Hz, written and read beside the libraries' own
 encoder and decoder in the same run; pages of ten and thirty minutes, opened in Chromium where there is one.
@@ -67,7 +67,7 @@ def main() -> None:
 
 
 def flight(duration: float) -> FlightLog:
-    """Returns a flight of about a duration in seconds whose six channels are sampled at `RATE`."""
+    """Returns a flight with six channels sampled at `RATE`; duration in seconds."""
     library = campaign_library(find_campaign("gtmax"), "gtmax")
     coasts = (duration / len(WALK),) * len(WALK)
     sequence = Sequence("long", SE2.identity(), WALK, coasts, "gtmax")
@@ -103,7 +103,7 @@ def message_class(descriptors: bytes, name: str) -> Any:
 
 
 def stock_bytes(log: FlightLog) -> bytes:
-    """Writes the same channels message by message, by the protobuf runtime and the library's writer."""
+    """Writes the same channels by the protobuf runtime and MCAP library."""
     stream = io.BytesIO()
     writer = Writer(stream, enable_data_crcs=True)
     writer.start()
@@ -122,7 +122,7 @@ def stock_bytes(log: FlightLog) -> bytes:
     return stream.getvalue()
 
 
-def stock_arrays(content: bytes) -> dict[str, np.ndarray[Any, Any]]:
+def stock_arrays(content: bytes) -> dict[str, np.ndarray]:
     """Reads the channels message by message into arrays."""
     rows: dict[str, list[list[float]]] = {topic.name: [] for topic in TOPICS}
     classes: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def stock_arrays(content: bytes) -> dict[str, np.ndarray[Any, Any]]:
 
 
 def opening(folder: Path) -> float:
-    """Returns seconds from the order to open the page until its first plots are drawn, by its own clock."""
+    """Returns seconds from the page request to its first plots."""
     page = folder / "page.html"
     with page.open("a", encoding="utf-8") as file:
         file.write("<script>requestAnimationFrame(() => setTimeout(() => ")

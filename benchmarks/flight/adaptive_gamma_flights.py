@@ -1,9 +1,9 @@
-"""Fixed gammas beside an adaptive one: `python -m benchmarks.flight.adaptive_gamma_flights 40 9`.
+"""Fixed and adaptive gammas compared: `python -m benchmarks.flight.adaptive_gamma_flights 40 9`.
 
 The helicopter flies random missions in wind that changes on the way, every one at gamma 0, 0.5, 1 and at the
-adaptive one, in the same air. Prints as Markdown how many goals were reached, how long it took, by how many
-seconds the adaptive level was faster or slower than each other one, mission by mission, with the 95 %
-interval of the bootstrap, and in how many flights the vehicle said to be outside its library's wind.
+adaptive one, in the same air. Prints as Markdown: goals reached, times, the time difference of the adaptive
+level from each other one, mission by mission, with the 95 % bootstrap interval, and the flights with a
+warning of wind outside the library's domain.
 """
 
 import sys
@@ -38,14 +38,14 @@ RESAMPLED = 4000
 
 @dataclass(frozen=True, slots=True)
 class WeatherCase:
-    """A wind that changes: its first class, and what comes."""
+    """A wind that changes: its first class and its changes."""
 
     first: str
     changes: tuple[tuple[float, str], ...]
 
     @property
     def words(self) -> str:
-        """For people."""
+        """Returns the results in words."""
         return ", ".join([self.first, *(f"{wind} from {time:g} s" for time, wind in self.changes)])
 
 
@@ -78,7 +78,7 @@ def fly_all(executor: Executor, weather: WeatherCase, count: int, seed: int) -> 
 
 
 def difference(rows: Sequence[MissionResult], others: Sequence[MissionResult]) -> str:
-    """Returns the mean difference of times over missions reached by both, with its interval."""
+    """Returns the mean time difference over common arrivals, with its interval."""
     pairs = zip(rows, others, strict=True)
     seconds = np.array([one.flown_time - two.flown_time for one, two in pairs if one.reached and two.reached])
     rng = np.random.default_rng(1)
@@ -88,12 +88,12 @@ def difference(rows: Sequence[MissionResult], others: Sequence[MissionResult]) -
 
 
 def table(weather: WeatherCase, flown: Sequence[Sequence[MissionResult]]) -> str:
-    """Returns what became of the flights of one weather."""
+    """Returns the results of one weather as a table."""
     lines = [
         f"## {weather.words}",
         "",
         "| level | reached | 95 % | inside the plan's time | median flown, s | mean, s "
-        "| adaptive less this, s | said to be outside its wind |",
+        "| adaptive less this, s | outside its wind, detected |",
         "| --- | --- | --- | --- | --- | --- | --- | --- |",
     ]
     for (name, _, _), rows in zip(FLOWN, flown, strict=True):
@@ -113,7 +113,7 @@ def table(weather: WeatherCase, flown: Sequence[Sequence[MissionResult]]) -> str
 def main() -> None:
     """Prints a table for each weather."""
     count, seed = (int(word) for word in sys.argv[1:3])
-    print("# Calibrated gamma\n")
+    print("# Adaptive gamma\n")
     print(f"    python -m benchmarks.flight.adaptive_gamma_flights {count} {seed}\n")
     with worker_pool(default_workers()) as executor:
         for weather in WEATHERS:

@@ -1,9 +1,8 @@
-"""What a vehicle takes the turbulence for, beside what it is: `python -m benchmarks.flight.turbulence 20 3`.
+"""Estimated against true turbulence: `python -m benchmarks.flight.turbulence 20 3`.
 
-First the velocity errors in each trim, for each m/s of wind at 20 ft, which `sim.wind.turbulence_meter` is
-made of, and
-the innovations of the filter, which it is not made of; then what it says at the ends of as many random
-random missions in each wind class.
+First the velocity errors in each trim per m/s of wind at 20 ft, the input of `sim.wind.turbulence_meter`, and
+the filter's innovations, for comparison; then the estimates at the ends of random missions in each wind
+class.
 """
 
 import sys
@@ -29,21 +28,21 @@ LIBRARY = find_library("gtmax-sim")
 HOLD_TIME = 40.0
 """Seconds for which a trim is held."""
 FIX_INTERVAL = 0.2
-"""Seconds between two looks at the innovations, each of the last fix."""
+"""Seconds between two samples of the innovations, each of the last fix."""
 
 
 def velocity_error(trim: int, wind: str, seed: int) -> float:
-    """Returns the mean square of the velocity error of a trim that is held, m2/s2."""
+    """Returns the mean square velocity error in a trim, m2/s2."""
     helicopter = SimulatedHelicopter(FlightSpecification(seed=seed, start_trim=trim, wind=wind), LIBRARY)
     helicopter.coast(HOLD_TIME)
     log = helicopter.log()
-    believed, asked = log[ESTIMATE], log[COMMAND]
-    off = [believed[name] - asked[name] for name in ("forward", "side")]
-    return float((off[0] ** 2 + off[1] ** 2 + believed["descent"] ** 2).mean())
+    estimate, command = log[ESTIMATE], log[COMMAND]
+    off = [estimate[name] - command[name] for name in ("forward", "side")]
+    return float((off[0] ** 2 + off[1] ** 2 + estimate["descent"] ** 2).mean())
 
 
 def innovations(wind: str, seed: int) -> tuple[float, float]:
-    """Returns mean squares of innovations in position and velocity, in variances, over all trims held."""
+    """Returns mean squared normalised innovations in position and velocity."""
     seen = []
     for trim in LIBRARY.trims:
         specification = FlightSpecification(seed=seed, start_trim=trim.id, wind=wind)
@@ -57,7 +56,7 @@ def innovations(wind: str, seed: int) -> tuple[float, float]:
 
 
 def reported_turbulence(wind: str, count: int, seed: int) -> Iterator[float]:
-    """Yields what the vehicle says at the end of each mission, m/s."""
+    """Yields the estimated turbulence at the end of each mission, m/s."""
     planner = worst_case_planner(LIBRARY, 1.0)
     for mission in random_missions(LIBRARY, count=count, seed=seed, gamma=1.0):
         number = mission_seed(seed, mission.name, 0)
@@ -79,21 +78,21 @@ def main() -> None:
     """Prints both tables."""
     count, seed = (int(word) for word in sys.argv[1:3])
     wind = WIND_CLASSES[LIBRARY.conditions.wind]
-    print(f"velocity error, m/s, and for each m/s of wind at 20 ft; taken: {STILL_AIR_ERROR} in still air")
+    print(f"velocity error, m/s, and per m/s of wind at 20 ft; model: {STILL_AIR_ERROR} in still air")
     for trim in LIBRARY.trims:
         still, blown = (
             mean(velocity_error(trim.id, name, seed + n) for n in range(4)) for name in ("calm", wind.name)
         )
         taken = ERROR_PER_WIND + ERROR_PER_WIND_AND_YAW_RATE * abs(trim.velocity.yaw_rate)
         share = sqrt(max(blown - still, 0.0)) / wind.wind_at_20_ft
-        print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  taken {taken:.4f}")
+        print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  model {taken:.4f}")
     print("\nwind class     innovations, mean square in variances: position   velocity")
     for name in WIND_CLASSES:
         position, velocity = (
             mean(parts) for parts in zip(*(innovations(name, seed + n) for n in range(4)), strict=True)
         )
         print(f"{name:<15}{position:>48.3f}{velocity:>11.3f}")
-    print("\nwind class        true   said: 10 %   median   90 %, m/s")
+    print("\nwind class        true   estimated: 10 %   median   90 %, m/s")
     for name, known in WIND_CLASSES.items():
         if name != "severe":
             low, *_, high = quantiles(found := list(reported_turbulence(name, count, seed)), n=10)

@@ -1,8 +1,8 @@
-"""The least worst time by brute force: every walk at every level, Newton's method from many starts.
+"""Least worst-case time by brute force: Newton's method from many starts.
 
-It shares the equations of motion with the proofs, and nothing with the search: random sets of times that are
-not 0, random times, first moved to the goal, then Newton's method on the conditions of an optimum. What it
-finds is flown before it counts.
+It shares the equations of motion with the proofs, and nothing with the search: random sets of nonzero times,
+random values, first moved to the goal, then Newton's method on the optimality conditions. A solution counts
+only if its end is at the goal.
 """
 
 from math import inf
@@ -17,7 +17,7 @@ from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 MOST_FREE = 4
-"""Times that may be not 0."""
+"""Most nonzero times."""
 
 TIME_SCALES = (1.0, 3.0, 6.0, 15.0, 60.0)
 """Seconds around which random times are."""
@@ -29,7 +29,7 @@ LONGEST_STEP = 5.0
 """Seconds that one step may change a time by."""
 
 RUN_AWAY = 1e6
-"""Above this, numbers come from a start that leads nowhere."""
+"""Magnitude above which a start has diverged."""
 
 MEETS = 1e-7
 """Metres and radians, beyond the tolerance, at which a goal counts as reached."""
@@ -38,7 +38,7 @@ MEETS = 1e-7
 def brute_force(
     library: Library, mission: Mission, gammas: tuple[float, ...], rng: np.random.Generator, *, starts: int
 ) -> float:
-    """Returns the least worst time found in seconds; infinite where no walk was found to reach the goal.
+    """Returns the least worst-case time found, or infinity.
 
     Args:
         library: the primitives.
@@ -58,7 +58,7 @@ def brute_force(
 
 
 def least_costs(problems: WalkProblems, rng: np.random.Generator, starts: int) -> PerBox:
-    """Returns the least cost found for each walk; infinite where none was found."""
+    """Returns the least cost found for each walk, or infinity."""
     count = len(problems.rate)
     row = np.repeat(np.arange(count), starts)
     many = problems.take(row)
@@ -85,7 +85,7 @@ def least_costs(problems: WalkProblems, rng: np.random.Generator, starts: int) -
 
 
 def _off(problems: WalkProblems, turned: PerBox, side: Int[np.ndarray, "starts"]) -> PerBox:
-    """Returns by how much headings differ from the limit looked at."""
+    """Returns heading errors from the chosen limit."""
     assert problems.heading is not None
     off = turned + problems.turned - problems.heading - side * problems.heading_tolerance
     nearest: PerBox = off - 2 * np.pi * np.round(off / (2 * np.pi))
@@ -116,7 +116,7 @@ def _to_the_goal(
 def _multiplier(
     problems: WalkProblems, times: PerTrim, free: Bool[np.ndarray, "starts trims"]
 ) -> Complex[np.ndarray, "starts"]:
-    """Returns the vector with which the free times are worth their seconds most nearly."""
+    """Returns the multiplier vector that best fits the free times' stationarity."""
     velocity, _, _ = problems.propagate(times)
     x, y = velocity.real * free, velocity.imag * free
     square = np.stack([(x * x).sum(1), (x * y).sum(1), (x * y).sum(1), (y * y).sum(1)], axis=1)
@@ -133,7 +133,7 @@ def _to_the_optimum(
     free: Bool[np.ndarray, "starts trims"],
     side: Int[np.ndarray, "starts"] | None,
 ) -> tuple[PerTrim, Complex[np.ndarray, "starts"], PerBox]:
-    """Returns a step of Newton's method for the times, the vector, and the worth of a radian."""
+    """Returns a Newton step for times, multiplier vector and heading multiplier."""
     velocity, end, turned = problems.propagate(times)
     multiplier, bound = shadow_prices
     count, trims = times.shape
@@ -162,7 +162,7 @@ def _to_the_optimum(
     matrix[~limited, trims + 2, trims + 2] = 1.0
     if side is not None:
         error[:, trims + 2] = np.where(limited, _off(problems, turned, side), 0.0)
-    # What has run away is left where it is.
+    # Diverged rows are left unchanged.
     usable = (np.abs(matrix).max(axis=(1, 2)) < RUN_AWAY) & (np.abs(error).max(axis=1) < RUN_AWAY)
     matrix[~usable], error[~usable] = np.eye(size), 0.0
     step = -np.linalg.solve(matrix + 1e-9 * np.diag(1 + 0.37 * np.arange(size)), error[..., None])[..., 0]
@@ -171,7 +171,7 @@ def _to_the_optimum(
 
 
 def _costs(problems: WalkProblems, times: PerTrim) -> PerBox:
-    """Returns what times cost; infinite where they do not reach the goal."""
+    """Returns the costs of times; infinite where they miss the goal."""
     with np.errstate(invalid="ignore", over="ignore"):
         _, end, turned = problems.propagate(times)
         there = np.abs(end - problems.goal) <= problems.tolerance + MEETS

@@ -1,8 +1,7 @@
-"""How long committed planning takes: `python -m benchmarks.planning.committed_speed 200 1 30`.
+"""Speed of committed planning: `python -m benchmarks.planning.committed_speed 200 1 30`.
 
-So many missions with that seed, of two to four trims over the three shipped libraries, each with that many
-seconds until its deadline. It prints the slow ones (all with -v), what was proved of how many, and how long
-planning took.
+Arguments: missions, seed, deadline in seconds. Missions of two to four trims over the three shipped
+libraries. Prints the slow ones (all with -v), the counts of what was proved, and the planning times.
 """
 
 import sys
@@ -57,7 +56,7 @@ def main(missions: int, seed: int, deadline: float) -> None:
 
 
 def proved(plan: Plan) -> str:
-    """Returns the status of a plan, and what is proved beyond that."""
+    """Returns the status of a plan and its further claims."""
     if plan.status != "unknown":
         return plan.status
     if "in any walk" not in plan.reason:

@@ -1,11 +1,11 @@
-"""Whether errors of their own never do worse than their bounds.
+"""Random independent errors against their bounds.
 
 Run by `python -m benchmarks.planning.independent_error_draws 100 1`.
 
-So many missions, with that seed, of up to four trims over the three shipped libraries, planned for the worst
-case; every primitive and every scalar in turn has an error of its own. For each, 4,000 errors drawn at
-random, half of them corners, are compared with the bounds of the time and of the miss. Also printed: how far
-the bounds are above the worst that was found, and how long they take.
+Arguments: missions, seed. Missions of up to four trims over the three shipped libraries, planned for the
+worst case, with independent errors of primitives, then of scalars. For each, 4,000 random errors, half of
+them corners, are compared with the bounds of time and miss. Also printed: bounds over the worst found, and
+CPU times.
 """
 
 import sys
@@ -36,7 +36,7 @@ ROUNDING = 1e-6
 
 @dataclass(slots=True)
 class DrawCounts:
-    """What was seen with one kind of errors."""
+    """Counts for one granularity of errors."""
 
     slower: int = 0
     further: int = 0
@@ -48,7 +48,7 @@ class DrawCounts:
 
 
 def main(missions: int, seed: int) -> int:
-    """Prints the counts; returns how often a bound is wrong."""
+    """Prints the counts; returns the number of violated bounds."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
     counts: dict[ErrorGranularity, DrawCounts] = {each: DrawCounts() for each in get_args(ErrorGranularity)}
@@ -76,7 +76,7 @@ def main(missions: int, seed: int) -> int:
 def compared(
     library: Library, mission: Mission, plan: Plan, each: ErrorGranularity, rng: np.random.Generator
 ) -> tuple[float, float]:
-    """Returns the most seconds and metres of errors drawn at random."""
+    """Returns the most seconds and metres of randomly drawn errors."""
     path = error_path(library, plan.sequence, plan.gamma, each)
     drawn = rng.uniform(-1, 1, (DRAWS, len(path.names)))
     drawn[::2] = np.sign(drawn[::2])
@@ -101,10 +101,12 @@ def note(count: DrawCounts, found: IndependentErrorBounds, drawn: tuple[float, f
 
 
 def show(each: ErrorGranularity, count: DrawCounts) -> None:
-    """Prints what was seen with one kind of errors."""
+    """Prints the counts of one granularity of errors."""
     total = len(count.misses)
     print(f"{each}: of {total} plans {count.slower} slower and {count.further} further than their bounds")
-    print(f"  time: {count.never} with errors that never arrive, {count.unbounded} without a bound")
+    print(
+        f"  time: {count.never} with errors that make the goal unreachable, {count.unbounded} without a bound"
+    )
     if count.times:
         shares = ", ".join(f"{np.quantile(count.times, share):.3f}" for share in (0.5, 0.75, 0.9, 1.0))
         print(f"  bound over worst found, median, 75 %, 90 %, most: {shares}")

@@ -1,4 +1,4 @@
-"""Coasting times of one walk at one level by CasADi and IPOPT: what the kernel is timed against.
+"""Coasting times of one walk by CasADi and IPOPT, for comparison.
 
 Minimise the sum of the coasting times, none negative, so that the walk ends at the goal: exactly where the
 tolerance is 0, else within it; with the heading wanted there, if one is (thesis, Problem 6.1 for one walk).
@@ -32,17 +32,17 @@ OPTIONS: dict[str, Any] = {
 
 
 def solve(motion: WalkMotion, mission: Mission, start_times: Sequence[float]) -> Times | None:
-    """Returns locally optimal coasting times, or None where none were found that reach the goal.
+    """Returns locally optimal coasting times, or None if the goal is missed.
 
     Args:
         motion: the walk at one uncertainty level.
-        mission: from where to where, and how exactly.
-        start_times: where to start from, seconds; its heading at the end decides which full turn is meant.
+        mission: start, goal and tolerance.
+        start_times: initial values, seconds; their final heading selects the full turn.
     """
     trims = len(motion.velocities)
     exact, heading = mission.tolerance == 0, wants_heading(mission)
     if trims < 2 * exact + (heading and mission.heading_tolerance == 0):
-        # More equations than times: solvers refuse it.
+        # Solvers refuse more equations than variables.
         return None
     low, high = ([0.0, 0.0], [0.0, 0.0]) if exact else ([-inf], [(1 - MARGIN) ** 2])
     if heading:
@@ -91,7 +91,7 @@ def solver(trims: int, *, exact: bool, heading: bool) -> casadi.Function:
 
 
 def _coast(velocity: casadi.SX, time: casadi.SX) -> casadi.SX:
-    """The displacement of holding a trim: velocity times time along the chord, shorter by its sinc."""
+    """Returns the displacement of a coast as a CasADi expression."""
     half = 0.5 * velocity[2] * time
     sinc = casadi.if_else(half == 0, 1, casadi.sin(half) / casadi.if_else(half == 0, 1, half))
     chord = casadi.vertcat(velocity[:2] * time * sinc, half)

@@ -1,4 +1,4 @@
-"""What planning costs against depth, trims and levels, drawn.
+"""Planning cost against depth, trims and levels, as a picture.
 
 Run by `python -m benchmarks.planning.planning_cost FILE 21`.
 
@@ -27,7 +27,7 @@ LEVELS = (1, 3, 5, 7, 11)
 GAMMA = 0.5
 
 Costs = Sequence[tuple[float, float, float]]
-"""What is varied, the median and the largest in seconds."""
+"""Varied quantity, median and largest seconds."""
 
 
 def main(file: Path, missions: int) -> None:
@@ -74,7 +74,7 @@ def cost(library: Library, gammas: tuple[float, ...], depth: int, missions: int)
 
 
 def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
-    """Draws one panel: medians as lines, up to the slowest as a band."""
+    """Draws one panel: medians as lines, maxima as bands."""
     palette.format_axes(axes)
     for (name, costs), colour in zip(series.items(), (palette.TRUE_COLOR, palette.ALARM), strict=False):
         x, middle, most = np.array(costs).T

@@ -1,7 +1,7 @@
-"""How fast the planner is, against CasADi and IPOPT: `python -m benchmarks.planning.planning_speed`.
+"""Planner speed against CasADi and IPOPT: `python -m benchmarks.planning.planning_speed`.
 
-CPU seconds of one core, the planner called as users call it, its tables warm; what the first call adds is
-printed beside. Wall-clock where a whole process is at stake. The reference, built once, solves
+CPU seconds of one core through the public planner with warm tables; the first call is printed separately.
+Wall-clock for whole processes. The reference, built once, solves
 every sequence at every level once, from one start.
 """
 
@@ -29,14 +29,14 @@ from .planning_missions import random_mission, shipped_libraries, synthetic_libr
 GAMMA = 0.5
 GAMMAS = (0.0, -GAMMA, GAMMA)
 EARLY = 0.05
-"""Seconds after which an early answer is compared with the best."""
+"""Seconds after which an early plan is compared with the best."""
 
 EARLY_MISSIONS = 120
 FEW_NODES = 256
 """Walks at one level that take about a millisecond."""
 
 NEAR = 0.01
-"""Share of the optimum that an early answer may be above it."""
+"""Share of the optimum by which an early plan may exceed it."""
 
 REFERENCES = 8
 """Missions that IPOPT solves, of about 150 sequence problems each."""
@@ -59,7 +59,7 @@ print(perf_counter() - began, sum(os.times()[:4]))
 
 @dataclass(slots=True)
 class IpoptReference:
-    """What IPOPT took and found.
+    """Times and counts of IPOPT.
 
     Attributes:
         seconds: of each mission.
@@ -97,13 +97,13 @@ def main() -> None:
 
 
 def sample(library: Library, depth: int, count: int, *, seed: int) -> list[Mission]:
-    """Returns missions at random."""
+    """Returns random missions."""
     rng = np.random.default_rng(seed)
     return [random_mission(rng, library, depth) for _ in range(count)]
 
 
 def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float], float]:
-    """Returns seconds of each worst-case plan with its tables warm, and of the slowest first one."""
+    """Returns seconds per plan with warm tables, and the slowest first."""
     planner = worst_case_planner(library, GAMMA)
     warm: list[float] = []
     cold: list[float] = []
@@ -116,7 +116,7 @@ def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float
 
 
 def compare(library: Library, median: float) -> None:
-    """Prints how IPOPT does on every sequence and gamma of some missions, from one start each."""
+    """Prints IPOPT's results on every sequence and gamma, from one start."""
     reference = IpoptReference([])
     for mission in sample(library, 4, REFERENCES, seed=9):
         ipopt(library, mission, reference)
@@ -133,7 +133,7 @@ def compare(library: Library, median: float) -> None:
 
 
 def ipopt(library: Library, mission: Mission, reference: IpoptReference) -> None:
-    """Solves every sequence at every gamma from one start, and compares with the exact solver."""
+    """Solves every sequence and gamma from one start by IPOPT."""
     spent = 0.0
     for gamma in GAMMAS:
         for table in tables(library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim):
@@ -154,7 +154,7 @@ def ipopt(library: Library, mission: Mission, reference: IpoptReference) -> None
 
 
 def anytime(library: Library, depth: int) -> None:
-    """Prints how good a plan is that some milliseconds of the processor give."""
+    """Prints the quality of plans within CPU time limits."""
     search = ExactSearch(library, GAMMAS)
     gaps, slower = [], 0
     for mission in sample(library, depth, EARLY_MISSIONS, seed=6):
@@ -173,16 +173,16 @@ def anytime(library: Library, depth: int) -> None:
 
 
 def timed(search: ExactSearch, mission: Mission, max_nodes: int | None) -> tuple[float, SearchResult]:
-    """Returns CPU seconds of a search, and what it gives."""
+    """Returns CPU seconds of a search and its result."""
     began = process_time()
     answer = search.answer(mission, max_nodes=max_nodes)
     return process_time() - began, answer
 
 
 def stopped(search: ExactSearch, mission: Mission) -> SearchResult:
-    """Returns what a search has found before the early seconds are over.
+    """Returns the result of a search stopped after `EARLY` seconds.
 
-    A deadline would count wall-clock; here nodes stand for time, a quarter more of them in each trial.
+    A deadline counts wall-clock time; this counts nodes, a quarter more in each trial.
     """
     nodes = FEW_NODES
     _, answer = timed(search, mission, 1)
@@ -194,7 +194,7 @@ def stopped(search: ExactSearch, mission: Mission) -> SearchResult:
 
 
 def first_call(cache: str) -> tuple[float, float]:
-    """Returns seconds of a new process that imports the planner and plans, the kernel compiled or not yet."""
+    """Returns clock and CPU seconds of a new process's first planning."""
     with tempfile.TemporaryDirectory() as folder:
         place = {"XDG_CACHE_HOME": folder} if cache == "empty" else {}
         command = [sys.executable, "-c", FIRST_CALL]

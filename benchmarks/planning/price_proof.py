@@ -1,11 +1,9 @@
-"""Whether the price of robustness is what it says: `python -m benchmarks.planning.price_proof 20 1`.
+"""Proof of the price of robustness: `python -m benchmarks.planning.price_proof 20 1`.
 
-So many missions, with that seed, over three libraries. The price planner's gamma is compared with a dense
-scan:
-the worst-case time at every one of 400 levels, planned afresh. At the gamma given and at every scanned level
-below it that time must be within alpha times the nominal optimum; and some level just above must exceed it,
-unless gamma is 1. Also counted: how often that is proved for all smaller levels, and for all but the last
-thousandth.
+Arguments: missions, seed. The price planner's gamma is compared with a dense scan of the worst-case time at
+400 levels. At that gamma and at every scanned level below it the time must be within alpha times the nominal
+optimum; and some level just above must exceed it, unless gamma is 1. Also counted: missions proved for all
+smaller levels, and for all but the last thousandth.
 """
 
 import sys
@@ -29,7 +27,7 @@ ROUNDING = 1e-6
 
 
 def main(missions: int, seed: int) -> int:
-    """Prints the counts; returns how often the planner is wrong."""
+    """Prints the counts; returns the number of faults."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
     exceeded, short, gaps, done = 0, 0, 0, 0

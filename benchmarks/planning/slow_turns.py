@@ -1,11 +1,11 @@
-"""Whether slow turns are planned exactly.
+"""Exactness of plans with slow turns.
 
-Run by `python -m benchmarks.planning.slow_turns 1 300`, the seed and the seconds.
+Run by `python -m benchmarks.planning.slow_turns 1 300`; arguments: seed, seconds.
 
 Random libraries of yaw rates from 1e-9 to 0.4 rad/s, some equal, some 0; goals near the ends of random walks,
-1 m to 25 km away, tolerances of 0 to 3 m, headings wanted or not. Every walk on its own: random times are
-moved to the goal by Newton's method, the best of them improved by SLSQP, and what they lead to is moved to
-the goal again, exactly. It shares the equations of motion with the proofs, and nothing with the search.
+1 m to 25 km away, tolerances of 0 to 3 m, headings wanted or not. Each walk alone: random times are moved to
+the goal by Newton's method, the best of them improved by SLSQP, and the results moved to the goal again. It
+shares the equations of motion with the proofs, and nothing with the search.
 """
 
 import sys
@@ -31,7 +31,7 @@ from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 STARTS, IMPROVED = 200, 8
-"""Random times of a walk, and how many of them are improved."""
+"""Random starts of a walk, and the number improved."""
 
 AGREEMENT = 1e-4
 """Seconds by which another plan may be faster, ..."""
@@ -49,7 +49,7 @@ Times = Float[np.ndarray, "trims"]
 
 
 def main(seed: int, seconds: float) -> int:
-    """Prints the counts; returns how many walks and searches are wrong."""
+    """Prints the counts; returns the number of wrong walks and searches."""
     rng, began = np.random.default_rng(seed), perf_counter()
     missions = compared = reached = same = wrong = 0
     while perf_counter() - began < seconds:
@@ -109,7 +109,7 @@ def _maneuver(rng: np.random.Generator, number: int, left: Trim, reached: Trim) 
 
 
 def _mission(rng: np.random.Generator, library: Library) -> Mission:
-    """Returns a mission to where a random walk ends, or near there, or anywhere."""
+    """Returns a random mission, at or near a walk's end or anywhere."""
     distance, depth = 10 ** rng.uniform(0, 4.3), int(rng.choice([1, 2, 2, 3, 3, 3, 4]))
     trim, start = (
         int(rng.choice([trim.id for trim in library.trims])),
@@ -149,14 +149,14 @@ def _mission(rng: np.random.Generator, library: Library) -> Mission:
 
 
 def _heading_margin(library: Library, walk: tuple[int, ...], mission: Mission) -> float:
-    """Returns the seconds that a heading's margin may be worth."""
+    """Returns the seconds that a heading's margin may save."""
     rates = [abs(library.trim(trim).velocity.yaw_rate) for trim in walk]
     slowest = min((rate for rate in rates if rate), default=1.0)
     return INSIDE / slowest if mission.goal_heading is not None else 0.0
 
 
 class _Walk:
-    """One walk to the goal, its tolerances as the mission has them."""
+    """One walk to the goal, with the mission's tolerances."""
 
     def __init__(self, library: Library, walk: tuple[int, ...], mission: Mission) -> None:
         self.problems, self.mission = WalkProblems.of([walk_motion(library, walk, 0.0)], mission), mission
@@ -164,13 +164,13 @@ class _Walk:
         self.turned = mission.goal_heading is not None
 
     def propagate(self, times: Times) -> tuple[complex, np.ndarray, float]:
-        """Returns by how much times miss the goal, how the end moves with each, and the wanted heading."""
+        """Returns the miss, its gradient and the heading error."""
         velocity, end, psi = self.problems.propagate(times[None])
         off = float(psi[0] + self.problems.turned[0]) - (self.problems.heading or 0.0)
         return complex(end[0] - self.problems.goal), velocity[0], off - 2 * pi * round(off / (2 * pi))
 
     def corrected(self, times: Times, rounds: int) -> Times:
-        """Returns times moved to the goal by the least step that leads there, again and again."""
+        """Returns times after repeated least-norm corrections to the goal."""
         for _ in range(rounds):
             miss, velocity, off = self.propagate(times)
             tolerance, width = self.mission.tolerance, self.mission.heading_tolerance
@@ -192,7 +192,7 @@ class _Walk:
         return times
 
     def cost(self, times: Times) -> float:
-        """Returns what times cost; infinite where they do not reach the goal, or only by rounding's grace."""
+        """Returns the cost of times; infinite where they miss the goal."""
         miss, _, off = self.propagate(times)
         there = abs(miss) <= (self.mission.tolerance or 1e-9)
         if self.turned:

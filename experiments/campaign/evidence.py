@@ -15,7 +15,7 @@ from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import PRIMITIVE
 from flightlog.file.reader import read_log
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from identification.segmentation.flight_evidence import (
     FlightEvidence,
     StateJudged,
@@ -27,6 +27,10 @@ from identification.segmentation.motion_walk import walks_of
 from identification.segmentation.segmentation import ObservedWalk, cut_into_segments
 from identification.segmentation.trim_discovery import Resolution, discover_automaton
 from runtime.progress import show_progress
+
+
+class NoManeuversError(FlightError):
+    """No discovered maneuver was flown to its end."""
 
 
 def gather_evidence(
@@ -110,19 +114,24 @@ def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> Fli
 
 
 def _drop_unobserved_trims(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
-    """Drops discovered trims without a coast, which are only passed through."""
+    """Drops discovered trims without a coast, and maneuvers without an end."""
     held = {coast.trim for flight in flights for coast in flight.segments.coasts}
     rule = library.conditions.maneuver_end
-    if not held or rule is None:
-        raise FlightError("expected trims held for the dwell, got none: change --resolution, or give --trims")
-    performed = {segment.id for flight in flights for segment in flight.segments.maneuvers}
+    ended = {part.id for flight in flights for part in flight.segments.maneuvers if part.settled}
+    maneuvers = tuple(
+        row for row in library.maneuvers if {row.from_trim, row.to_trim} <= held and row.id in ended
+    )
+    if rule is None or not maneuvers:
+        raise NoManeuversError(
+            f"expected a maneuver between two held trims, flown to its end, got none with {len(held)} of "
+            f"{len(library.trims)} trims held for {rule.dwell if rule else 0.0:g} s: change --resolution, "
+            "give --trims, or longer flights with steps between trims"
+        )
     bands = {trim: band for trim, band in rule.bands.items() if trim in held}
     kept = replace(
         library,
         trims=tuple(trim for trim in library.trims if trim.id in held),
-        maneuvers=tuple(
-            row for row in library.maneuvers if {row.from_trim, row.to_trim} <= held and row.id in performed
-        ),
+        maneuvers=maneuvers,
         conditions=replace(library.conditions, maneuver_end=replace(rule, bands=bands)),
     )
     return [replace(flight, library=kept, trims_commanded=False) for flight in flights]

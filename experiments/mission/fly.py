@@ -10,9 +10,15 @@ import numpy as np
 from experiments.campaign.fly_campaign import derived_seed
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Vehicle
+from flight.plan.plan import Plan
 from flightlog.alarm import ALARM, Alarm, alarms_from_series
 from flightlog.arrival import arrival_text
-from flightlog.attachment_names import ARRIVAL_ATTACHMENT, MISSION_ATTACHMENT, PLANS_ATTACHMENT
+from flightlog.attachment_names import (
+    ARRIVAL_ATTACHMENT,
+    MISSION_ATTACHMENT,
+    MISSION_PLAN_ATTACHMENT,
+    PLANS_ATTACHMENT,
+)
 from flightlog.decision import DECISION, decision_series
 from flightlog.fault_record import fault_effects
 from flightlog.file.writer import write_log
@@ -29,7 +35,7 @@ from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 
 from .error_attribution import Performance, performances
-from .mission_log import mission_json, mission_specification, plans_json
+from .mission_log import mission_json, mission_plan_json, mission_specification, plans_json
 from .mission_task import MissionTask, Plant
 from .policies import planner_of
 from .result import MissionResult, downsample_leg
@@ -70,10 +76,11 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     left: EnvelopeExit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
+    stated = plan_as_stated(task)
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
-        flown, log = fly_helicopter(task, planner)
+        flown, log = fly_helicopter(task, planner, stated=stated)
         flown_primitives, left = performances(log), first_exit(log, task.envelope)
         alarms = alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
         effects = fault_effects(log)
@@ -90,6 +97,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         reached=flown.reached,
         claimed=flown.claimed,
         flown_time=flown.flown_time,
+        planned_time=stated.cost if stated.found else None,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest if isfinite(flown.closest) else None,
         replans=flown.replans,
@@ -106,6 +114,11 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         left_tube=left_tube,
     )
     return result, log
+
+
+def plan_as_stated(task: MissionTask) -> Plan:
+    """Returns the plan for the mission as stated, without latency."""
+    return _planner(task).plan(task.stated_mission)
 
 
 def plant_name(plant: Plant) -> str:
@@ -130,6 +143,7 @@ def fly_helicopter(
     task: MissionTask,
     planner: Planner | None = None,
     *,
+    stated: Plan | None = None,
     parameters: Parameters | None = None,
     backend: Backend | None = None,
 ) -> tuple[FlightRecord, FlightLog]:
@@ -138,6 +152,7 @@ def fly_helicopter(
     Args:
         task: the flight.
         planner: planner; that of the task where None.
+        stated: plan for the mission as stated; made where None.
         parameters: vehicle parameters; those of `models/gtmax.toml` where None.
         backend: backend of the vehicle's expressions; the best available where None.
     """
@@ -149,6 +164,7 @@ def fly_helicopter(
     log = helicopter.log(
         {
             MISSION_ATTACHMENT: mission_json(task),
+            MISSION_PLAN_ATTACHMENT: mission_plan_json(task, stated or plan_as_stated(task)),
             PLANS_ATTACHMENT: plans_json(flown),
             ARRIVAL_ATTACHMENT: arrival_text(flown.arrival),
         }

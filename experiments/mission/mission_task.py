@@ -1,6 +1,6 @@
 """Specification of one closed-loop flight."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -49,3 +49,9 @@ class MissionTask:
     envelope: SafeEnvelope = DEFAULT_ENVELOPE
     log: Path | None = None
     force: bool = False
+
+    @property
+    def stated_mission(self) -> Mission:
+        """Mission as stated; the cost of its plan is the planned time."""
+        tolerance = self.settings.final_tolerance or self.mission.tolerance
+        return replace(self.mission, tolerance=tolerance)

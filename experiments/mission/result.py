@@ -42,6 +42,9 @@ class MissionResult:
     """Result of a closed-loop flight: its `FlightRecord` without plans.
 
     Attributes:
+        planned_time: seconds of the plan for the mission as stated; None without one.
+        predicted_time: seconds to the goal predicted by the loop at its start, with latency and aim; None
+            without a plan.
         planning_times: CPU seconds of each replan; they differ between repetitions.
         performances: deviations of the helicopter's primitives.
         legs: primitives flown.
@@ -61,6 +64,7 @@ class MissionResult:
     reached: bool
     claimed: bool
     flown_time: float
+    planned_time: float | None
     predicted_time: float | None
     closest: float | None
     replans: int

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
+from flight.errors import BadFileError
 from flight.mission.mission import MAX_TRIMS, Mission
 from flight.plan.plan import Plan
 from flight.plan.time_bound import TimeBound, read_time_bounds, time_bounds_path
@@ -22,17 +23,18 @@ PATIENCE = 10.0
 
 
 def stated_time_bounds(name: str, library: Library) -> tuple[TimeBound, ...]:
-    """Returns the time bounds beside a library; warns if of another.
+    """Returns the time bounds beside a library; none with a warning.
 
     Args:
         name: name or path of the library.
         library: the library.
-
-    Raises:
-        BadFileError: the file of time bounds is broken.
     """
     path = library_path(name)
-    found = read_time_bounds(path, library_hash=library_hash(library))
+    try:
+        found = read_time_bounds(path, library_hash=library_hash(library))
+    except BadFileError as error:
+        print(f"{error}; no time bound is stated", file=sys.stderr)
+        return ()
     if found is None:
         print(
             f"{time_bounds_path(path).name} is for another library: no time bound is stated",

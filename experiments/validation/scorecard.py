@@ -57,6 +57,7 @@ class ScorecardCell:
         inside: flights that did so within the predicted time.
         flown_time: median seconds of the flights that reached it; None without one.
         flown_time_95: 95 % quantile of the flown time; None where more than 5 % did not reach the goal.
+        planned_time: median time of the plans for the missions as stated; None without one.
         predicted_time: median predicted time of the first plans; None without one.
         miss: largest miss distance in metres of flights that did not reach the goal; None where all did.
         replans: median number of replans per flight.
@@ -75,6 +76,7 @@ class ScorecardCell:
     inside: Proportion
     flown_time: float | None
     flown_time_95: float | None
+    planned_time: float | None
     predicted_time: float | None
     miss: float | None
     replans: float
@@ -117,6 +119,7 @@ def _condition(row: MissionResult) -> tuple[object, ...]:
 def _cell(mission: str, rows: Sequence[MissionResult]) -> ScorecardCell:
     first = rows[0]
     reached = [row for row in rows if row.reached]
+    planned = [row.planned_time for row in rows if row.planned_time is not None]
     predictions = [row.predicted_time for row in rows if row.predicted_time is not None]
     times = [row.flown_time if row.reached else inf for row in rows]
     cpu_times = [time for row in rows for time in row.planning_times]
@@ -130,6 +133,7 @@ def _cell(mission: str, rows: Sequence[MissionResult]) -> ScorecardCell:
         inside=Proportion.counted(rows, lambda row: time_ratio(row) <= 1),
         flown_time=median(row.flown_time for row in reached) if reached else None,
         flown_time_95=_finite_or_none(quantile(times, 0.95)),
+        planned_time=median(planned) if planned else None,
         predicted_time=median(predictions) if predictions else None,
         miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
         replans=median(row.replans for row in rows),

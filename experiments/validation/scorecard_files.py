@@ -40,13 +40,22 @@ class Scorecard:
 
 HEADS = (
     *("mission", "policy", "gamma", "plant", "wind", "reached", "95 %", "within predicted time", "95 %"),
-    *("flown, s", "95 % quantile, s", "predicted, s", "worst miss, m", "replans", "failed replans"),
+    *(
+        "flown, s",
+        "95 % quantile, s",
+        "planned, s",
+        "predicted, s",
+        "worst miss, m",
+        "replans",
+        "failed replans",
+    ),
     *("safe stops", "replan CPU 99 %, ms"),
 )
 
 NOTES = """`reached`: the true track entered the tolerance on a plan; flights that end by time-out, by the
 limit of replans, without a plan or on a safe-stop path do not count. `within predicted time`: reached within
-the predicted time of the first plan. Intervals are Wilson's. `flown` and `predicted` are medians; in the
+the time that the loop predicts at its start, with its latency and the part of the tolerance that it aims at;
+`planned` is the time of the plan for the mission as stated. Intervals are Wilson's. Times are medians; in the
 `95 % quantile`, flights that did not reach the goal count as infinite. Replan times are CPU times."""
 
 
@@ -63,7 +72,8 @@ ATTRIBUTION_HEADS = (
     *("worst", "of", "flight", "at, s"),
 )
 
-ATTRIBUTION_NOTE = """\ Flights in which an error of the library was exceeded, with the coverage that the
+ATTRIBUTION_NOTE = """\
+Flights in which an error of the library was exceeded, with the coverage that the
 library claims; `p-value` is the probability of at least this many outside if the claim is true. The worst
 deviation is given over the error."""
 
@@ -195,6 +205,7 @@ def _row(cell: ScorecardCell) -> list[str]:
         *_share(cell.inside),
         format_number(cell.flown_time),
         format_number(cell.flown_time_95),
+        format_number(cell.planned_time),
         format_number(cell.predicted_time),
         format_number(cell.miss),
         f"{cell.replans:g}",

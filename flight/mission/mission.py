@@ -86,6 +86,20 @@ Heading = Annotated[FiniteFloat, AfterValidator(partial(_check_magnitude, most=M
 """A heading in a file, radians."""
 
 
+def check_file_limits(mission: Mission) -> None:
+    """Checks that a mission is within the limits of files.
+
+    Raises:
+        ValueError: it is not; names the part.
+    """
+    for value in (*mission.start.position, *mission.goal, mission.tolerance):
+        _check_magnitude(value, MAX_COORDINATE, "m")
+    for heading in (mission.start.heading, mission.goal_heading or 0.0):
+        _check_magnitude(heading, MAX_HEADING, "rad")
+    if mission.max_trims > MAX_TRIMS:
+        raise ValueError(f"max_trims: expected at most {MAX_TRIMS}, got {mission.max_trims}")
+
+
 class _Start(FileModel):
     position: tuple[Place, Place]
     heading: Heading

@@ -2,7 +2,7 @@
 
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isinf
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -11,7 +11,8 @@ from pydantic import Field, NonNegativeFloat
 
 from flight.errors import BadFileError
 from flight.file_value import FileValue, Omittable
-from flight.schema import json_content, parse_json, read_text, schema_named
+from flight.mission.mission import Mission, check_file_limits
+from flight.schema import json_content, parse_json, read_text, refusing, schema_named
 from flight.se2 import SE2
 
 from .certificate import Certificate
@@ -20,7 +21,11 @@ from .time_bound import TimeBound
 Status = Literal["optimal", "feasible", "infeasible", "unknown"]
 Policy = Literal["nominal", "worst-case", "committed", "price-of-robustness"]
 
-SCHEMA = "maneuver-plan/1"
+SCHEMA = "maneuver-plan/2"
+"""Of a plan that carries its mission, as files do."""
+
+SCHEMA_WITHOUT_MISSION = "maneuver-plan/1"
+"""Of a plan that names its mission only: those in logs, beside the mission, and older files."""
 
 
 class PlanContradictionError(BadFileError):
@@ -55,6 +60,7 @@ class Plan(FileValue):
         library: name of the library planned with.
         library_hash: SHA-256 of the library's text.
         mission: name of the mission.
+        stated_mission: the mission itself, as it was planned for; None where only its name is known.
         policy: which planner.
         gamma: uncertainty level planned for.
         alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
@@ -76,12 +82,15 @@ class Plan(FileValue):
             does.
     """
 
-    schema: Annotated[str, schema_named(SCHEMA)] = field(init=False, default=SCHEMA, repr=False)
+    schema: Annotated[str, schema_named(SCHEMA, SCHEMA_WITHOUT_MISSION)] = field(
+        init=False, default=SCHEMA, repr=False
+    )
     status: Status
     reason: Omittable[str] = ""
     library: str
     library_hash: str
     mission: str
+    stated_mission: Mission | None = None
     policy: Policy
     gamma: float
     alpha: float | None = None
@@ -101,7 +110,9 @@ class Plan(FileValue):
     at_smallest_tolerance: "Plan | None" = None
 
     def __post_init__(self) -> None:
-        """Works out what the deciding scenario says."""
+        """Works out the schema, and what the deciding scenario says."""
+        schema = SCHEMA_WITHOUT_MISSION if self.stated_mission is None else SCHEMA
+        object.__setattr__(self, "schema", schema)
         object.__setattr__(self, "cost", self.deciding.cost if self.found else inf)
         object.__setattr__(self, "coasting_times", self.deciding.coasting_times if self.found else ())
 
@@ -119,6 +130,19 @@ class Plan(FileValue):
         """
         return max(self.scenarios, key=lambda scenario: scenario.cost)
 
+    @property
+    def empty(self) -> bool:
+        """True where the plan has nothing to fly and proves nothing."""
+        return not self.found and self.certificate is None and self.at_smallest_tolerance is None
+
+
+def with_mission(plan: Plan, mission: Mission) -> Plan:
+    """Returns the plan with its mission, so that its file is complete."""
+    wider = plan.at_smallest_tolerance
+    if wider is not None:
+        wider = with_mission(wider, replace(mission, tolerance=wider.tolerance))
+    return replace(plan, stated_mission=mission, at_smallest_tolerance=wider)
+
 
 def plan_text(plan: Plan) -> str:
     """Returns the plan as its file's text."""
@@ -134,9 +158,22 @@ def read_plan(path: Path) -> Plan:
     """
     text = read_text(path)
     plan = parse_json(text, path, Plan)
+    with refusing(path):
+        _check_mission(plan, json.loads(text)["schema"])
     for contradiction in _contradictions(plan, json.loads(text)):
         raise PlanContradictionError(path, contradiction)
     return plan
+
+
+def _check_mission(plan: Plan, schema: str) -> None:
+    """Checks that a plan carries a mission where its schema says so."""
+    if plan.schema != schema:
+        problem = "is missing" if plan.stated_mission is None else f"expected none in {schema}, got one"
+        raise ValueError(f"stated_mission: {problem}")
+    if plan.stated_mission is not None:
+        check_file_limits(plan.stated_mission)
+    if plan.at_smallest_tolerance is not None and plan.at_smallest_tolerance.schema != schema:
+        raise ValueError(f"at_smallest_tolerance.schema: expected {schema}, as of the plan itself")
 
 
 def _contradictions(plan: Plan, stated: Mapping[str, Any]) -> Iterator[str]:
@@ -160,5 +197,11 @@ def _contradictions(plan: Plan, stated: Mapping[str, Any]) -> Iterator[str]:
             yield f"at_smallest_tolerance.{contradiction}"
     if plan.verified != plan.found:
         yield f"verified: expected {plan.found} where the status is {plan.status}, got {plan.verified}"
+    mission = plan.stated_mission
+    if mission is not None and (mission.name, mission.tolerance) != (plan.mission, plan.tolerance):
+        yield (
+            f"stated_mission: expected {plan.mission} to {plan.tolerance} m, "
+            f"got {mission.name} to {mission.tolerance} m"
+        )
     if plan.tolerance < 0:
         yield f"tolerance: must be >= 0 m, got {plan.tolerance} m"

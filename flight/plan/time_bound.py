@@ -9,12 +9,15 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, field_validator
 
 from flight.file_value import FileValue
 from flight.schema import FileModel, read_toml
 
 SUFFIX = ".times.toml"
+
+LARGEST_FACTOR = 1e6
+"""Factor that a file may state: a plan's time times this stays finite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +40,7 @@ class TimeBound(FileValue):
     gamma: float
     wind: str
     share: Annotated[float, Field(gt=0, lt=1)]
-    factor: PositiveFloat
+    factor: Annotated[float, Field(gt=0, le=LARGEST_FACTOR)]
     missions: PositiveInt
     flights: PositiveInt
     seed: NonNegativeInt
@@ -59,7 +62,15 @@ class TimeBound(FileValue):
 class _TimeBoundsFile(FileModel):
     schema_name: Literal["maneuver-times/1"] = Field(alias="schema")
     library_hash: str
-    promise: tuple[TimeBound, ...]
+    promise: tuple[TimeBound, ...] = Field(min_length=1)
+
+    @field_validator("promise")
+    @classmethod
+    def _no_time(cls, promises: tuple[TimeBound, ...]) -> tuple[TimeBound, ...]:
+        for place, one in enumerate(promises):
+            if one.time is not None:
+                raise ValueError(f"[{place}].time: expected none beside a library, got {one.time} s")
+        return promises
 
 
 def time_bounds_path(library: Path) -> Path:
@@ -71,7 +82,7 @@ def time_bounds_text(promises: Sequence[TimeBound], *, library_hash: str, comman
     """Returns promises as their file's text.
 
     Args:
-        promises: found with one library.
+        promises: found with one library; at least one, for a file without is none.
         library_hash: of that.
         command: that found them.
     """

@@ -92,13 +92,18 @@ def log_bytes(log: FlightLog) -> bytes:
         writer.add_attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=content)
     series = [_series_block(writer, part) for part in log.series.values()]
     drawn = [block for channel in viewer_channels(log) for block in _viewer_blocks(writer, channel)]
-    last = max((block.last for block in (*series, *drawn)), default=0)
     period = round(CHUNK_SECONDS * 1e9)
-    for start in range(0, max(last, 0) + 1, period):
+    for start in _window_starts((*series, *drawn), period):
         for blocks in (series, drawn):
             _add_chunk(writer, blocks, start, start + period)
     writer.finish()  # type: ignore[no-untyped-call]
     return stream.getvalue()
+
+
+def _window_starts(blocks: Sequence[_Block], period: int) -> list[int]:
+    """Returns the starts of the time windows that hold messages."""
+    windows = {int(window) for block in blocks for window in np.unique(block.messages["log_time"] // period)}
+    return [period * window for window in sorted(windows)]
 
 
 def _series_block(writer: Writer, series: Series) -> _Block:

@@ -3,7 +3,6 @@
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pandas as pd
@@ -15,10 +14,9 @@ from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
 
 from .axes import Axes, quaternions_from_euler
+from .clock import SECONDS, TimeUnit, check_clock, check_unit
 from .imported_log import ExternalLog
 from .measured_motion import BODY_RATES, Source, attitude_source, differentiate_position, measured_states
-
-TimeUnit = Literal["s", "ms", "us", "ns"]
 
 POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
 QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
@@ -28,11 +26,10 @@ NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
 (about z, y, x in radians; yaw may be alone) from body to world, body rates in rad/s, controls."""
 
 _MOST_LISTED, _LONGEST_LIST = 40, 600
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
 def read_external_csv(
-    path: Path, columns: Mapping[str, str], *, axes: Axes, time_unit: TimeUnit, topic: Topic
+    path: Path, columns: Mapping[str, str], *, axes: Axes, time_unit: TimeUnit | None, topic: Topic
 ) -> FlightLog:
     """Reads a table with a row of headings.
 
@@ -40,7 +37,7 @@ def read_external_csv(
         path: file to read.
         columns: headings by the names of `NAMES`; not needed for headings that are such names.
         axes: axes of world and body.
-        time_unit: unit of the times.
+        time_unit: unit of the times; seconds where None, if they can be.
         topic: topic of the motion: estimate or truth.
 
     Raises:
@@ -56,7 +53,13 @@ def read_external_csv(
     try:
         chosen = _select_columns(table, columns)
         numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
-        time = _SECONDS[time_unit] * numbers["time"]
+        if not np.isfinite(numbers["time"]).any():
+            raise FlightError(f"column {chosen['time']!r}: expected times, got no finite number")
+        numbers["time"] = np.where(np.isfinite(numbers["time"]), numbers["time"], np.nan)
+        numbers = _in_ascending_order(numbers)
+        check_unit(numbers["time"], time_unit)
+        time = SECONDS[time_unit or "s"] * numbers["time"]
+        check_clock(time, sample="row")
         sources, velocity = _sources(numbers, time - np.nanmin(time), axes)
         states = measured_states(sources, topic)
     except FlightError as error:
@@ -92,6 +95,13 @@ def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
         return np.asarray(pd.to_numeric(table[heading]), np.float64)
     except (ValueError, TypeError) as error:
         raise FlightError(f"column {heading!r}: expected numbers: {' '.join(str(error).split())}") from None
+
+
+def _in_ascending_order(numbers: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Returns the rows of a descending table in reverse."""
+    steps = np.diff(numbers["time"])
+    descending = bool((steps <= 0.0).all() and (steps < 0.0).any())
+    return {name: column[::-1] for name, column in numbers.items()} if descending else numbers
 
 
 def _sources(

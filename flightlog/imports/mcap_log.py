@@ -20,6 +20,7 @@ from flightlog.log import FlightLog
 from flightlog.topic import Topic
 
 from .axes import Axes, BodyAxes, WorldAxes
+from .clock import ClockError, check_clock
 from .imported_log import ExternalLog
 from .mcap_messages import (
     ANGULAR,
@@ -47,7 +48,7 @@ VelocityAxes = Literal["world", "body"]
 _MOST_LISTED = 12
 _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
-    *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError),
+    *(struct.error, zstandard.ZstdError, MemoryError, OverflowError, RuntimeError),
 )
 # Package of PX4's ROS 2 messages, which use PX4's axes.
 _PX4 = "px4_msgs/"
@@ -90,8 +91,8 @@ class _Table:
 def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic) -> FlightLog:
     """Reads pose and velocity topics in ROS 2, protobuf or JSON.
 
-    Times are the stamps of the messages, or the log times if a topic has no stamps. Without velocities the
-    position is differentiated. The attachment records these choices.
+    Times are the stamps of the messages, or the log times if a topic has no stamps or they jump. Without
+    velocities the position is differentiated. The attachment records these choices.
 
     Args:
         path: file to read.
@@ -169,7 +170,7 @@ def _sources(
     tables: Mapping[str, _Table], settings: McapImportSettings
 ) -> tuple[list[Source], dict[str, object]]:
     """Returns the measured sources and their provenance."""
-    stamped = all((table.stamped > 0).all() for table in tables.values())
+    stamped = all(_has_clock(table) for table in tables.values())
     start = min((table.stamped if stamped else table.logged).min() for table in tables.values())
     pose = tables[settings.pose]
     moving = tables[settings.velocity] if settings.velocity else pose
@@ -180,6 +181,8 @@ def _sources(
     def clock(table: _Table) -> Float[np.ndarray, "n"]:
         return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
 
+    for name, table in tables.items():
+        check_clock(clock(table), sample=f"{name} message")
     sources = list(_pose_sources(pose, clock(pose), axes))
     if not sources:
         raise FlightError(f"{settings.pose} ({pose.schema}): expected a position or orientation, got none")
@@ -200,6 +203,17 @@ def _sources(
         "times": "of the messages" if stamped else "of logging",
     }
     return [*sources, *velocities], provenance
+
+
+def _has_clock(table: _Table) -> bool:
+    """Returns True if all messages have stamps, of one clock."""
+    if not (table.stamped > 0).all():
+        return False
+    try:
+        check_clock(table.stamped * 1e-9, sample="message")
+    except ClockError:
+        return False
+    return True
 
 
 def _velocity_axes(pose: _Table, moving: _Table) -> VelocityAxes:

@@ -18,6 +18,7 @@ MAX_GAP = 10.0
 """Largest gap bridged by interpolation, in median sample intervals of the source."""
 
 _MIN_GAP = 0.5
+_MOST_COMPARED = 20_000
 _MIN_COS_PITCH = 0.01
 
 
@@ -101,7 +102,8 @@ def velocity_disagreement(states: Series) -> tuple[float, float] | None:
     time = states.time
     c, s = np.cos(states["heading"]), np.sin(states["heading"])
     velocity = (c * states["forward"] - s * states["side"], s * states["forward"] + c * states["side"])
-    begins = np.arange(time[0], time[-1] - 1.0, 0.5)
+    spacing = max(0.5, float(time[-1] - time[0]) / _MOST_COMPARED)
+    begins = np.arange(time[0], time[-1] - 1.0, spacing)
     squares, speeds = np.zeros(len(begins)), np.zeros(len(begins))
     for axis, along in zip(("north", "east"), velocity, strict=True):
         reckoned = np.concatenate([[0.0], np.cumsum(0.5 * (along[1:] + along[:-1]) * np.diff(time))])

@@ -16,6 +16,7 @@ from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUT
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 
+from .clock import check_clock
 from .imported_log import UNKNOWN, ExternalLog
 from .measured_motion import Source, attitude_source, measured_states
 from .ulog_recovery import HEADER, MAGIC, intact_messages
@@ -58,6 +59,8 @@ def read_px4_log(path: Path) -> FlightLog:
     try:
         topics, known, messages = _read(whole.content)
         series = series_of(topics)
+        for name in {ESTIMATE.name, TRUTH.name} & series.keys():
+            check_clock(series[name].time, sample=f"{name} state")
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:

@@ -143,8 +143,8 @@ def _fit_channel(
 ) -> StepResponse:
     steps = []
     for motion, walk in zip(motions, walks, strict=True):
-        ends = [*(step.time for step in walk.steps[1:]), len(motion) * model.period]
-        for step, end in zip(walk.steps, ends, strict=True):
+        times = [*(step.time for step in walk.steps), len(motion) * model.period]
+        for step, end in zip(walk.steps, times[1:], strict=True):
             aim = graph.velocity[step.reached, channel]
             size = graph.velocity[step.left, channel] - aim
             first = round(step.time / model.period)

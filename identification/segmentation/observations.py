@@ -13,8 +13,8 @@ from flightlog.log import FlightLog
 
 from .segmentation import Segments
 
-# Spacing of a track's points, seconds.
-_SPACING = 0.1
+# Spacing of a track's points, seconds, and the most of them.
+_SPACING, _MOST_POINTS = 0.1, 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,7 +40,8 @@ def observations(log: FlightLog, segments: Segments, library: Library) -> Observ
     for maneuver in segments.maneuvers:
         moved = maneuver.displacement
         rows[maneuver.id].append((maneuver.duration, moved.x, moved.y, moved.heading))
-        time = np.append(np.arange(0.0, maneuver.duration, _SPACING), maneuver.duration) + maneuver.start
+        spacing = max(_SPACING, maneuver.duration / _MOST_POINTS)
+        time = np.append(np.arange(0.0, maneuver.duration, spacing), maneuver.duration) + maneuver.start
         north, east = (np.interp(time, motion.time, motion[name]) for name in ("north", "east"))
         heading = np.interp(maneuver.start, motion.time, motion["heading"])
         body = np.exp(-1j * heading) * ((north - north[0]) + 1j * (east - east[0]))

@@ -22,6 +22,8 @@ from .motion_walk import all_edges
 # Least duration of a steady velocity, s; means over a fifth of it are compared.
 LEAST_HOLD = 1.5
 PIECES = 5
+# Largest deviation of such a mean, as a share of the least difference between two trims.
+STEADY = 0.35
 # Least difference between two trims: share of a channel's range, and floors in m/s, m/s, rad/s.
 RESOLUTION, FLOORS = 0.06, (0.2, 0.2, 0.02)
 # Least share of the steady time in a trim; more steady windows than `MOST_WINDOWS` are thinned.
@@ -30,6 +32,7 @@ LEAST_SHARE, MOST_WINDOWS = 0.01, 2000
 # time-out in response times of the vehicle.
 BAND_IN_SCATTERS, DWELL, TIMEOUT = 4.0, 1.0, 15.0
 MAD = 0.6745
+_ADVICE = "change --resolution, give --trims, or longer flights with steps between trims"
 
 MotionSamples = Float[np.ndarray, "n 3"]
 
@@ -103,7 +106,8 @@ def _densest_velocities(motions: Sequence[MotionSamples], width: Float[np.ndarra
     windows = np.concatenate([_steady_window_means(motion, width) for motion in motions])
     if len(windows) < 2:
         raise NoTrimsError(
-            f"expected steady velocities of {LEAST_HOLD:g} s, within {_describe_width(width)}; got none"
+            f"expected steady velocities of {LEAST_HOLD:g} s, within {_describe_width(STEADY * width)}; "
+            f"got {len(windows)}: {_ADVICE}"
         )
     thinned = windows[np.linspace(0, len(windows) - 1, min(len(windows), MOST_WINDOWS)).round().astype(int)]
     scaled = thinned / width
@@ -119,7 +123,8 @@ def _densest_velocities(motions: Sequence[MotionSamples], width: Float[np.ndarra
         left &= (np.abs(scaled - centre / width) > 1.0).any(axis=1)
     if len(centres) < 2:
         raise NoTrimsError(
-            f"expected two trims or more with differences of {_describe_width(width)}, got {len(centres)}"
+            f"expected two trims or more with differences of {_describe_width(width)}, got {len(centres)}: "
+            f"{_ADVICE}"
         )
     found = np.array(centres)
     order = np.lexsort((found[:, 2], found[:, 1], found[:, 0]))
@@ -133,7 +138,7 @@ def _steady_window_means(motion: MotionSamples, width: Float[np.ndarray, "3"]) -
         return np.empty((0, 3))
     windows = np.lib.stride_tricks.sliding_window_view(piece, PIECES, axis=0)
     mean = windows.mean(axis=2)
-    held = (np.abs(windows - mean[:, :, None]).max(axis=2) <= 0.35 * width).all(axis=1)
+    held = (np.abs(windows - mean[:, :, None]).max(axis=2) <= STEADY * width).all(axis=1)
     steady: MotionSamples = mean[held]
     return steady
 

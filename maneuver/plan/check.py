@@ -31,6 +31,9 @@ def check(
 ) -> int:
     """Checks a plan against its library and mission, without the search.
 
+    A plan file carries its mission and the name and hash of its library, so nothing else need be given where
+    that name finds the library.
+
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
     only at those shown. A certificate is verified box by box in interval arithmetic: then no
@@ -43,12 +46,14 @@ def check(
 
         maneuver plan check plan.json
 
+        maneuver plan check plan.json --library my-library.json
+
         maneuver plan check plan.json --library my-library.json --mission my-mission.toml
 
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the name that the plan gives.
+        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
         max_trims: longest sequence that was asked for; the mission's by default.
         json: print the verdict as JSON.
     """

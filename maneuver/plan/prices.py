@@ -26,13 +26,30 @@ SCHEMA = "maneuver-prices/1"
 
 
 def print_prices(
-    library: Library, mission: Mission, *, out: Path | None, picture: Path | None, force: bool, json: bool
+    library: Library,
+    mission: Mission,
+    *,
+    out: Path | None,
+    picture: Path | None,
+    replace_out: bool,
+    force: bool,
+    json: bool,
 ) -> int:
-    """Prints the price curve; returns 1 where there is no nominal plan."""
+    """Prints the price curve; returns 1 where there is no nominal plan.
+
+    Args:
+        library: the primitives.
+        mission: from where to where.
+        out: file for the curve, as JSON.
+        picture: file for its picture.
+        replace_out: overwrite OUT.
+        force: overwrite the picture.
+        json: print the curve as JSON.
+    """
     curve = price_curve(library, mission)
     document = json_module.dumps(_content(library, mission, curve), indent=2, allow_nan=False) + "\n"
     if out is not None:
-        write_atomically(document.encode(), out, force=force)
+        write_atomically(document.encode(), out, force=replace_out)
     if picture is not None and curve:
         from review.pictures.price_picture import price_picture
 

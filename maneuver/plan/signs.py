@@ -50,7 +50,7 @@ def signs(
     their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
     and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
     misses those of the plan's. A plan without a gamma is looked at to gamma 1. The exit code is 1 where a
-    corner is slower than every single gamma: the plan's cost is too hopeful.
+    corner is slower than every single gamma: the plan's cost is optimistic.
 
     For example:
 
@@ -61,7 +61,7 @@ def signs(
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the name that the plan gives.
+        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
         each: what errs on its own.
         boxes: of errors, that the bound of the time may look at; more make it closer.
         json: print the figures as JSON.
@@ -87,7 +87,7 @@ def signs(
         figures = {"gamma": gamma, **asdict(found)}
         sys.stdout.write(json_module.dumps(_json_value(figures), indent=2) + "\n")
     else:
-        print(f"{plan.mission} on {plan.library}: every {each} errs on its own, to gamma {gamma:g}")
+        print(f"{plan.mission} on {plan.library}: independent errors of every {each}, gamma {gamma:g}")
         _print_bounds(found)
     return OPTIMISTIC if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
 
@@ -96,7 +96,7 @@ def _print_bounds(found: IndependentErrorBounds) -> None:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("", "time, s", "miss, m"):
         table.add_column(heading, justify="right" if heading else "left")
-    corners = "all" if found.all_tried else "climbed, of"
+    corners = "all" if found.all_tried else "best of local search over"
     rows = {
         "one gamma for all": (found.slowest_single.value, found.furthest_single.value),
         f"{corners} {found.scenarios:,} corners": (found.slowest.value, found.furthest.value),
@@ -114,23 +114,23 @@ def _print_bounds(found: IndependentErrorBounds) -> None:
     worst = found.slowest_bound
     if not isfinite(worst.found):
         lost = _describe_errors(found.names, worst.errors)
-        console.print(f"no time is enough: with {lost} this sequence never arrives", soft_wrap=True)
+        console.print(f"infeasible: with errors {lost} the goal is unreachable", soft_wrap=True)
     elif not isfinite(worst.bound):
         console.print(
-            f"{worst.boxes:,} boxes give no bound of the time: slower errors may exist, --boxes looks at more"
+            f"no bound of the time after {worst.boxes:,} boxes: slower errors may exist; raise --boxes"
         )
     elif worst.bound > worst.found * LOOSE + RESOLUTION:
-        console.print(f"the bound of the time is that of {worst.boxes:,} boxes; --boxes looks at more")
+        console.print(f"bound of the time after {worst.boxes:,} boxes; raise --boxes to tighten it")
 
 
 def _describe_errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
     """Returns errors in shares of the largest where they are no corners."""
-    told = (
+    parts = (
         f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
         for name, error in zip(names, errors, strict=True)
         if error
     )
-    return ", ".join(told) or "no errors"
+    return ", ".join(parts) or "no errors"
 
 
 def _json_value(value: Any) -> Any:

@@ -90,6 +90,8 @@ def _facts(summary: Summary) -> Table:
     table.add_row("outcome", summary.outcome)
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
+    if summary.planned_time is not None:
+        table.add_row("planned time", f"{summary.planned_time:.2f} s")
     if summary.plans is not None:
         failed = f", {plural(summary.failures, 'replan')} failed" if summary.failures else ""
         table.add_row("plans found", f"{summary.plans}{failed}")

@@ -67,7 +67,7 @@ def _table(cells: Sequence[ScorecardCell]) -> Table:
         "reached": lambda cell: f"{cell.reached.count}/{cell.flights}",
         "95 %": lambda cell: f"{cell.reached.low:.2f}-{cell.reached.high:.2f}",
         "flown, s": lambda cell: format_number(cell.flown_time),
-        "plan, s": lambda cell: format_number(cell.predicted_time),
+        "plan, s": lambda cell: format_number(cell.planned_time),
         "inside": lambda cell: f"{cell.inside.count}/{cell.flights}",
         "miss, m": lambda cell: format_number(cell.miss),
         "no plan": lambda cell: str(cell.failures),

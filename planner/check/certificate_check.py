@@ -1,9 +1,8 @@
-"""Whether a certificate proves what it says: every walk there is, every box of its tree, rounded outward.
+"""Check of a certificate: every walk, every box, rounded outward.
 
-Nothing here comes from the search or from what wrote the certificate: the walks are listed anew, their
-numbers taken from the library as intervals, the boxes cut as the tree says, and each bound evaluated in
-interval arithmetic. `docs/planner.md` has the formula; that it is a lower bound whatever the multipliers are
-is weak Lagrangian duality.
+Independent of the search and of the certificate's writer: the walks are listed anew, their coefficients taken
+from the library as intervals, the boxes cut as in the tree, and each bound evaluated in interval arithmetic.
+`docs/planner.md` has the formula; by weak Lagrangian duality it is a lower bound for any multipliers.
 """
 
 from collections import Counter
@@ -32,14 +31,14 @@ def certificate_problems(
     gammas: tuple[float, ...],
     lower_bound: float,
 ) -> tuple[str, ...]:
-    """Returns what a certificate fails to prove; nothing where no plan has a worst time below the bound.
+    """Returns the faults of a certificate; none if its bound is proved.
 
     Args:
         certificate: the proof.
         library: the primitives.
         mission: from where to where.
         gammas: levels at which a plan has to reach the goal.
-        lower_bound: seconds; infinite where it says that there is no plan.
+        lower_bound: seconds; infinite if it states that there is no plan.
     """
     if certificate.max_trims != mission.max_trims:
         depth = f"at most {certificate.max_trims} trims, the mission allows {mission.max_trims}"
@@ -49,17 +48,17 @@ def certificate_problems(
     missing = expected - set(listed)
     if missing:
         covered = len(expected) - len(missing)
-        return (f"certificate: covers {covered} of the {len(expected)} walks there are, not {min(missing)}",)
+        return (f"certificate: covers {covered} of {len(expected)} walks, not {min(missing)}",)
     for walk, times in listed.items():
         if walk not in expected:
             return (f"certificate: there is no walk {walk}",)
         if times > 1:
-            return (f"certificate: walk {walk} stands there {times} times, expected once",)
+            return (f"certificate: walk {walk} occurs {times} times, expected once",)
     found = []
     for refutation in certificate.refutations:
         where = f"certificate: walk {refutation.sequence} at gamma {refutation.gamma:g}"
         if refutation.gamma not in gammas:
-            found.append(f"{where}: the plan is made for the levels {gammas}")
+            found.append(f"{where}: the levels of the plan are {gammas}")
             continue
         try:
             failed = _count_open_leaves(refutation, library, mission, lower_bound)
@@ -73,23 +72,23 @@ def certificate_problems(
 
 def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
     """Returns every walk that the mission allows, by following the maneuvers."""
-    grown: list[tuple[int, ...]] = [(mission.start_trim,)]
-    every = list(grown)
+    longest: list[tuple[int, ...]] = [(mission.start_trim,)]
+    every = list(longest)
     for _ in range(mission.max_trims - 1):
-        grown = [
+        longest = [
             (*walk, maneuver.to_trim)
-            for walk in grown
+            for walk in longest
             for maneuver in library.maneuvers
             if maneuver.from_trim == walk[-1]
         ]
-        every += grown
+        every += longest
     return [walk for walk in every if mission.goal_trim in (None, walk[-1])]
 
 
 def _count_open_leaves(
     refutation: InfeasibilityCertificate, library: Library, mission: Mission, lower_bound: float
 ) -> int:
-    """Returns how many leaves of a tree do not hold.
+    """Returns the number of leaves in a tree whose bound fails.
 
     Raises:
         ValueError: the tree does not cut the whole box into parts.
@@ -99,7 +98,7 @@ def _count_open_leaves(
     leaves = _tree_leaves(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
     spare = np.full(len(leaves.low), inf)
     if lower_bound < inf:
-        # No coasting time is longer than what the others leave of the seconds allowed.
+        # A coasting time is at most the allowed seconds less the least of the others.
         least = walk.fixed
         for place in range(leaves.low.shape[1]):
             least = least + leaves.low[:, place]
@@ -147,13 +146,13 @@ def _tree_leaves(nodes: list[BoxSplit | BoxLeaf], longest: tuple[float, ...]) ->
 
 
 def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns the scenarios of a plan that interval arithmetic does not prove to end at the goal."""
+    """Returns the scenarios not proved by interval arithmetic to end at goal."""
     found = []
     for scenario in plan.scenarios:
         try:
             end, heading = _largest_miss(library, plan.sequence, scenario, mission)
         except (ValueError, FlightError):
-            # Said elsewhere: there is no such walk, or no such time.
+            # Reported elsewhere: there is no such walk, or no such time.
             continue
         wrong = not end <= mission.destination.reach
         if mission.destination.wants_heading:
@@ -166,7 +165,7 @@ def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, 
 def _largest_miss(
     library: Library, sequence: tuple[int, ...], scenario: Scenario, mission: Mission
 ) -> tuple[float, float]:
-    """Returns by how much a scenario can miss the goal at most, and the wanted heading: metres, radians."""
+    """Returns upper bounds of a scenario's miss: metres and radians."""
     pose = _pose_box(mission.start)
     maneuvers = (None, *library.maneuvers_along(sequence))
     for trim, maneuver, time in zip(sequence, maneuvers, scenario.coasting_times, strict=True):

@@ -1,4 +1,4 @@
-"""The bound that multipliers give, in interval arithmetic: `docs/planner.md` has the formula."""
+"""Lagrangian bound of given multipliers, in interval arithmetic; formula in `docs/planner.md`."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -12,12 +12,12 @@ from .interval_walk import Complex, IntervalWalk, LeafValues, exact_point
 from .intervals import TURN, Interval, as_interval, cos, hypot, sin, sqrt, square
 
 ANGLE_SLACK = 1e-11
-"""Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
+"""Radians, also relative, of slack for a minimum's place; far above arctan2's error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaves:
-    """Boxes of coasting times in seconds, and the multipliers that are to refute them."""
+    """Boxes of coasting times in seconds, with their refuting multipliers."""
 
     low: Float[np.ndarray, "leaves trims"]
     high: Float[np.ndarray, "leaves trims"]
@@ -28,7 +28,7 @@ class Leaves:
 
 
 def dual_bound(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> LeafValues:
-    """Returns, for each leaf, what kappa times the cost cannot be below if the goal is reached from its box.
+    """Returns a lower bound of kappa times the cost for each leaf.
 
     Infinite where no heading in the box is one that is wanted at the goal.
     """
@@ -73,9 +73,9 @@ def _goal(mission: Mission) -> Complex:
 def _straight_term(
     first: LeafValues, last: LeafValues, x: LeafValues, steady: LeafValues, fast: LeafValues
 ) -> Interval:
-    """Returns the products of a straight time less x with what a second of it is worth, from below."""
+    """Returns a lower bound of straight time less x, weighted by multipliers."""
     endless = np.isinf(last)
-    # Where every second is worth something, the first is the worst.
+    # With a positive weight of time the first second gives the bound.
     known = Interval(first, np.where(endless, first, last)) - x
     product = known * Interval(np.minimum(steady, fast), np.maximum(steady, fast))
     low = np.where(endless & (steady < 0), -inf, product.low)
@@ -83,7 +83,7 @@ def _straight_term(
 
 
 def _headings(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> list[Interval]:
-    """Returns between what the headings after each place lie; after the last turn only what is wanted."""
+    """Returns the interval of headings after each place."""
     heading = as_interval(np.zeros(len(leaves.low)))
     spans = []
     for index, place in enumerate(walk.places):
@@ -102,7 +102,7 @@ def _headings(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> list[Inte
 
 
 def _wanted_headings(span: Interval, wanted: Interval, width: float) -> Interval:
-    """Returns the part of a span between its first and last headings that are wanted, modulo full turns."""
+    """Returns the wanted headings within a span, modulo full turns."""
     middle = float(wanted.middle)
     full = 2 * pi
     first = np.ceil((span.low - width - middle) / full - 1e-9)
@@ -113,7 +113,7 @@ def _wanted_headings(span: Interval, wanted: Interval, width: float) -> Interval
 
 
 def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
-    """Returns, as an interval of one number, a bound below slope * psi + Re(wave exp(i psi)) over a span.
+    """Returns an interval below slope * psi + Re(wave exp(i psi)).
 
     The least is at an end, or where the wave's slope is the line's, rising: psi = arg((-d + i slope) / wave)
     with d = sqrt(|wave|^2 - slope^2), and is slope * psi - d there. Of slow turns d is the root of what
@@ -144,6 +144,6 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
         near = near - hypot(as_interval(x), as_interval(y)) * square(as_interval(error)) * 0.5
         least = np.where(inside, np.minimum(least, np.maximum((around * a - depth).low, near.low)), least)
     low = (as_interval(least) - blur).low
-    # Numbers too large to be squared tell nothing of where the least is.
+    # Numbers too large to be squared do not locate the minimum.
     low = np.where(np.isfinite(length) & np.isfinite(doubt), low, -inf)
     return Interval(low, low)

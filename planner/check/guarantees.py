@@ -1,4 +1,4 @@
-"""What a plan that passed its check is shown to keep, and what of it is only said."""
+"""Guarantees of a checked plan: proved claims and unproved statements."""
 
 from dataclasses import dataclass
 
@@ -7,11 +7,11 @@ from flight.plan.plan import Plan
 
 @dataclass(frozen=True, slots=True)
 class Guarantees:
-    """Sentences about one plan that passed its check.
+    """Guarantees of one plan that passed its check.
 
     Attributes:
-        proved: what the check showed, from the plan, the library and the mission alone.
-        unproved: what the plan says beside that; it may be true.
+        proved: claims that the check showed from plan, library and mission alone.
+        unproved: further claims of the plan, not checked.
     """
 
     proved: tuple[str, ...]
@@ -19,7 +19,7 @@ class Guarantees:
 
 
 def guarantees_of(plan: Plan) -> Guarantees:
-    """Returns what a plan's check showed and what it did not.
+    """Returns the proved and the unproved claims of a plan.
 
     Args:
         plan: in which `planner.check.plan_check.plan_problems` found nothing.
@@ -47,17 +47,17 @@ def guarantees_of(plan: Plan) -> Guarantees:
 
 
 def describe_lower_bound(plan: Plan) -> str:
-    """Returns what a plan's lower bound says, of no plan."""
+    """Returns the plan's lower bound in words, following "no plan"."""
     return f"takes less than {max(plan.lower_bound or 0.0, 0.0):.3f} s"
 
 
 def describe_gamma_range(plan: Plan) -> str:
-    """Returns for which levels a committed plan's times are."""
+    """Returns the gamma range of a committed plan in words."""
     return f"at every gamma from {-plan.gamma:g} to {plan.gamma:g}" if plan.gamma else "at gamma 0"
 
 
 def _lower_bound_sentences(plan: Plan) -> list[str]:
-    """Returns what is said of other plans without a certificate; none takes less than no time anyway."""
+    """Returns the unproved lower-bound claims of a plan without a certificate."""
     if plan.status == "optimal":
         none = "committed plans have none" if plan.policy == "committed" else "there is no certificate"
         return [f"optimal: no plan {describe_lower_bound(plan)} ({none})"] if plan.cost else []
@@ -67,9 +67,9 @@ def _lower_bound_sentences(plan: Plan) -> list[str]:
 
 
 def _price_sentences(plan: Plan) -> list[str]:
-    """Returns what is said of levels that the plan does not show."""
+    """Returns the claims about levels that have no scenario in the plan."""
     assert plan.alpha is not None
     return [
         f"alpha: no plan takes less than {plan.cost / plan.alpha:.3f} s at gamma 0",
-        f"gamma: every level below {plan.gamma:g} keeps to alpha {plan.alpha:g}, and none above it does",
+        f"gamma: every level below {plan.gamma:g} meets alpha {plan.alpha:g}, and none above it does",
     ]

@@ -1,4 +1,4 @@
-"""A walk's numbers as intervals, rounded outward, for the check of certificates.
+"""Coefficients of a walk as intervals, rounded outward, for certificate checks.
 
 Positions are complex (north + i east), seen from the start with heading 0; what the maneuvers of a walk turn
 is folded into its vectors, so that headings are those that coasting alone makes.
@@ -18,7 +18,7 @@ from .intervals import TURN, Interval, as_interval, cos, hypot, sin
 LeafValues = Float[np.ndarray, "leaves"]
 
 POSITION_SLACK = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+"""Metres by which the end may shift if negligible turns are made straight."""
 
 HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
@@ -37,15 +37,15 @@ class Complex:
         return cls(cos(angle), sin(angle))
 
     def __add__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns sums, rounded outward."""
         return Complex(self.real + other.real, self.imag + other.imag)
 
     def __sub__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns differences, rounded outward."""
         return Complex(self.real - other.real, self.imag - other.imag)
 
     def __mul__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns products, rounded outward."""
         return Complex(
             self.real * other.real - self.imag * other.imag, self.real * other.imag + self.imag * other.real
         )
@@ -76,7 +76,7 @@ class WalkPlace:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class IntervalWalk:
-    """A walk at one level: its places, seconds in maneuvers, and what these turn, in radians.
+    """A walk at one level: places, maneuver seconds and maneuver turns.
 
     Attributes:
         position_slack: metres that its end is off at most, for turns that were taken as straight lines.
@@ -91,7 +91,7 @@ class IntervalWalk:
 
 
 def interval_walk(library: Library, sequence: tuple[int, ...], gamma: float) -> IntervalWalk:
-    """Returns a walk's numbers, value + gamma * error rounded outward.
+    """Returns the coefficients of a walk at gamma, rounded outward.
 
     Raises:
         UnknownTrimError: the library lacks a trim.
@@ -136,13 +136,13 @@ def _walk_place(
 
 
 def straighten_slow_turns(walk: IntervalWalk, mission: Mission, seconds: float) -> IntervalWalk:
-    """Returns a walk with the turns made straight that do not show in so many seconds.
+    """Returns a walk with turns negligible within the given seconds made straight.
 
-    With headings off by no more than an angle, the end is off by no more than the length of the way times the
-    angle: what counts as reached is widened by both.
+    If headings differ by at most an angle, the end shifts by at most the path length times the angle: the
+    goal's tolerances are widened by both.
 
     Raises:
-        ValueError: a yaw rate that cannot be told from 0 does show.
+        ValueError: a yaw rate whose interval contains 0 is not negligible.
     """
     spare = float(np.maximum((as_interval(seconds) - walk.fixed).high, 0.0))
     length = as_interval(0.0)
@@ -169,7 +169,7 @@ def straighten_slow_turns(walk: IntervalWalk, mission: Mission, seconds: float) 
             longest = 0.0 if still else inf
             places.append(replace(place, rate=None, centre=exact_point(0.0, 0.0), longest=longest))
         elif place.rate.contains(0.0):
-            raise ValueError(f"the yaw rate at place {number} cannot be told from 0")
+            raise ValueError(f"the interval of the yaw rate at place {number} contains 0")
         else:
             places.append(place)
     off = float((worst * way).high) if worst.high > 0 else 0.0
@@ -186,5 +186,5 @@ def value_at_gamma(value: float, error: float, gamma: float) -> Interval:
 
 
 def exact_point(north: float, east: float) -> Complex:
-    """Returns a complex number without doubt."""
+    """Returns a complex number of zero width."""
     return Complex(as_interval(north), as_interval(east))

@@ -19,7 +19,7 @@ Array = Float[np.ndarray, "..."]
 Operand: TypeAlias = "Interval | Array | float"
 
 LIBRARY_ERROR = 4 * 2.0**-52
-"""By which a sine or cosine may be off."""
+"""Error bound of a sine or cosine."""
 
 LARGEST_ANGLE = 1e6
 """Radians up to which the reduction modulo 2 pi is trusted; beyond, a sine is anything from -1 to 1."""
@@ -47,7 +47,7 @@ class Interval:
 
     @classmethod
     def of(cls, low: Array | float, high: Array | float | None = None) -> Self:
-        """Returns the numbers between two, or one number alone."""
+        """Returns the interval between two numbers, or of one alone."""
         lower = np.asarray(low, dtype=float)
         return cls(lower, lower if high is None else np.asarray(high, dtype=float))
 
@@ -73,7 +73,7 @@ class Interval:
         return Interval(np.asarray(self.low[index]), np.asarray(self.high[index]))
 
     def contains(self, value: Array | float) -> Bool[np.ndarray, "..."]:
-        """Whether a number lies inside."""
+        """Returns True where a number lies inside."""
         return np.asarray((self.low <= value) & (value <= self.high))
 
     def hull(self, other: Operand) -> "Interval":
@@ -82,20 +82,20 @@ class Interval:
         return Interval(np.minimum(self.low, wide.low), np.maximum(self.high, wide.high))
 
     def __neg__(self) -> "Interval":
-        """Exact."""
+        """Returns the negatives, exactly."""
         return Interval(-self.high, -self.low)
 
     def __add__(self, other: Operand) -> "Interval":
-        """Outward."""
+        """Returns sums, rounded outward."""
         term = as_interval(other)
         return Interval(_round_down(self.low + term.low), _round_up(self.high + term.high))
 
     def __sub__(self, other: Operand) -> "Interval":
-        """Outward."""
+        """Returns differences, rounded outward."""
         return self + -as_interval(other)
 
     def __mul__(self, other: Operand) -> "Interval":
-        """Outward."""
+        """Returns products, rounded outward."""
         factor = as_interval(other)
         products = (
             self.low * factor.low,
@@ -106,7 +106,7 @@ class Interval:
         return Interval(_round_down(np.minimum.reduce(products)), _round_up(np.maximum.reduce(products)))
 
     def __truediv__(self, other: Operand) -> "Interval":
-        """Outward; the whole line where the divisor holds 0."""
+        """Returns quotients, rounded outward; the whole line for divisors containing 0."""
         divisor = as_interval(other)
         through_zero = divisor.contains(0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
@@ -122,29 +122,29 @@ class Interval:
         )
 
     def __radd__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns sums, rounded outward."""
         return self + other
 
     def __rsub__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns differences, rounded outward."""
         return as_interval(other) - self
 
     def __rmul__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns products, rounded outward."""
         return self * other
 
     def __rtruediv__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns quotients, rounded outward."""
         return as_interval(other) / self
 
 
 def as_interval(value: Operand) -> Interval:
-    """Returns a number as the interval that holds it alone."""
+    """Returns the zero-width interval of a number."""
     return value if isinstance(value, Interval) else Interval.of(value)
 
 
 TURN = Interval.of(_round_down(np.array(2 * np.pi)), _round_up(np.array(2 * np.pi)))
-"""2 pi, which is no floating-point number."""
+"""Enclosure of 2 pi."""
 
 
 def square(value: Interval) -> Interval:
@@ -154,7 +154,7 @@ def square(value: Interval) -> Interval:
 
 
 def sqrt(value: Interval) -> Interval:
-    """Returns the square roots of what is not negative."""
+    """Returns the square roots of non-negative numbers."""
     low, high = np.sqrt(np.maximum(value.low, 0.0)), np.sqrt(np.maximum(value.high, 0.0))
     return Interval(np.maximum(_round_down(low), 0.0), _round_up(high))
 
@@ -165,7 +165,7 @@ def hypot(one: Interval, other: Interval) -> Interval:
 
 
 def cos(angle: Interval) -> Interval:
-    """Returns the cosines; largest at even multiples of pi, smallest at odd ones."""
+    """Returns the cosines: maximum at even multiples of pi, minimum at odd."""
     ends = np.cos(angle.low), np.cos(angle.high)
     anything = angle.magnitude > LARGEST_ANGLE
     top = anything | _may_contain_peak(angle, 0.0)
@@ -185,7 +185,7 @@ SERIES = 0.01
 
 
 def sinc(angle: Interval) -> Interval:
-    """Returns sin(x) / x, which is 1 at 0: it falls from there to the first multiple of pi on either side."""
+    """Returns sin(x) / x, with value 1 at 0."""
     near = np.where(angle.contains(0.0), 0.0, np.minimum(np.abs(angle.low), np.abs(angle.high)))
     far = angle.magnitude
     most, least = _sinc(near), _sinc(far)
@@ -199,7 +199,7 @@ def sinc(angle: Interval) -> Interval:
 
 
 def _sinc(size: Array) -> Interval:
-    """Returns sin(x) / x of numbers that are not negative; of small ones by its alternating series."""
+    """Returns sin(x) / x for x >= 0; small x by series."""
     quotient = sin(as_interval(np.maximum(size, SERIES))) / np.maximum(size, SERIES)
     x = square(as_interval(np.minimum(size, SERIES)))
     upper = 1.0 - x / 6.0 + square(x) / 120.0
@@ -210,7 +210,7 @@ def _sinc(size: Array) -> Interval:
 
 
 def _may_contain_peak(angle: Interval, peak: float) -> Bool[np.ndarray, "..."]:
-    """Whether a peak plus a multiple of 2 pi may lie inside: a hair beyond counts too."""
+    """Returns True where the interval may contain a peak modulo 2 pi."""
     hair = 1e-15 * (1 + angle.magnitude)
     first = np.ceil((angle.low - hair - peak) / (2 * np.pi) - 1e-15 * angle.magnitude)
     return np.asarray(first * (2 * np.pi) + peak <= angle.high + 2 * hair)
@@ -218,7 +218,7 @@ def _may_contain_peak(angle: Interval, peak: float) -> Bool[np.ndarray, "..."]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseBox:
-    """Poses or displacements: metres, metres, radians (not wrapped), each in its interval."""
+    """Poses or displacements as intervals: metres, metres, radians (not wrapped)."""
 
     x: Interval
     y: Interval
@@ -235,7 +235,7 @@ class PoseBox:
 
     @classmethod
     def exp(cls, forward: Interval, side: Interval, yaw_rate: Interval, duration: Interval) -> "PoseBox":
-        """Returns the displacements of holding a body velocity for a time (thesis, eq. 17-18).
+        """Returns displacements of a constant body velocity (thesis, eq. 17-18).
 
         Args:
             forward: metres per second.

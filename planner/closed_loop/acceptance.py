@@ -1,4 +1,4 @@
-"""Whether the answer of a planner may be flown."""
+"""Acceptance of plans in flight."""
 
 from dataclasses import dataclass
 
@@ -11,25 +11,25 @@ from planner.check.plan_check import plan_problems
 
 @dataclass(frozen=True, slots=True)
 class Acceptance:
-    """What an answer is worth: ADOPTED, FAILED, LATE or REFUSED, and why it may not be flown."""
+    """Acceptance of a plan: ADOPTED, FAILED, LATE or REFUSED, with its reason."""
 
     kind: DecisionKind
     reason: str = ""
 
 
 def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> Acceptance:
-    """Returns whether a plan may be flown; it is checked again, whatever it says of itself.
+    """Returns the acceptance of a plan after an independent check.
 
     Args:
-        plan: the answer.
+        plan: of the planner.
         library: flown with.
-        asked: the question.
-        late: whether it came when the vehicle was no longer where it begins.
+        asked: the mission that was planned.
+        late: whether the vehicle had already passed the plan's start.
     """
     if not plan.found:
         return Acceptance(DecisionKind.FAILED, plan.reason)
     if late:
-        return Acceptance(DecisionKind.LATE, f"it took {plan.solve_time:.3f} s")
+        return Acceptance(DecisionKind.LATE, f"planning took {plan.solve_time:.3f} s")
     wrong = plan_problems(plan, library, asked)
     if wrong:
         return Acceptance(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")

@@ -1,4 +1,4 @@
-"""The maneuver automaton as something that flies: the library's own model with the library's own errors.
+"""The maneuver automaton with errors as a vehicle.
 
 This is the plant of the thesis's closed loop (chapter 7): it moves by the errors of the library at one level
 that the planner does not know, or at another level for every primitive, and it knows exactly where it is.
@@ -22,20 +22,20 @@ TRACK_STEP = 0.05
 
 
 class TrueGammaError(FlightError):
-    """The level at which the vehicle truly moves is outside its range."""
+    """The vehicle's true gamma is outside its range."""
 
     def __init__(self, gamma: float) -> None:
         super().__init__(f"the true gamma must be between -1 and 1, got {gamma}")
 
 
 def independent_gammas(rng: np.random.Generator) -> Iterator[float]:
-    """Yields levels that know nothing of one another, evenly between -1 and 1."""
+    """Yields independent levels, uniform between -1 and 1."""
     while True:
         yield float(rng.uniform(-1.0, 1.0))
 
 
 class AutomatonVehicle:
-    """Moves as the library says at one uncertainty level, or at one after the other.
+    """Vehicle with the library's motion at one or several gamma levels.
 
     Args:
         library: the primitives.
@@ -69,7 +69,7 @@ class AutomatonVehicle:
 
     @property
     def pose(self) -> SE2:
-        """Pose in the world; belief and truth are the same."""
+        """Pose in the world; the estimate equals the truth."""
         return self._pose
 
     def coast(self, duration: float) -> Leg:
@@ -79,7 +79,7 @@ class AutomatonVehicle:
         return self._flown(duration, poses)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver; on the way it is taken to move and turn evenly from begin to end.
+        """Performs a maneuver, at constant velocity and yaw rate.
 
         Raises:
             FlightError: the maneuver leaves another trim than the one held now.

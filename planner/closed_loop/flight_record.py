@@ -1,4 +1,4 @@
-"""What a closed-loop flight came to, and what is noted on the way."""
+"""Record of a closed-loop flight."""
 
 from dataclasses import dataclass, field, replace
 from math import inf
@@ -14,29 +14,29 @@ from flightlog.decision import Decision, DecisionKind
 from .remaining_plan import PlanStep
 
 REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
-"""What leaves a vehicle with the plan that it had."""
+"""Decisions after which the previous plan is flown on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightRecord:
-    """What a closed-loop flight came to.
+    """Result of a closed-loop flight.
 
     Attributes:
         arrival: judgement of the true track.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy promises from the start to the part of the tolerance that
-            plans aim at, thinking included; infinite without a plan.
+        predicted_time: seconds that the policy predicts from the start to the part of the tolerance that
+            plans aim at, planning included; infinite without a plan.
         replans: number of replans.
-        failures: how often that gave no plan that could be flown: none, too late, or failing its check.
+        failures: replans without an acceptable plan: none found, late, or refused by the check.
         safe_stops: number of safe stops begun.
-        plans: every answer of the planner, in order.
-        times: seconds since the start at which each was asked for.
-        latencies: seconds that each took, as charged.
-        missions: what each of them was asked: from where, how exactly.
+        plans: every plan of the planner, in order.
+        times: seconds since the start at which each planning began.
+        latencies: seconds charged for each.
+        missions: mission of each planning: start and tolerance.
         decisions: what was decided, in the order of time.
-        legs: what was flown, in order.
-        steps: what each leg was meant to be.
-        reason: how it ended, one sentence.
+        legs: flown legs, in order.
+        steps: the intended primitive of each leg.
+        reason: reason for the end, one sentence.
     """
 
     arrival: ArrivalVerdict
@@ -66,19 +66,19 @@ class FlightRecord:
 
     @property
     def closest(self) -> float:
-        """Least true distance to the goal in metres; infinite where nothing was flown."""
+        """Least true distance to the goal in metres; infinite without flight."""
         return inf if self.arrival.closest is None else self.arrival.closest
 
 
 @dataclass(slots=True)
 class FlightRecorder:
-    """What has happened so far.
+    """Records a closed-loop flight while it runs.
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the believed position that must be inside the goal's tolerance.
-        predicted_time: promised at the start.
-        claimed: whether the vehicle took itself to be at the goal, on a plan and in the trim wanted there.
+        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        predicted_time: seconds predicted at the start.
+        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
@@ -95,14 +95,14 @@ class FlightRecorder:
     claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
-        """Notes a question and its answer."""
+        """Records a planning request and its plan."""
         self.times.append(time)
         self.missions.append(asked)
         self.plans.append(plan)
         self.latencies.append(latency)
 
     def add_leg(self, step: PlanStep, leg: Leg, *, on_a_plan: bool) -> None:
-        """Notes what was flown; arrival counts only on a plan, and in the trim that is wanted at the goal."""
+        """Records a leg; arrival counts on a plan in the wanted trim."""
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
@@ -114,28 +114,28 @@ class FlightRecorder:
 
     def _believes_arrival(self, leg: Leg) -> bool:
         sure = self.goal.tolerance - self.certainty * leg.standard_deviation
-        believed = leg.track if leg.estimated_track is None else leg.estimated_track
+        estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([believed], goal).time is not None
+        return sure > 0 and first_arrival([estimated], goal).time is not None
 
     @property
     def _level(self) -> float:
         return self.decisions[-1].level if self.decisions else 0.0
 
     def decide(self, time: float, kind: DecisionKind, *, cost: float, level: float) -> None:
-        """Notes a decision about the planning noted last."""
+        """Records a decision about the latest plan."""
         tolerance = self.missions[-1].tolerance if self.missions else self.goal.tolerance
         latency = self.latencies[-1] if self.latencies else 0.0
         self.decisions.append(Decision(time, kind, len(self.plans), cost, latency, tolerance, level))
 
     @property
     def refused(self) -> bool:
-        """Whether the planning noted last gave nothing that could be flown."""
+        """Returns True if the latest planning gave no acceptable plan."""
         last = [one.kind for one in self.decisions if one.kind is not DecisionKind.FALLBACK]
         return bool(last) and last[-1] in REFUSALS
 
     def add_lost_leg(self, step: PlanStep, error: FlightLostError) -> None:
-        """Notes the leg in which the vehicle was lost, as far as it was flown; nothing is reached in it."""
+        """Records the leg of the loss; it cannot reach the goal."""
         if error.track is not None:
             duration = float(error.track[-1, 0] - error.track[0, 0])
             self.steps.append(step)
@@ -143,7 +143,7 @@ class FlightRecorder:
             self.on_plan.append(False)
 
     def _arrival(self) -> ArrivalVerdict:
-        """Judges the true track."""
+        """Returns the arrival verdict of the true track."""
         segments = [
             TrackSegment(leg.track, step.trim if step.to_trim is None else None, on_plan)
             for leg, step, on_plan in zip(self.legs, self.steps, self.on_plan, strict=True)
@@ -152,7 +152,7 @@ class FlightRecorder:
         return judge_arrival(segments, goal.destination, trim=goal.goal_trim, declared=self.claimed)
 
     def close(self, time: float, reason: str) -> FlightRecord:
-        """Returns what the flight came to.
+        """Returns the flight record.
 
         Args:
             time: seconds since the start at which it ended.

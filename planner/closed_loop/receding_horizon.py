@@ -1,4 +1,4 @@
-"""Closed loop: plan, fly a little of it, plan again from where the vehicle believes to be (thesis, 6.3)."""
+"""Receding horizon: plan, fly one interval, replan from the estimate (thesis, 6.3)."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,7 +22,7 @@ from .settings import Settings
 
 
 class NoToleranceError(FlightError):
-    """A mission that is to be flown asks for its goal to be met exactly."""
+    """A mission to be flown has no goal tolerance."""
 
     def __init__(self, mission: str) -> None:
         super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
@@ -37,21 +37,20 @@ def fly_closed_loop(
     settings: Settings | None = None,
     on_leg: Callable[[Leg], None] | None = None,
 ) -> FlightRecord:
-    """Flies a mission in closed loop, from where the vehicle is, until the goal, the limit or the end.
+    """Flies a mission in closed loop until arrival, loss or limit.
 
-    A planning that fails, is late or fails its check is noted, and the plan before it is flown on; where that
-    is used up, its way to rest is flown. Nothing that is flown so can reach the goal: that takes a plan. The
-    flight ends as not reached if the first planning fails, if a maneuver times out, if the vehicle is lost
-    or finds something wrong with itself, or at the limit of plannings. It ends where the vehicle takes itself
-    to be at the goal; whether it is, is judged on its true track.
+    After a plan that is missing, late or refused, the previous plan is flown on, and then its safe-stop path,
+    which cannot reach the goal. The flight ends as not reached if the first planning fails, a maneuver times
+    out, the vehicle is lost or raises an alarm, or at the limit of replans. It ends where the vehicle
+    declares arrival; the true track decides whether the goal was reached.
 
     Args:
-        vehicle: what flies; its pose is what it believes.
-        mission: the goal and how exactly; where it starts from, the vehicle knows better.
-        planner: the policy; what it answers is checked.
+        vehicle: the vehicle; its pose is an estimate.
+        mission: goal and tolerance; its start is replaced by the vehicle's pose.
+        planner: the policy; its plans are checked.
         library: of the maneuvers that plans name.
-        settings: how the loop is closed.
-        on_leg: is told every leg that was flown; a planner may learn from it.
+        settings: of the closed loop.
+        on_leg: called with every flown leg, such as by a planner that adapts.
 
     Raises:
         NoToleranceError: neither the mission nor the settings give a tolerance above 0.
@@ -84,12 +83,11 @@ class _Loop:
         self._lost = False
 
     def fly_closed_loop(self) -> FlightRecord:
-        # The promise is for the part of the tolerance that plans aim at in the end; those flown first may aim
-        # at a wider one.
-        thinking = self._settings.latency.configured
-        steps, _ = self._left.window(thinking)
-        promise = self._planner.plan(self._mission_ahead(steps, share=0.0))
-        self._record.predicted_time = thinking + promise.cost
+        # The predicted time is for the final tolerance; plans flown earlier may aim at a wider one.
+        latency = self._settings.latency.configured
+        steps, _ = self._left.window(latency)
+        bound = self._planner.plan(self._mission_ahead(steps, share=0.0))
+        self._record.predicted_time = latency + bound.cost
         reason = f"{self._settings.max_activations} replans did not reach the goal"
         for _ in range(self._settings.max_activations):
             ended = self._replan()
@@ -104,10 +102,10 @@ class _Loop:
         return self._record.close(self._vehicle.time, reason)
 
     def _replan(self) -> str:
-        """Plans once, and flies until it is time to plan again.
+        """Plans once and flies until the next replan.
 
         Returns:
-            Why the flight cannot go on; empty where it can.
+            The reason for the end of the flight; empty if it continues.
         """
         began = self._vehicle.time
         steps, rest = self._left.window(self._fly_while_planning())
@@ -127,12 +125,12 @@ class _Loop:
         return self._advance(began + self._settings.activation_interval)
 
     def _fly_while_planning(self) -> float:
-        """Returns for how long the vehicle flies on before the plan is; a maneuver that is due is flown."""
+        """Returns the flight time before the plan; due maneuvers are flown first."""
         due = self._settings.replan_in_maneuver and self._left.maneuver_due
         return inf if due else self._settings.latency.configured
 
     def _mission_ahead(self, steps: tuple[PlanStep, ...], *, share: float) -> Mission:
-        """Returns the mission from where the vehicle will be when the plan is there."""
+        """Returns the mission from the pose predicted at plan delivery."""
         pose, trim = self._vehicle.pose, self._vehicle.trim
         for step in steps:
             pose = step.exit(pose, self._library, self._level)
@@ -142,10 +140,10 @@ class _Loop:
         return replace(self._goal, start=pose, start_trim=trim, tolerance=tolerance)
 
     def _plan_mission(self, asked: Mission, rest: RemainingPlan) -> tuple[Mission, Plan]:
-        """Returns a question with its answer: with room for errors, unless room costs too much.
+        """Returns mission and plan, with a tightened tolerance where that is cheap.
 
-        Where the plan under way no longer leads to the goal, and a clearly faster plan does without the room,
-        that is the better one: no plan of the automaton corrects a little.
+        If the current plan no longer leads to the goal and a plan for the full tolerance is clearly faster,
+        that one is taken: the automaton has no small corrections.
         """
         plan, goal = self._planner.plan(asked), self._goal.tolerance
         if asked.tolerance >= goal or self._arrival_time(rest, asked.start) < inf:
@@ -153,8 +151,8 @@ class _Loop:
         close = replace(asked, tolerance=goal)
         faster = self._planner.plan(close)
         took = plan.solve_time + faster.solve_time
-        honest = self._judge(faster, close).kind is DecisionKind.ADOPTED
-        if honest and faster.cost + self._settings.hysteresis < plan.cost:
+        acceptable = self._judge(faster, close).kind is DecisionKind.ADOPTED
+        if acceptable and faster.cost + self._settings.hysteresis < plan.cost:
             return close, replace(faster, solve_time=took)
         return asked, replace(plan, solve_time=took)
 
@@ -162,14 +160,14 @@ class _Loop:
         return judge_plan(plan, self._library, asked, late=late)
 
     def _choose(self, verdict: Acceptance, asked: Mission, plan: Plan, rest: RemainingPlan) -> None:
-        """Takes the new plan, keeps the one under way, or falls back."""
+        """Adopts the new plan, keeps the current one, or stops safely."""
         now, self._left = self._vehicle.time, rest
         if verdict.kind is not DecisionKind.ADOPTED:
             self._record.decide(now, verdict.kind, cost=inf, level=self._level)
             return
         scenario = self._scenario(plan)
         remaining = self._arrival_time(rest, asked.start)
-        # The same walk with other coasting times is the plan under way, brought up to date.
+        # The same walk with other coasting times is an update of the current plan.
         same = (rest.trim, *rest.trims) == plan.sequence
         if self._settings.hysteresis and not same and remaining <= scenario.cost + self._settings.hysteresis:
             self._record.decide(now, DecisionKind.KEPT, cost=remaining, level=self._level)
@@ -187,9 +185,9 @@ class _Loop:
         return next((one for one in plan.scenarios if one.gamma == shown), plan.deciding)
 
     def _arrival_time(self, rest: RemainingPlan, start: SE2) -> float:
-        """Returns the seconds that what is left of a plan takes to the goal; infinite where it misses.
+        """Returns the predicted time to the goal; infinite for a predicted miss.
 
-        A wanted heading or trim is left to the planner.
+        The wanted heading and trim at the goal are not checked.
         """
         goal = self._goal
         if rest.finished or rest.is_safe_stop or (goal.goal_heading, goal.goal_trim) != (None, None):
@@ -198,7 +196,7 @@ class _Loop:
         return time if goal.destination.reached(end) else inf
 
     def _advance(self, until: float) -> str:
-        """Flies what is left for so long, and a maneuver begun in it to its end."""
+        """Flies the remaining plan for a time, finishing any begun maneuver."""
         while (time := until - self._vehicle.time) > SHORTEST_COAST:
             if self._left.finished and self._record.refused and not self._left.is_safe_stop:
                 self._begin_safe_stop()
@@ -214,7 +212,7 @@ class _Loop:
         self._record.decide(self._vehicle.time, DecisionKind.FALLBACK, cost=inf, level=self._level)
 
     def _stop_safely(self) -> None:
-        """Gives up: leaves the vehicle where it can stay, not on its way to nowhere."""
+        """Flies the safe-stop path after a failed mission."""
         self._left = RemainingPlan(self._vehicle.trim, tail=safe_stop_path(self._library, self._vehicle.trim))
         self._begin_safe_stop()
         while self._left.trims:
@@ -225,10 +223,10 @@ class _Loop:
             self._fly((PlanStep(self._vehicle.trim, self._settings.wait),))
 
     def _fly(self, steps: tuple[PlanStep, ...]) -> str:
-        """Flies steps, notes them, and learns from them.
+        """Flies steps, records them and updates the gamma estimate.
 
         Returns:
-            Why the flight cannot go on; empty where it can.
+            The reason for the end of the flight; empty if it continues.
         """
         vehicle = self._vehicle
         for step in steps:

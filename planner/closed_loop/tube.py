@@ -1,8 +1,8 @@
-"""The tube of a flight: where it may be between two plannings if no primitive leaves its errors.
+"""Flight tube: reachable positions between replans within the library's errors.
 
 Every primitive flown errs on its own, and so does each of its numbers: the tube is an enclosure with
 independent signs. A pose is a middle, a slope for each error variable, from -1 to 1, and a radius for what is
-not linear: with the heading off by f and a stretch a longer by b, exp(i f) (a + b) differs from
+not linear: with a heading error f and a displacement a longer by b, exp(i f) (a + b) differs from
 a + b + i f a by at most f^2 |a| / 2 + |f| |b|. Each planning begins a tube anew, from where the vehicle truly
 is.
 """
@@ -32,7 +32,7 @@ _DIRECTIONS = np.exp(1j * np.linspace(0.0, np.pi, 64, endpoint=False))
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ReachableSet:
-    """Where a vehicle may be.
+    """Reachable set of a vehicle: a polygon of positions, headings, time.
 
     Attributes:
         middle: north + i east in metres.
@@ -54,7 +54,7 @@ class ReachableSet:
 
     @classmethod
     def at(cls, pose: SE2) -> "ReachableSet":
-        """Returns a pose that is known."""
+        """Returns the set of one known pose."""
         return cls(complex(pose.x, pose.y), pose.heading, np.zeros(0, dtype=complex), np.zeros(0))
 
     def after(
@@ -68,7 +68,7 @@ class ReachableSet:
         due: float = 0.0,
         late: float = 0.0,
     ) -> "ReachableSet":
-        """Returns where a primitive may lead from here.
+        """Returns the reachable set after a primitive.
 
         Args:
             displacement: forward + i right, metres.
@@ -95,7 +95,7 @@ class ReachableSet:
         )
 
     def holds(self, pose: SE2, *, elapsed: float) -> bool:
-        """Returns whether a pose is inside, after so many seconds in maneuvers."""
+        """Returns True if a pose is inside after so many maneuver seconds."""
         off = complex(pose.x, pose.y) - self.middle
         turned = abs(wrap_angle(pose.heading - self.heading))
         if turned > np.abs(self.turns).sum() + ROUNDING or abs(elapsed - self.due) > self.late + CLOCK:
@@ -110,13 +110,13 @@ class ReachableSet:
 
 
 def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: float) -> ReachableSet:
-    """Returns where a coast may lead, whose velocity errs differently at every moment.
+    """Returns the reachable set after a coast with time-varying velocity errors.
 
     Args:
         where: it begins.
         trim: that is held.
         duration: seconds.
-        share: of the errors that the tube is made of.
+        share: factor on the library's errors.
     """
     nominal, error = SE2.exp(trim.velocity, duration), trim.error
     turn = trim.velocity.yaw_rate * duration
@@ -138,7 +138,7 @@ def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: 
 
 
 def propagate_maneuver(where: ReachableSet, maneuver: Maneuver, *, share: float) -> ReachableSet:
-    """Returns where a maneuver may lead; arguments as in `propagate_coast`."""
+    """Returns the reachable set after a maneuver; arguments as in `propagate_coast`."""
     moved, error = maneuver.displacement, maneuver.error
     return where.after(
         complex(moved.x, moved.y),
@@ -158,16 +158,16 @@ def tube_exit_time(
     *,
     share: float,
 ) -> float | None:
-    """Returns when a flight first left its tube, in seconds since its start; None where it never did.
+    """Returns the time of first leaving the tube, or None.
 
-    A flight is looked at until an alarm broke off a maneuver.
+    The flight is checked until an alarm interrupts a maneuver.
 
     Args:
         library: flown with.
-        steps: what each leg was meant to be.
-        legs: what was flown; their true tracks are looked at.
-        plannings: seconds since the start at which a tube begins anew.
-        share: of the library's errors that the tube is made of.
+        steps: the intended primitive of each leg.
+        legs: flown legs; their true tracks are checked.
+        plannings: seconds since the start of each replan, where a tube begins.
+        share: factor on the library's errors.
     """
     for window in _windows(steps, legs, plannings):
         where, elapsed = ReachableSet.at(_pose(window[0][1], 0)), 0.0
@@ -176,7 +176,7 @@ def tube_exit_time(
                 flown = float(leg.track[-1, 0] - leg.track[0, 0])
                 where = propagate_coast(where, library.trim(step.trim), flown, share=share)
             elif leg.alarm:
-                # Broken off: no primitive of the library was flown, and what follows is no plan's.
+                # The interrupted maneuver is no primitive of the library; the safe stop follows.
                 return None
             else:
                 elapsed += leg.duration
@@ -189,7 +189,7 @@ def tube_exit_time(
 def _windows(
     steps: Sequence[PlanStep], legs: Sequence[Leg], plannings: Sequence[float]
 ) -> Iterator[list[tuple[PlanStep, Leg]]]:
-    """Yields what was flown from one planning to the next."""
+    """Yields the legs from one replan to the next."""
     marks = sorted(plannings)
     found: dict[int, list[tuple[PlanStep, Leg]]] = {}
     for step, leg in zip(steps, legs, strict=True):

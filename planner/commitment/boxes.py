@@ -1,4 +1,4 @@
-"""Boxes of coasting times, and what is certain about all times in a box at once.
+"""Boxes of coasting times, with bounds valid for a whole box.
 
 At the middle of a box the ends at all levels are known with their velocities, and beyond that they stray by
 no more than a bound of the second derivatives allows. Any weighted sum of the directions in which levels miss
@@ -18,7 +18,7 @@ from .inequalities import LinearInequalities, least_sum, least_values, tighten_o
 from .walk_batch import WalkBatch
 
 SLACK = 1e-9
-"""Metres, seconds and radians that no bound is trusted beyond, for rounding."""
+"""Metres, seconds and radians of slack for rounding in every bound."""
 
 
 AFTER_PULLS = 3
@@ -33,9 +33,9 @@ class TimeBoxes(Boxes):
         rows: which walk each belongs to.
         turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
         seconds: that all times in the box take together, at least.
-        miss: metres that the largest miss of each set of times in the box exceeds, at least.
-        near: metres that the times in the middle miss by at most, at the levels looked at.
-        widest: the place whose time the box is best split along.
+        miss: lower bound in metres of the largest miss over the box.
+        near: largest miss in metres of the middle times at the computed levels.
+        widest: the place of the best split.
     """
 
     rows: Int[np.ndarray, "n"]
@@ -53,14 +53,14 @@ class TimeBoxes(Boxes):
         low: Float[np.ndarray, "n trims"],
         high: Float[np.ndarray, "n trims"],
     ) -> "TimeBoxes":
-        """Returns boxes about which nothing is known yet."""
+        """Returns boxes without known bounds."""
         nothing = np.zeros(len(rows))
         return cls(low, high, rows, turns, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CutDirections:
-    """What cuts well near the best known times of each box's walk; 0 for nothing.
+    """Directions of effective cuts for each walk; 0 for none.
 
     Attributes:
         position_weights: weighted directions, metres per metre.
@@ -80,13 +80,13 @@ def contract_boxes(
     radius: float,
     budget: Float[np.ndarray, "n"],
 ) -> TimeBoxes:
-    """Returns what may remain of boxes: smaller, better known, and without those that hold no allowed times.
+    """Returns contracted boxes, without those that hold no feasible times.
 
     Args:
         walk_batch: the walk of each box, at levels from the smallest to the largest or between them.
         boxes: of times.
-        task: what is asked.
-        known: what cuts well; anything is right.
+        task: the mission over the levels.
+        known: cut directions; any are valid.
         radius: metres within which every level must end.
         budget: seconds that the coasting times of each box may take together.
     """
@@ -129,7 +129,7 @@ def _curvature_shares(
     fastest: Float[np.ndarray, "n levels trims"],
     width: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n levels trims"]:
-    """Returns the share of each time in twice the metres that an end may stray from its linearisation."""
+    """Returns each coast's share in twice the linearisation error, in metres."""
     span = width[:, None, :]
     turned = rate * span
     before = np.cumsum(turned, axis=2) - turned
@@ -142,7 +142,7 @@ def _curvature_shares(
 def _directions(
     off: Complex[np.ndarray, "n levels"], position_weights: Complex[np.ndarray, "n levels"]
 ) -> Complex[np.ndarray, "n cuts levels"]:
-    """Returns weighted directions: each level's own, those known for the walk, and what splits the levels."""
+    """Returns cut directions: of each level, of the walk, between levels."""
     count, levels = off.shape
     own = off / np.maximum(np.abs(off), 1e-300)
     cuts = np.zeros((count, levels + 3, levels), dtype=complex)
@@ -163,7 +163,7 @@ def _position_inequalities(
     directions: Complex[np.ndarray, "n cuts levels"],
     radius: float,
 ) -> tuple[LinearInequalities, Float[np.ndarray, "n cuts"]]:
-    """Returns what "within the radius" means along each direction, and the miss there at the middle."""
+    """Returns linearised miss constraints and the miss at the box middle."""
     slope = np.einsum("ncl,nlt->nct", np.conj(directions), along).real
     here = np.einsum("ncl,nl->nc", np.conj(directions), off).real
     weight = np.abs(directions)
@@ -179,7 +179,7 @@ def _least_miss(
     below: Float[np.ndarray, "n trims"],
     above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n"]:
-    """Returns metres that no offsets between these can make the largest miss smaller than."""
+    """Returns a lower bound of the largest miss over a box."""
     weight = np.abs(directions).sum(axis=2)
     value = (here + least_values(position.slope, below, above)) / np.maximum(weight, 1e-300)
     known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, value, 0.0).max(axis=1)
@@ -192,7 +192,7 @@ def _heading_inequalities(
     turns: Int[np.ndarray, "n"],
     task: CommittedTask,
 ) -> LinearInequalities:
-    """Returns what the wanted heading asks for: at the outer levels not too far right, then not too far left.
+    """Returns the heading constraints at the outer levels, right then left.
 
     From one level to the next the heading changes evenly: all levels have it with the same full turns. Then
     follow, likewise, mixtures of both outer levels in which one time after the other is of no matter.
@@ -216,7 +216,7 @@ def _heading_inequalities(
 def _combine_with_heading(
     position: LinearInequalities, turning: LinearInequalities, heading_weights: Float[np.ndarray, "n 2"]
 ) -> LinearInequalities:
-    """Returns what the heading asks for, and that together with what the known directions ask for."""
+    """Returns the heading constraints, alone and combined with position cuts."""
     if not turning.slope.shape[1]:
         return turning
     place = position.slope.shape[1] - AFTER_PULLS

@@ -1,4 +1,4 @@
-"""Branch and bound over boxes of coasting times of many walks: the best, and that none is better."""
+"""Branch and bound over boxes of coasting times of many walks."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -25,34 +25,34 @@ DESCENTS = 2
 """Descents after each batch, from the middles of its most promising boxes."""
 
 LONGEST_PAUSE = 8
-"""Batches without descents after many that were in vain."""
+"""Batches without descents after many unsuccessful ones."""
 
 GRID = 17
-"""Levels at which the middle of each box is looked at first, to choose those at which it is bounded."""
+"""Levels at which each box's middle is evaluated, to choose those of its bounds."""
 
 PEAKS = 3
-"""Levels inside the interval at which a box is bounded, besides those that are known to matter."""
+"""Interior levels at which a box is bounded, besides the known active ones."""
 
 LARGE = 0.5
-"""Radians; a box whose times turn by more is bounded at three levels: closer looks tell little about it."""
+"""Radians; a box whose times turn by more is bounded at three levels only."""
 
 KNOWN = 3
-"""Levels that are known to matter near the best times of a walk, the heaviest of them."""
+"""Active levels kept near the best times of a walk, those of largest weight."""
 
 FAR = 1e6
-"""Metres from the goal at which nothing is of interest."""
+"""Metres from the goal beyond which misses are not resolved."""
 
 
 @dataclass(frozen=True, slots=True)
 class Incumbent:
-    """The best that a search found.
+    """The best known times of a search.
 
     Attributes:
         walk: trim ids.
         found: its coasting times; None where none were found.
         value: seconds or metres; infinite without times.
-        bound: seconds or metres that nothing undercuts.
-        complete: whether nothing better than `bound` is left.
+        bound: lower bound in seconds or metres.
+        complete: whether the bound is proved to the gap.
         nodes: boxes examined.
     """
 
@@ -65,13 +65,13 @@ class Incumbent:
 
 
 class BranchAndBound:
-    """Searches the walks of one mission.
+    """Branch and bound over the walks of one mission.
 
     Args:
         library: the primitives.
         walks: all of them that may be flown.
         fixed: seconds that each takes without coasting, at the level where that is most.
-        task: what is asked.
+        task: the mission over the levels.
         most_nodes: boxes that may be examined.
         until: when to stop, by `time.perf_counter`.
     """
@@ -103,7 +103,7 @@ class BranchAndBound:
     def minimise_time(
         self, bounds: Float[np.ndarray, "walks"], best: Incumbent, gap: float, *, limit: float
     ) -> Incumbent:
-        """Returns the fastest times within the tolerance; none are faster by more than a gap.
+        """Returns the fastest feasible times, optimal to within a gap.
 
         Args:
             bounds: seconds that each walk takes at least.
@@ -114,20 +114,20 @@ class BranchAndBound:
         return self._search(best, gap, minimise_time=True, bounds=bounds, limit=min(best.value, limit))
 
     def minimise_miss(self, best: Incumbent, gap: float, *, limit: float, enough: float) -> Incumbent:
-        """Returns the times whose largest miss is least; for none is it less by more than a gap.
+        """Returns the times of least largest miss, to within a gap.
 
         Args:
             best: the nearest known.
             gap: metres.
             limit: seconds that a plan may take.
-            enough: metres with which the search is content.
+            enough: metres at which the search stops.
         """
         return self._search(best, gap, minimise_time=False, bounds=self.fixed, limit=limit, enough=enough)
 
     def descend(
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, minimise_time: bool
     ) -> Incumbent | None:
-        """Returns the best times near some of a walk, or None if no descent ends well."""
+        """Returns local optimum times of a walk from a start, or None."""
         descent, budget = self._descents(row), limit - float(self.fixed[row])
         if budget < 0:
             return None
@@ -183,7 +183,7 @@ class BranchAndBound:
         return Incumbent(best.walk, best.found, best.value, bound, complete, nodes)
 
     def _contract(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
-        """Returns what remains of both halves of boxes."""
+        """Returns the contracted halves of boxes."""
         swing = np.abs(self._sheaf.rate[0][boxes.rows]) * (boxes.high - boxes.low)
         large = (swing > LARGE).any(axis=1)
         return joined(
@@ -192,7 +192,7 @@ class BranchAndBound:
         )
 
     def _contract_coarsely(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
-        """Returns what remains of halves, looked at in the middle and at the ends of the levels."""
+        """Returns halves contracted at the middle and outer levels."""
         halves = boxes.halves(boxes.widest)
         rows, budget = halves.rows, time - self.fixed[halves.rows]
         known = CutDirections(np.zeros((len(rows), 3), dtype=complex), np.zeros((len(rows), 2)))
@@ -200,7 +200,7 @@ class BranchAndBound:
         return contract_boxes(walk_batch, halves, self.task, known, radius=radius, budget=budget)
 
     def _contract_closely(self, boxes: TimeBoxes, radius: float, time: float) -> TimeBoxes:
-        """Returns what remains of halves, looked at where the whole misses most and where that is known."""
+        """Returns halves contracted at the worst levels and known directions."""
         off = self._everywhere.take(boxes.rows).ends(boxes.middle)[0] - self.task.goal
         inside = np.tile(worst_levels(self._grid, off, PEAKS), (2, 1))
         halves = boxes.halves(boxes.widest)
@@ -213,7 +213,7 @@ class BranchAndBound:
         return contract_boxes(walk_batch, halves, self.task, known, radius=radius, budget=budget)
 
     def _initial_boxes(self, bounds: Float[np.ndarray, "walks"], limit: float) -> TimeBoxes:
-        """Returns all times that walks may coast, for each number of full turns to a wanted heading."""
+        """Returns the initial boxes for each number of full turns."""
         rows = np.flatnonzero(bounds <= limit)
         trims = self._sheaf.rate.shape[2]
         high = np.tile((limit - self.fixed[rows])[:, None], (1, trims))
@@ -269,7 +269,7 @@ class BranchAndBound:
         return best
 
     def _record_cut_directions(self, row: int, found: LocalOptimum) -> None:
-        """Notes the levels that matter near times that were found, and which directions cut well there."""
+        """Records the active levels and cut directions of an incumbent."""
         heaviest = np.argsort(-np.abs(found.position_weights))[:KNOWN]
         self._matter[row], self._pulls[row] = 0.0, 0.0
         self._matter[row, : len(heaviest)] = np.array(found.levels)[heaviest]

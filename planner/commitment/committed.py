@@ -1,4 +1,4 @@
-"""The committed policy: one set of coasting times, chosen before gamma is known (thesis, Problem 8.1).
+"""Committed policy: coasting times chosen before gamma is known (thesis, 8.1).
 
 The same times must end within the tolerance at every level between -gamma and gamma, ends and interior alike,
 with the heading wanted there; of all that do, the ones whose slowest level is fastest are taken.
@@ -32,16 +32,16 @@ GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
 MOST_NODES = 500_000
-"""Boxes of coasting times that a search examines before it gives up its proof."""
+"""Boxes of coasting times that a search may examine."""
 
 LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
 HORIZON = 120.0
-"""Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
+"""Default horizon of a plan in seconds; twice the nominal plan's where that is more."""
 
 WALKS_AT_ONCE = 64
-"""That are solved between two looks at the clock."""
+"""Walks solved between two checks of the deadline."""
 
 NOTHING = Incumbent((), None, inf, 0.0, False, 0)
 
@@ -50,7 +50,7 @@ UNFINISHED = "not proved optimal: the search stopped before every box of coastin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PreparedMission:
-    """A mission prepared: its walks, what each takes without coasting, and at least."""
+    """Walks of a mission, with fixed and least times."""
 
     mission: Mission
     walks: tuple[Walk, ...]
@@ -61,7 +61,7 @@ class _PreparedMission:
 
 
 class CommittedPlanner:
-    """Plans one set of coasting times for all levels from -gamma to gamma.
+    """Planner of one set of coasting times for all levels.
 
     Args:
         library: the primitives.
@@ -96,7 +96,7 @@ class CommittedPlanner:
         self._worst_case = worst_case_planner(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.
+        """Returns the fastest committed plan, or the smallest feasible tolerance.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -123,7 +123,7 @@ class CommittedPlanner:
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
-        """Returns the seconds that a plan may take."""
+        """Returns the planning horizon in seconds."""
         if self._horizon is not None:
             return self._horizon
         nominal = self._nominal.plan(mission)
@@ -150,7 +150,7 @@ class CommittedPlanner:
         slope: Float[np.ndarray, "walks"],
         until: float,
     ) -> Float[np.ndarray, "walks"]:
-        """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
+        """Returns lower bounds of each walk's coasting time, within a deadline."""
         least = np.zeros(len(every))
         row_of = {walk: row for row, walk in enumerate(every)}
         for gamma in np.linspace(-self._gamma, self._gamma, LEVELS).tolist():
@@ -166,7 +166,7 @@ class CommittedPlanner:
         return least
 
     def _starts(self, case: _PreparedMission) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
-        """Returns coasting times to start from: those of who learns gamma first, and their mean."""
+        """Returns starting times: the worst-case plan's at each level, and mean."""
         known = self._worst_case.plan(case.mission)
         if not known.found:
             return ()
@@ -197,7 +197,7 @@ class CommittedPlanner:
         )
 
     def _infeasible_plan(self, case: _PreparedMission, nearest: Incumbent, fast: Incumbent) -> Plan:
-        """Returns the honest no, with the plan for the smallest tolerance."""
+        """Returns an infeasible plan with the smallest-tolerance plan attached."""
         mission = case.mission
         plan = self._empty_plan(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
@@ -208,12 +208,14 @@ class CommittedPlanner:
         headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
         kept = "have the wanted heading" if headless else "stay within the tolerance"
         if alone:
-            reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
+            reason = (
+                f"no walk {depth} leads to the goal at all of {LEVELS} levels, each planned alone: proved"
+            )
         elif proved:
             reason = (
                 f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
                 f"walk {depth}, {kept} at every gamma from {-self._gamma:g} to "
-                f"{self._gamma:g}; longer ones were not looked at"
+                f"{self._gamma:g}; longer ones were not searched"
             )
         else:
             reason = (
@@ -229,7 +231,7 @@ class CommittedPlanner:
             f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
             else f"the smallest tolerance that was found within {case.horizon:.1f} s; the search for smaller "
-            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'nothing is proved of them'}"
+            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'without a lower bound'}"
         )
         widened = self._verify(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)

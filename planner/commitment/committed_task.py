@@ -1,4 +1,4 @@
-"""What a committed plan has to do, seen from a start at the origin that heads north."""
+"""Task of a committed plan in the start frame, heading north."""
 
 from dataclasses import dataclass
 
@@ -28,7 +28,7 @@ class CommittedTask:
 
     @classmethod
     def of(cls, mission: Mission, gamma: float) -> "CommittedTask":
-        """Returns what a mission asks for."""
+        """Returns the task of a mission."""
         start = mission.start
         return cls(
             goal_from_start(mission),

@@ -1,4 +1,4 @@
-"""Linear inequalities over boxes of offsets: what they leave of a box, and how small a sum they allow."""
+"""Linear inequalities over boxes: interval contraction and dual bounds."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ ROUNDS = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearInequalities:
-    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
+    """Linear inequalities slope . d <= room over offsets from the middle."""
 
     slope: Float[np.ndarray, "n count trims"]
     room: Float[np.ndarray, "n count"]
@@ -22,7 +22,7 @@ def least_values(
     below: Float[np.ndarray, "n trims"],
     above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n count"]:
-    """Returns the least value of each slope . d for offsets d between these."""
+    """Returns the minimum of each slope . d over a box."""
     value: Float[np.ndarray, "n count"] = (
         np.maximum(slope, 0) @ below[:, :, None] + np.minimum(slope, 0) @ above[:, :, None]
     )[:, :, 0]
@@ -32,7 +32,7 @@ def least_values(
 def least_sum(
     given: LinearInequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
 ) -> Float[np.ndarray, "n"]:
-    """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
+    """Returns a dual lower bound of the sum of offsets."""
     total = below.sum(axis=1)
     for place in range(below.shape[1]):
         falling = given.slope[:, :, place]
@@ -47,7 +47,7 @@ def least_sum(
 def tighten_offsets(
     given: LinearInequalities, width: Float[np.ndarray, "n trims"]
 ) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that the inequalities leave, and whether any are left."""
+    """Returns the tightened offset bounds, and where any offsets remain."""
     below, above, open_ = -width, width, np.ones(len(width), dtype=bool)
     rising, falling = given.slope > 0, given.slope < 0
     for _ in range(ROUNDS):

@@ -1,4 +1,4 @@
-"""From some coasting times to locally best ones, for a whole interval of uncertainty levels.
+"""Local search of coasting times over a whole gamma interval.
 
 The semi-infinite problem is solved by exchange: for finitely many levels, then the level that misses most
 joins them, until none misses more than it may.
@@ -19,16 +19,16 @@ from .walk_batch import walk_batch
 from .whole_interval import LinearWalk, WorstMiss, worst_miss
 
 ROUNDS = 12
-"""Exchanges after which a descent is given up."""
+"""Most exchanges in a descent."""
 
 RESOLUTION = 1e-9
 """Metres to which the largest miss is known."""
 
 RESOLUTION_AS_GIVEN = 1e-10
-"""Metres likewise, of times that use a tolerance up."""
+"""Metres likewise, at the limit of a tolerance."""
 
 MARGIN = 1e-6
-"""Metres by which a descent aims inside the tolerance: it ends somewhat outside of what it aims for."""
+"""Metres by which a descent aims inside the tolerance, for the solver's overshoot."""
 
 ACTIVE = 1e-4
 """Metres within which a miss counts as one of the largest."""
@@ -62,12 +62,12 @@ class LocalOptimum:
 
 
 class LocalSearch:
-    """Descends in one walk.
+    """Local search in one walk.
 
     Args:
         library: the primitives.
         walk: trim ids.
-        task: what is asked.
+        task: the mission over the levels.
     """
 
     def __init__(self, library: Library, walk: Walk, task: CommittedTask) -> None:
@@ -75,7 +75,7 @@ class LocalSearch:
         self._lines = LinearWalk.of(library, walk)
 
     def minimise_time(self, start: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
-        """Returns the least times that stay within the tolerance at every level, or None if not found.
+        """Returns the least times within tolerance at every level, or None.
 
         Args:
             start: seconds.
@@ -84,7 +84,7 @@ class LocalSearch:
         return self._descended(start, budget) or self._as_given(start, budget)
 
     def _as_given(self, times: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
-        """Returns times as they are, if they may be flown: where a goal is touched they bear no change."""
+        """Returns the given times if feasible, without correction; else None."""
         gamma, task, turns = self._task.gamma, self._task, self._turns(times)
         levels = (-gamma, 0.0, gamma)
         problem = FiniteProblem(
@@ -110,7 +110,7 @@ class LocalSearch:
         return self._accept(self._exchange(np.array(near.times), budget, aim)) or near
 
     def minimise_miss(self, start: Float[np.ndarray, "trims"], budget: float) -> LocalOptimum | None:
-        """Returns the times whose largest miss is least, or None if not found.
+        """Returns the times of least largest miss, or None.
 
         Args:
             start: seconds.
@@ -134,9 +134,9 @@ class LocalSearch:
             solved = problem.solve(times)
             if solved is None:
                 return None
-            times, kept = solved
+            times, allowed = solved
             worst = worst_miss(self._lines, times, task.goal, gamma, resolution=RESOLUTION)
-            if worst.found <= kept + 0.5 * MARGIN:
+            if worst.found <= allowed + 0.5 * MARGIN:
                 return _local_optimum(problem, times, worst)
             if min(abs(worst.gamma - one) for one in gammas) < SAME_LEVEL:
                 return None
@@ -144,7 +144,7 @@ class LocalSearch:
         return None
 
     def _turns(self, times: Float[np.ndarray, "trims"]) -> float:
-        """Returns the full turns, in radians, that bring the wanted heading nearest to that at level 0."""
+        """Returns full turns, in radians, to the nearest wanted heading."""
         heading = float(self._lines.turn[0].sum() + self._lines.rate[0] @ times)
         return 2 * np.pi * round((heading - self._task.heading) / (2 * np.pi))
 
@@ -152,7 +152,7 @@ class LocalSearch:
 def _local_optimum(
     problem: FiniteProblem, times: Float[np.ndarray, "trims"], worst: WorstMiss
 ) -> LocalOptimum:
-    """Returns times with the weights by which the levels that miss most balance them."""
+    """Returns times with the multipliers of the active levels."""
     end, _, _ = problem.walk_batch.ends(times[None, :])
     size, growth = problem.misses(times)
     active = size > size.max() - ACTIVE
@@ -176,7 +176,7 @@ def _local_optimum(
 def _active_headings(
     problem: FiniteProblem, times: Float[np.ndarray, "trims"]
 ) -> tuple[Float[np.ndarray, "active trims"], Float[np.ndarray, "active 2"]]:
-    """Returns how the headings at a limit grow, and the side of each at the smallest and largest level."""
+    """Returns gradients and signs of the active heading constraints."""
     rates, task = problem.walk_batch.rate[0], problem.task
     outer = [int(np.argmin(problem.gammas)), int(np.argmax(problem.gammas))]
     off = (problem.walk_batch.turned[0] - task.heading - problem.turns + rates @ times)[outer]

@@ -43,7 +43,7 @@ class WalkBatch:
         Float[np.ndarray, "n levels"],
         Complex[np.ndarray, "n levels trims"],
     ]:
-        """Returns where coasting times lead, with which heading, and the velocity of the end along each.
+        """Returns ends, headings and end velocities for coasting times.
 
         Args:
             times: seconds, of each walk.
@@ -65,7 +65,7 @@ class WalkBatch:
         width: Float[np.ndarray, "n trims"],
         latest: Float[np.ndarray, "n trims"],
     ) -> Float[np.ndarray, "n levels trims"]:
-        """Returns bounds, over a box of coasting times for each walk, of the speed of the end along each.
+        """Returns bounds of the end's speed along each time over a box.
 
         Args:
             along: velocities of the end at the middle of the box.
@@ -93,7 +93,7 @@ class WalkBatch:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearWalkBatch:
-    """Walks whose numbers are straight lines over the level: value + level * slope.
+    """Walks with coefficients linear in gamma: value + level * slope.
 
     Attributes:
         lengths: trims in each walk.
@@ -113,7 +113,7 @@ class LinearWalkBatch:
 
     @classmethod
     def of(cls, library: Library, walks: tuple[Walk, ...]) -> "LinearWalkBatch":
-        """Returns walks of at least one trim; there may be none.
+        """Returns walks of at least one trim; possibly none.
 
         Raises:
             NoManeuverError: the library does not join two trims of a walk.

@@ -1,4 +1,4 @@
-"""The largest miss of one set of coasting times over a whole interval of uncertainty levels, enclosed.
+"""Verified enclosure of the largest miss over a gamma interval.
 
 Between two levels the end of a walk strays from the straight line between its ends there by at most
 K (b - a)^2 / 8, K a bound of its second derivative with respect to the level; and on a straight line nothing
@@ -37,7 +37,7 @@ class WorstMiss:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearWalk:
-    """The numbers of one walk, which are straight lines over the level: value + gamma * slope.
+    """One walk with coefficients linear in gamma: value + gamma * slope.
 
     Attributes:
         velocity: forward + i side in metres per second, and its slope.
@@ -53,7 +53,7 @@ class LinearWalk:
 
     @classmethod
     def of(cls, library: Library, walk: Walk) -> "LinearWalk":
-        """Returns the numbers of a walk.
+        """Returns the coefficients of a walk.
 
         Raises:
             NoManeuverError: the library does not join two trims of it.
@@ -76,7 +76,7 @@ class LinearWalk:
     def ends(
         self, times: Float[np.ndarray, "trims"], gammas: Float[np.ndarray, "n"]
     ) -> Complex[np.ndarray, "n"]:
-        """Returns where the coasting times lead at every level."""
+        """Returns the ends for coasting times at every level."""
         level = gammas[:, None]
         velocity, rate = self.velocity[0] + level * self.velocity[1], self.rate[0] + level * self.rate[1]
         moved = self.displacement[0] + level * self.displacement[1]
@@ -89,7 +89,7 @@ class LinearWalk:
         return ends
 
     def curvature_bound(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
-        """Returns a bound of the second derivative of the end over levels from -gamma to gamma, in metres."""
+        """Returns a bound of the end's second derivative, in metres."""
         swung = np.cumsum(self.turn[1] + self.rate[1] * times)
         before = np.abs(swung - self.rate[1] * times)
         entry = np.abs(swung - self.rate[1] * times - self.turn[1])

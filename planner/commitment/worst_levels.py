@@ -1,4 +1,4 @@
-"""At which uncertainty levels a box of coasting times is best looked at: where its middle misses most."""
+"""Uncertainty levels with the largest miss at the middle of a box."""
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -7,7 +7,7 @@ from jaxtyping import Complex, Float
 def worst_levels(
     levels: Float[np.ndarray, "grid"], off: Complex[np.ndarray, "n grid"], count: int
 ) -> Float[np.ndarray, "n count"]:
-    """Returns the levels inside an interval at which misses are largest, the largest first.
+    """Returns the interior levels with largest misses, in decreasing order.
 
     Args:
         levels: evenly spaced, the ends of the interval among them.

@@ -1,10 +1,10 @@
-"""Numbers that are affine in symbols between -1 and 1, give or take a radius: affine arithmetic.
+"""Affine arithmetic: numbers affine in symbols between -1 and 1, plus radius.
 
 The true value is middle + slope . symbols + something no larger than the radius, the same symbols in every
 number, so that what two numbers have in common cancels when one is taken from the other (de Figueiredo and
 Stolfi, Numerical Algorithms 37, 2004). Every operation adds to the radius what it makes of the symbols beyond
 first order; a radius is infinite where an operation is not defined for all values that a number may have.
-Rows are boxes of their own.
+Rows are independent boxes.
 """
 
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ SERIES = 0.02
 """Radians below which the derivative of the sinc is taken from its series."""
 
 WIDE = 2.0
-"""Radians; a rotation that is less certain has no better bound than its size."""
+"""Radians; a rotation of larger uncertainty is bounded by its size only."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,8 +30,8 @@ class AffineForm:
 
     Attributes:
         middle: value where all symbols are 0.
-        slope: what each symbol adds.
-        radius: by how much the numbers may be off that.
+        slope: coefficient of each symbol.
+        radius: bound of the remaining error.
     """
 
     middle: BoxValues
@@ -45,19 +45,19 @@ class AffineForm:
 
     @cached_property
     def reach(self) -> BoxValues:
-        """How far from its middle a number may be."""
+        """Largest distance from the middle."""
         reach: BoxValues = np.abs(self.slope).sum(axis=1) + self.radius
         return reach
 
     @property
     def high(self) -> BoxValues:
-        """What a number does not exceed."""
+        """Upper bound."""
         high: BoxValues = self.middle + self.reach
         return high
 
     @property
     def low(self) -> BoxValues:
-        """What a number does not go below."""
+        """Lower bound."""
         low: BoxValues = self.middle - self.reach
         return low
 
@@ -79,15 +79,15 @@ class AffineForm:
         )
 
     def shifted(self, by: BoxValues | float) -> "AffineForm":
-        """Returns the numbers with known ones added."""
+        """Returns the numbers plus constants."""
         return AffineForm(self.middle + by, self.slope, self.radius)
 
     def scaled(self, by: BoxValues | float) -> "AffineForm":
-        """Returns the numbers times known ones."""
+        """Returns the numbers times constants."""
         return AffineForm(self.middle * by, self.slope * np.asarray(by)[..., None], self.radius * np.abs(by))
 
     def inverse(self) -> "AffineForm":
-        """Returns 1 over the numbers; 0 is not among them."""
+        """Returns reciprocals; the numbers must not contain 0."""
         size, inverse = np.abs(self.middle), 1 / self.middle
         nearest = size - self.reach
         off = np.where(nearest > 0, self.reach**2 / (size**2 * np.where(nearest > 0, nearest, 1.0)), np.inf)
@@ -96,7 +96,7 @@ class AffineForm:
         return self._nonlinear(inverse, -(inverse**2), below, above)
 
     def root(self) -> "AffineForm":
-        """Returns square roots; all numbers are positive. Where they may not be, the middle is no root."""
+        """Returns square roots; infinite radius where numbers may not be positive."""
         fine = self.low > 0
         reach = np.where(fine, self.reach, 0.0)
         middle = np.where(fine, self.middle, 1.0)
@@ -117,7 +117,7 @@ class AffineForm:
     def _nonlinear(
         self, value: BoxValues, slope: BoxValues, below: BoxValues, above: BoxValues
     ) -> "AffineForm":
-        """Returns a function of the numbers: its tangent at the middle, and how far from that it may be."""
+        """Returns a nonlinear function as its tangent plus an error radius."""
         with np.errstate(invalid="ignore"):
             return AffineForm(
                 value + np.where(np.isfinite(below + above), 0.5 * (above - below), 0.0),
@@ -126,7 +126,7 @@ class AffineForm:
             )
 
     def cosine_and_sine(self) -> tuple["AffineForm", "AffineForm"]:
-        """Returns cosine and sine of what angles differ from their middle."""
+        """Returns cosine and sine of the offsets from the angles' middle."""
         wide, nothing = self.reach, np.zeros(len(self.reach))
         narrow = np.minimum(wide, WIDE)
         dip = np.where(wide < WIDE, 1 - np.cos(narrow), 2.0)
@@ -138,7 +138,7 @@ class AffineForm:
 
 @dataclass(frozen=True, eq=False)
 class AffinePoint:
-    """Points or directions in the plane: north and east, or forward and right."""
+    """Points or directions in the plane: north and east, or body axes."""
 
     x: AffineForm
     y: AffineForm
@@ -150,7 +150,7 @@ class AffinePoint:
 
     @property
     def middle(self) -> Complex[np.ndarray, "n"]:
-        """Where all symbols are 0."""
+        """Values where all symbols are 0."""
         return self.x.middle + 1j * self.y.middle
 
     def __add__(self, other: "AffinePoint") -> "AffinePoint":
@@ -167,12 +167,12 @@ class AffinePoint:
         return AffinePoint(self.y, -self.x)
 
     def turned(self, by: Complex[np.ndarray, "n"]) -> "AffinePoint":
-        """Returns the points times known complex numbers."""
+        """Returns the points times complex constants."""
         c, s = by.real, by.imag
         return AffinePoint(self.x.scaled(c) - self.y.scaled(s), self.x.scaled(s) + self.y.scaled(c))
 
     def rotated(self, angle: AffineForm) -> "AffinePoint":
-        """Returns the points turned by an angle, clockwise from north."""
+        """Returns the points rotated by an angle, clockwise from north."""
         point = self
         if angle.reach.any():
             cosine, sine = angle.cosine_and_sine()
@@ -182,7 +182,7 @@ class AffinePoint:
     def distance(self) -> AffineForm:
         """Returns the distance from the origin.
 
-        Scaled to 1 + u + i w it is 1 + u and, for what lies aside, between 0 and hypot(1 + u, w) - 1 - u.
+        Scaled to 1 + u + i w, the distance is 1 + u plus a lateral term from 0 to hypot(1 + u, w) - 1 - u.
         """
         unit, nearest, aside = self._ahead()
         nothing = np.zeros(len(nearest))
@@ -190,7 +190,7 @@ class AffinePoint:
         return unit.x._nonlinear(unit.x.middle, nothing + 1, nothing, more).scaled(np.abs(self._size))
 
     def bearing(self) -> AffineForm:
-        """Returns the direction seen from the origin, which is ahead of none of the points.
+        """Returns the bearings of points, relative to their middle.
 
         atan(w / (1 + u)) is w, but for w u / (1 + u) and at most a third of the cube of w / (1 + u).
         """
@@ -202,7 +202,7 @@ class AffinePoint:
         return unit.y._nonlinear(np.angle(self.middle), one, off, off)
 
     def _ahead(self) -> tuple["AffinePoint", BoxValues, BoxValues]:
-        """Returns the points scaled so that their middle is 1, how near they come, and how far aside."""
+        """Returns points scaled to middle 1, their least distance and lateral reach."""
         unit = self.turned(1 / self._size)
         return unit, unit.x.low, unit.y.reach
 
@@ -212,7 +212,7 @@ class AffinePoint:
 
 
 def affine_coast(velocity: AffinePoint, rate: AffineForm, time: AffineForm) -> tuple[AffinePoint, AffineForm]:
-    """Returns displacement and heading change of holding a trim, in its own frame (thesis, eq. 17-18).
+    """Returns displacement and heading change of a coast (thesis, eq. 17-18).
 
     It is velocity times time, along the chord: turned by half the angle, and shorter by its sinc.
     """

@@ -1,4 +1,4 @@
-"""The worst over a box of errors: what was found, and what nothing exceeds."""
+"""Bounded maximum over a box of errors: best found and upper bound."""
 
 from dataclasses import dataclass
 from math import inf
@@ -18,13 +18,13 @@ GAP = 0.01
 
 @dataclass(frozen=True, slots=True)
 class BoundedMaximum:
-    """The worst over a box of errors.
+    """Maximum over a box of errors: best found and upper bound.
 
     Attributes:
         found: the worst that was found, seconds or metres.
         errors: the error variables there, each between -1 and 1.
         bound: what no errors of the box exceed; infinite where none was proved.
-        boxes: how many were looked at.
+        boxes: number of boxes evaluated.
     """
 
     found: float
@@ -45,5 +45,5 @@ class BoundedBoxes(Boxes):
 
     @classmethod
     def whole(cls, variables: int) -> Self:
-        """Returns the one box of all errors."""
+        """Returns the single box of all errors."""
         return cls(-np.ones((1, variables)), np.ones((1, variables)), np.array([inf]))

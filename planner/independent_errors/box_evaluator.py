@@ -1,8 +1,8 @@
-"""What is known of the times that answer the errors of a box: seconds that suffice, and where to cut it.
+"""Evaluates boxes of errors: time bounds and branching sensitivities.
 
-Times that are best in the middle of a box answer its errors in some way (`closing.py`). Those that become
-negative for some errors are held longer from the start; and where a walk is too short to answer large errors,
-some trim is held for longer than the middle asks for: a detour, but one that arrives.
+The best times at the middle of a box are adjusted to its errors (`closure.py`). Times that become negative
+for some errors are lengthened first; where a walk is too short to compensate large errors, some trim is held
+longer than the middle needs: a detour that reaches the goal.
 """
 
 from dataclasses import dataclass, field
@@ -22,27 +22,27 @@ from .enclosure import enclose_end
 from .error_path import ErrorPath
 
 LEAST_HELD = 1e-3
-"""Seconds above which a coasting time can answer."""
+"""Seconds above which a coasting time can be adjusted."""
 
 SPREADS = (1.1, 1.3)
-"""How much longer than errors ask for a time is held from the start, one after the other."""
+"""Factors by which a time is lengthened beyond what the errors need, tried in turn."""
 
 DETOURS = (0.25, 0.5, 1.0, 1.5, 2.0, 3.0, 4.5)
-"""Seconds that a trim is held at least."""
+"""Least seconds in a trim, tried in turn."""
 
 ESCAPES = (0.0, 1.5, 3.0, 5.0, 8.0, 13.0, 20.0, 30.0)
-"""Likewise, where anything that arrives is welcome."""
+"""Likewise, where no bound is known yet."""
 
 FOREVER = 1e9
-"""Seconds; any time that is not infinite."""
+"""Seconds; a bound on any finite time."""
 
 COSTS = 0.3
-"""Share of a detour's seconds that it costs, at least, as a rule."""
+"""Usual least share of a detour's seconds that it adds to the time."""
 
 
 @dataclass(eq=False)
 class BoxState:
-    """What is known of a batch of boxes.
+    """State of a batch of boxes.
 
     Attributes:
         boxes: the batch; their bounds are those of the boxes that they come from.
@@ -50,9 +50,9 @@ class BoxState:
         times: with which.
         bound: seconds that suffice for each box.
         corner: errors in each box that seem slowest.
-        sensitivity: how far each variable bends the walk.
-        rank: how near the attempt came that gave the blame.
-        weight: what a second counts for, beside a second that answering times may become shorter, in ranks.
+        sensitivity: shift of the walk's end by each variable.
+        rank: quality of the attempt that gave the sensitivity.
+        weight: of a second in ranks, relative to a second of margin in the adjusted times.
     """
 
     boxes: BoundedBoxes
@@ -71,7 +71,7 @@ class BoxState:
 
 
 class BoxEvaluator:
-    """Looks at boxes of errors of a walk.
+    """Evaluator of error boxes of one walk.
 
     Args:
         path: the walk.
@@ -84,15 +84,15 @@ class BoxEvaluator:
         self._closures = closures_of(path, heading=wants_heading(mission), tolerance=mission.tolerance)
 
     def costs(self, errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
-        """Returns the seconds that errors take, with the best times for each."""
+        """Returns the least seconds for each choice of errors."""
         return best_times(self._path.table(errors), self._mission)[0]
 
     def fine_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
-        """Returns bounds for boxes, as close as they are to be had.
+        """Returns the tightest available bounds for boxes.
 
         Args:
             boxes: of errors.
-            enough: seconds below which no closer bound is looked for.
+            enough: seconds below which a bound suffices.
         """
         state = self._initial_state(boxes, weight=10.0)
         if np.isfinite(state.cost).all():
@@ -102,7 +102,7 @@ class BoxEvaluator:
         return state
 
     def coarse_bounds(self, boxes: BoundedBoxes, enough: float) -> BoxState:
-        """Returns bounds for boxes by the shortest detours that give any; arguments as in `fine_bounds`."""
+        """Returns bounds for boxes from the shortest successful detours."""
         state = self._initial_state(boxes, weight=0.0)
         if np.isfinite(state.cost).all():
             for seconds in ESCAPES:
@@ -114,7 +114,7 @@ class BoxEvaluator:
         return BoxState(boxes, *best_times(self._path.table(boxes.middle), self._mission), weight)
 
     def _set_sensitivity(self, state: BoxState) -> None:
-        """Says where to cut boxes that no attempt has looked at: where the end moves most."""
+        """Sets the default sensitivity: the motion of the end."""
         lost = state.sensitivity.sum(axis=1) == 0
         middle, times = state.boxes.middle[lost], state.times[lost]
         still = np.zeros((*times.shape, middle.shape[1]))
@@ -125,15 +125,15 @@ class BoxEvaluator:
     def _try_detours(
         self, state: BoxState, seconds: tuple[float, ...], enough: float, *, longer: tuple[float, ...] = ()
     ) -> None:
-        """Lets each trim in turn be held for longer than it has to be, in boxes whose bound is not enough."""
+        """Tries longer coasts, trim by trim, in boxes without a sufficient bound."""
         rows, places = np.flatnonzero(state.bound > enough), len(self._path.walk)
         if places == 1:
             return
         row = np.repeat(rows, places * len(seconds))
         place = np.tile(np.repeat(np.arange(places), len(seconds)), len(rows))
         held = np.tile(seconds, len(rows) * places)
-        hopeful = state.cost[row] + COSTS * held < enough
-        row, place, held = row[hopeful], place[hopeful], held[hopeful]
+        promising = state.cost[row] + COSTS * held < enough
+        row, place, held = row[promising], place[promising], held[promising]
         least = np.zeros((len(row), places))
         least[np.arange(len(row)), place] = held
         cost, times = self._best_held_times(state, row, least)
@@ -143,7 +143,7 @@ class BoxEvaluator:
     def _best_held_times(
         self, state: BoxState, row: Int[np.ndarray, "m"], least: Float[np.ndarray, "m trims"]
     ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m trims"]]:
-        """Returns the best times, each at least so long, for the middles of boxes, and their cost."""
+        """Returns least-cost times with lower limits, for the middles of boxes."""
         cost, times = best_times(self._path.table(state.boxes.middle[row], least), self._mission)
         return cost, times + least
 
@@ -156,7 +156,7 @@ class BoxEvaluator:
         *,
         longer: tuple[float, ...] = (),
     ) -> None:
-        """Lets times answer in every way; where they become too short, tries longer ones."""
+        """Tries all closures; lengthens coasts that become too short."""
         for closure in self._closures:
             use = self._can_answer(times, closure) & (state.bound[row] > enough)
             trying, base = row[use], times[use]
@@ -209,7 +209,7 @@ class BoxEvaluator:
         closure: Closure,
         times: Float[np.ndarray, "m trims"],
     ) -> Bool[np.ndarray, "m"]:
-        """Keeps what is better; returns where only the sign of a time is amiss."""
+        """Records better bounds; returns where only a time's sign is wrong."""
         shortest = np.full(len(row), inf)
         # Numbers without bounds, where nothing holds, may overflow.
         with np.errstate(all="ignore"):
@@ -217,7 +217,7 @@ class BoxEvaluator:
                 shortest = np.minimum(shortest, time.low)
             holds = closed.holds & self._meets_heading(closed)
             bound = np.where(holds & (shortest >= 0), closed.seconds.high, inf)
-        # Of attempts that fail, those tell most whose times are short by least.
+        # Of failed attempts, the one whose times are least too short ranks highest.
         held = times[:, closure.answering].min(axis=1) if closure.answering else np.zeros(len(row))
         fails = np.where(holds, FOREVER - shortest, 2 * FOREVER + state.weight * times.sum(axis=1) - held)
         rank = np.where(np.isfinite(bound), bound, fails)
@@ -233,7 +233,7 @@ class BoxEvaluator:
         return np.asarray(holds & (shortest < 0))
 
     def _meets_heading(self, closed: ClosureTimes) -> Bool[np.ndarray, "m"]:
-        """Returns where the heading at the end is as wanted."""
+        """Returns True where the heading at the end is as wanted."""
         mission = self._mission
         if mission.goal_heading is None or not wants_heading(mission):
             return np.ones(len(closed.holds), dtype=bool)

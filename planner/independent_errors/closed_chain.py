@@ -1,7 +1,7 @@
-"""A walk and its goal as a ring of displacements, for all errors in boxes.
+"""A walk and its goal as a closed chain of displacements.
 
-Each displacement is turned by what comes before it; with the way back from the goal to the start they add up
-to nothing. A wanted heading cuts the ring at a turn that makes up for it, and joins it at the goal.
+Each displacement is rotated by the headings before it; with the way back from the goal to the start they sum
+to zero. A wanted heading cuts the chain at a turn that restores it, and joins it at the goal.
 """
 
 from collections.abc import Sequence
@@ -16,7 +16,7 @@ from .error_path import ErrorPath
 
 @dataclass(frozen=True, eq=False)
 class ChainCoast:
-    """A coast of the ring, at a place of the walk."""
+    """A coast of the chain, at a place of the walk."""
 
     place: int
 
@@ -33,13 +33,13 @@ Chain = Sequence[ChainCoast | ChainDisplacement]
 
 
 class AffineWalk:
-    """The numbers of a walk for all errors in boxes.
+    """Coefficients of a walk for all errors in boxes.
 
     Args:
         path: the walk.
         errors: middles of the boxes.
         width: half widths of the boxes.
-        times: coasting times in seconds at the middles; those that do not answer keep them.
+        times: coasting times in seconds at the middles; those not adjusted keep them.
         own: symbols beside those of the errors.
     """
 
@@ -76,28 +76,28 @@ class AffineWalk:
 
     @property
     def variables(self) -> int:
-        """Error variables."""
+        """Number of error variables."""
         return int(self._width.shape[1])
 
     def known(self, value: BoxValues) -> AffineForm:
-        """Returns numbers that no error changes."""
+        """Returns numbers independent of the errors."""
         return AffineForm.exact(value, np.zeros((len(value), self.variables + self._own)))
 
     def place(self, value: Complex[np.ndarray, "n"]) -> AffinePoint:
-        """Returns points that no error changes."""
+        """Returns points independent of the errors."""
         return AffinePoint(self.known(value.real), self.known(value.imag))
 
     def turn_radius(self, place: int) -> AffinePoint:
-        """Returns where a turn is entered, seen from its centre, in the body frame."""
+        """Returns the entry of a turn from its centre, body frame."""
         return (self.velocity[place] * self.rate[place].inverse()).rotated_left()
 
     def coast(self, place: int) -> tuple[AffinePoint, AffineForm] | None:
-        """Returns displacement and turn of a coast that keeps its time; None where that is 0."""
+        """Returns displacement and turn of a fixed coast; None if 0."""
         held = self.times[:, place]
         return affine_coast(self.velocity[place], self.rate[place], self.known(held)) if held.any() else None
 
     def chain(self, goal: Complex[np.ndarray, "n"]) -> Chain:
-        """Returns the walk behind the way from its goal to its start."""
+        """Returns the chain of the path from goal to start, then walk."""
         chain: list[ChainCoast | ChainDisplacement] = [
             ChainDisplacement(self.place(-goal), self.nothing),
             ChainCoast(0),
@@ -107,7 +107,7 @@ class AffineWalk:
         return chain
 
     def chain_from(self, turn: int, goal: Complex[np.ndarray, "n"], heading: BoxValues) -> Chain:
-        """Returns the ring cut at a turn, from its centre to its centre, with a heading at the goal."""
+        """Returns the chain cut at a turn, from centre to centre."""
         chain = list(self.chain(goal))
         at = coast_places(chain).index(turn)
         turn_radius, back = (
@@ -124,14 +124,14 @@ class AffineWalk:
 
 
 def coast_places(chain: Chain) -> list[int]:
-    """Returns the places of the coasts in a part of the ring, -1 for displacements between."""
+    """Returns the places of a chain's coasts; -1 for fixed displacements."""
     return [one.place if isinstance(one, ChainCoast) else -1 for one in chain]
 
 
 def displacements_of(
     boxes: AffineWalk, chain: Chain
 ) -> tuple[list[tuple[AffinePoint, AffineForm]], AffineForm]:
-    """Returns displacements with the turn before each, and the turn after the last."""
+    """Returns displacements with the turn before each, and the last turn."""
     parts, turned = [], boxes.nothing
     for one in chain:
         moved = (one.by, one.turn) if isinstance(one, ChainDisplacement) else boxes.coast(one.place)
@@ -142,7 +142,7 @@ def displacements_of(
 
 
 def forward_sum(boxes: AffineWalk, chain: Chain) -> tuple[AffinePoint, AffineForm]:
-    """Returns the sum of a part of the ring in the frame behind it, and by how much that frame is turned."""
+    """Returns the sum of a chain in its final frame, and turn."""
     parts, turned = displacements_of(boxes, chain)
     heading = boxes.nothing
     point = boxes.place(np.zeros(len(turned.middle), complex))
@@ -160,7 +160,7 @@ def backward_sum(boxes: AffineWalk, parts: Sequence[tuple[AffinePoint, AffineFor
 
 
 def least_sensitive_sum(boxes: AffineWalk, chain: Chain) -> tuple[AffinePoint, AffineForm]:
-    """Returns the sum of a part of the ring in the frame that errors sway least, and that frame's heading.
+    """Returns the sum in the frame least sensitive to errors, and heading.
 
     Turning what comes before a frame into it sways that by what the joints between are unsure, and likewise
     what comes after.
@@ -187,7 +187,7 @@ def least_sensitive_sum(boxes: AffineWalk, chain: Chain) -> tuple[AffinePoint, A
 
 
 def total_turn(boxes: AffineWalk, chain: Chain) -> AffineForm:
-    """Returns by how much a part of the ring turns."""
+    """Returns the heading change over a part of the chain."""
     sum_ = boxes.nothing
     for one in chain:
         if isinstance(one, ChainDisplacement):
@@ -198,5 +198,5 @@ def total_turn(boxes: AffineWalk, chain: Chain) -> AffineForm:
 
 
 def remove_coasts(chain: Chain, answering: tuple[int, ...]) -> Chain:
-    """Returns a part of the ring without some of its coasts."""
+    """Returns a part of the chain without some of its coasts."""
     return [one for one in chain if isinstance(one, ChainDisplacement) or one.place not in answering]

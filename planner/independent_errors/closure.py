@@ -1,7 +1,7 @@
-"""Coasting times that close a walk on its goal for all errors of a box.
+"""Coasting times that close a walk on its goal over error boxes.
 
-Most walks are closed by two times (`legs.py`), the others given; a wanted heading takes a turn more, whose
-time makes up for it.
+Most walks are closed by two times (`two_link_closure.py`), the others given; a wanted heading takes one more
+turn.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from .error_path import ErrorPath
 from .two_link_closure import LinkTimes, close_by_straights, close_by_turn, close_into_disc, unwrap_near
 
 CLOSE = 1e-4
-"""Seconds by which the middle of a box may differ from the times it was asked for."""
+"""Seconds by which the middle of a box may differ from the given times."""
 
 UNBOUNDED = 1e9
 """Blame, where a number has no bound."""
@@ -24,12 +24,12 @@ UNBOUNDED = 1e9
 
 @dataclass(frozen=True, slots=True)
 class Closure:
-    """Which times answer.
+    """Choice of the adjustable coasting times.
 
     Attributes:
-        turn: place of a turn that answers by its bearing; None where there is none.
+        turn: place of a turn adjusted by bearing; None without one.
         others: places of one coast beside a turn, of two straight ones, of one that enters the disc; or none.
-        cut: place of a turn that makes up for a wanted heading; None where the heading is left to itself.
+        cut: place of a turn that restores a wanted heading; None where the heading is free.
     """
 
     turn: int | None
@@ -38,20 +38,20 @@ class Closure:
 
     @property
     def answering(self) -> tuple[int, ...]:
-        """All places whose times answer."""
+        """Places of all adjustable coasts."""
         return tuple(one for one in (self.turn, *self.others, self.cut) if one is not None)
 
 
 @dataclass(frozen=True, eq=False)
 class ClosureTimes:
-    """How times answer the errors of boxes.
+    """Coasting times as functions of the errors of boxes.
 
     Attributes:
         holds: whether they close the walk for all errors of a box; times may be negative.
         times: seconds, by place.
         seconds: coasting and maneuvers.
         heading: at the end, radians from that at the start.
-        sensitivity: how far each error variable bends the ring, in shares of what it bears.
+        sensitivity: shift of the chain by each error variable, over the allowed shift.
     """
 
     holds: Bool[np.ndarray, "n"]
@@ -62,7 +62,7 @@ class ClosureTimes:
 
 
 def closures_of(path: ErrorPath, *, heading: bool, tolerance: float) -> tuple[Closure, ...]:
-    """Returns which times may answer: with a wanted heading also those beside a turn that makes up for it."""
+    """Returns the choices of adjustable times, heading corrections included."""
     trims = range(len(path.walk))
     turns = [place for place in trims if path.turns(place)]
     straights = [place for place in trims if place not in turns]
@@ -90,7 +90,7 @@ def close_chain(
     tolerance: float,
     closure: Closure,
 ) -> ClosureTimes:
-    """Returns how times answer the errors of boxes in one way.
+    """Returns the adjusted times over boxes of errors for one closure.
 
     Args:
         path: the walk.
@@ -99,7 +99,7 @@ def close_chain(
         times: coasting times in seconds, which lead the middles where they are to be led.
         goal: where the end is to be, north + i east in metres; for one coast alone, the middle of the disc.
         tolerance: radius of that disc in metres.
-        closure: the places that answer; the others keep their times.
+        closure: the adjusted places; the others keep their times.
     """
     straights = sum(not path.turns(place) for place in closure.others)
     boxes = AffineWalk(path, errors, width, times, straights)

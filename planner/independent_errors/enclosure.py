@@ -1,7 +1,7 @@
-"""Where a walk may end for all errors in a box.
+"""Enclosure of a walk's end over a box of errors.
 
-The end of a walk is a sum of stretches, each turned by the heading before it. With the heading off by f and a
-stretch a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
+The end of a walk is a sum of displacements, each rotated by the heading before it. With a heading error f and
+a displacement a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
 f^2 |a| / 2 + |f| |b|: that holds for errors of any size, and is all that the enclosure needs.
 """
 
@@ -18,13 +18,13 @@ SERIES = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enclosure:
-    """Where a walk may end for all errors in boxes: middle + slope . offset, give or take a radius.
+    """Enclosure of ends: middle + slope . offset, plus a radius.
 
     Attributes:
         middle: north + i east in metres.
         slope: metres for each error variable.
         radius: metres.
-        influence: metres of radius that each variable is roughly to blame for.
+        influence: metres of radius attributed to each variable, roughly.
     """
 
     middle: Complex[np.ndarray, "n"]
@@ -40,7 +40,7 @@ def enclose_end(
     times: Float[np.ndarray, "n trims"],
     answer: Float[np.ndarray, "n trims variables"],
 ) -> Enclosure:
-    """Returns where the walk may end for all errors in some boxes.
+    """Returns the enclosure of the walk's end for boxes of errors.
 
     Args:
         path: the walk.
@@ -91,7 +91,7 @@ def enclose_end(
 
 
 def _first_moment(angle: np.ndarray) -> np.ndarray:
-    """Returns the integral of s exp(i angle s) over s from 0 to 1."""
+    """Returns the integral of `s exp(i angle s)` over [0, 1]."""
     small = np.abs(angle) < SERIES
     x = 1j * np.where(small, angle, 0.0)
     term, series = np.ones_like(x), np.zeros_like(x)

@@ -1,4 +1,4 @@
-"""A walk whose errors move on their own.
+"""A walk with independent errors.
 
 Each error variable, from -1 to 1, scales the signed errors of one primitive, or of one scalar of it, times a
 level.
@@ -15,12 +15,12 @@ from planner.kernel.tables import KernelTable, kernel_table
 from planner.walks.walk import Walk
 
 ErrorGranularity = Literal["primitive", "scalar"]
-"""What has an error variable of its own."""
+"""Granularity of the error variables."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ErrorPath:
-    """The numbers of a walk: nominal values, and what each error variable adds.
+    """Coefficients of a walk: nominal values and error sensitivities.
 
     Attributes:
         walk: trim ids.
@@ -42,7 +42,7 @@ class ErrorPath:
     fixed: tuple[float, Float[np.ndarray, "variables"]]
 
     def with_single_gamma(self) -> "ErrorPath":
-        """Returns the walk with one variable for all errors, as gamma is."""
+        """Returns the walk with one variable for all errors, as with gamma."""
 
         def sum_(change: np.ndarray) -> np.ndarray:
             return np.asarray(change.sum(axis=-1, keepdims=True))
@@ -58,11 +58,11 @@ class ErrorPath:
         )
 
     def turns(self, place: int) -> bool:
-        """Returns whether a trim is a turn, with a centre, whatever its errors."""
+        """Returns True if a trim turns for all errors."""
         return bool(np.abs(self.rate[0][place]) > 2 * np.abs(self.rate[1][place]).sum())
 
     def at(self, errors: Float[np.ndarray, "n variables"]) -> "WalkCoefficients":
-        """Returns the numbers for some choices of the error variables."""
+        """Returns the coefficients for some choices of the error variables."""
         return WalkCoefficients(
             self.velocity[0] + errors @ self.velocity[1].T,
             self.rate[0] + errors @ self.rate[1].T,
@@ -74,7 +74,7 @@ class ErrorPath:
     def table(
         self, errors: Float[np.ndarray, "n variables"], least: Float[np.ndarray, "n trims"] | None = None
     ) -> KernelTable:
-        """Returns some choices of the error variables as a table of the exact search.
+        """Returns choices of the error variables as an exact-search table.
 
         Args:
             errors: the choices.
@@ -84,7 +84,7 @@ class ErrorPath:
         numbers = self.at(errors)
         displacement, turn, fixed = numbers.displacement, numbers.turn, numbers.fixed
         if least is not None:
-            # Within a coast it does not matter which part comes first: one becomes part of the next maneuver.
+            # The order within a coast is free, so a part of it joins the next maneuver.
             angle = numbers.rate * least
             coast = numbers.velocity * least * mean_direction(angle)
             displacement = coast[:, :-1] + np.exp(1j * angle[:, :-1]) * displacement
@@ -104,7 +104,7 @@ class ErrorPath:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkCoefficients:
-    """The numbers of a walk for some choices of its error variables."""
+    """Coefficients of a walk for some choices of its error variables."""
 
     velocity: Complex[np.ndarray, "n trims"]
     rate: Float[np.ndarray, "n trims"]
@@ -113,18 +113,18 @@ class WalkCoefficients:
     fixed: Float[np.ndarray, "n"]
 
     def end(self, times: Float[np.ndarray, "n trims"]) -> Complex[np.ndarray, "n"]:
-        """Returns where coasting times lead, from the origin heading north, north + i east in metres."""
+        """Returns the ends as north + i east in metres."""
         return walk_geometry(self, times).end
 
 
 def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularity) -> ErrorPath:
-    """Returns a walk with an error variable for each primitive, or for each scalar that has an error.
+    """Returns a walk with one error variable per primitive or scalar.
 
     Args:
         library: the primitives.
         walk: trim ids.
         gamma: what the variables, from -1 to 1, scale.
-        each: what has a variable of its own. The same primitive flown twice errs independently.
+        each: granularity of the variables. A primitive flown twice has independent errors.
 
     Raises:
         NoManeuverError: the library does not join two trims of the walk.
@@ -180,7 +180,7 @@ def _add_errors(
     each: ErrorGranularity,
     lists: tuple[list[str], list[tuple[str, int, complex]], list[int]],
 ) -> None:
-    """Adds a primitive's errors to the lists of names, errors and their owners."""
+    """Appends the errors of a primitive to names, errors and owners."""
     names, errors, owners = lists
     if each == "primitive":
         names.append(name)
@@ -195,7 +195,7 @@ def _add_errors(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkGeometry:
-    """Walks with coasting times: headings as factors, mean directions of coasts, their ends."""
+    """Geometry of walks: heading factors, mean coast directions, ends."""
 
     facing: Complex[np.ndarray, "n trims"]
     leaving: Complex[np.ndarray, "n steps"]
@@ -206,7 +206,7 @@ class WalkGeometry:
 
 
 def walk_geometry(numbers: WalkCoefficients, times: Float[np.ndarray, "n trims"]) -> WalkGeometry:
-    """Returns walks flown from the origin, heading north."""
+    """Returns walks from the origin, heading north."""
     angle = numbers.rate * times
     mean = mean_direction(angle)
     nothing = np.zeros((len(times), 1))
@@ -221,7 +221,7 @@ def walk_geometry(numbers: WalkCoefficients, times: Float[np.ndarray, "n trims"]
 
 
 def mean_direction(angle: np.ndarray) -> np.ndarray:
-    """Returns the integral of exp(i angle s) over s from 0 to 1."""
+    """Returns the integral of `exp(i angle s)` over [0, 1]."""
     half = 0.5 * angle
     mean: np.ndarray = np.sinc(half / np.pi) * np.exp(1j * half)
     return mean

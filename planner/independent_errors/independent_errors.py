@@ -1,9 +1,9 @@
-"""How far a single gamma can be trusted: every primitive with a sign of its own (thesis, appendix B).
+"""Independent primitive errors against a single gamma (thesis, appendix B).
 
-The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk takes its own,
-from -g, 0 and g: 3^(n_T + n_M) scenarios; or each scalar of them does. Where a scenario takes longer than
-every single gamma, or ends further from the goal, it is a counter-example. These are corners: through turns
-they are no bound on what lies between, which comes from an enclosure of the whole box of errors.
+The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk, or each of
+their scalars, takes its own from -g, 0 and g: 3^(n_T + n_M) scenarios. A scenario that takes longer than
+every single gamma, or ends further from the goal, is a counter-example. These corners do not bound the errors
+between them where the walk turns; an enclosure of the whole box of errors does.
 """
 
 from collections.abc import Callable
@@ -29,11 +29,11 @@ MOST_PRIMITIVES = 11
 """Of a walk; more scenarios than 3 to this power are not listed."""
 
 MOST_ENUMERATED = 9
-"""Error variables of which every corner is tried; with more, corners are climbed."""
+"""Error variables up to which every corner is tried; beyond, local search is used."""
 
 
 class TooManyScenariosError(FlightError):
-    """A walk is too long for all signs to be tried."""
+    """A walk is too long for an enumeration of all signs."""
 
     def __init__(self, primitives: int) -> None:
         super().__init__(
@@ -84,7 +84,7 @@ def enumerate_signs(
     *,
     gamma: float = 1.0,
 ) -> SignScenarios:
-    """Returns what every choice of signs comes to.
+    """Returns the scenarios of every choice of signs.
 
     Args:
         library: the primitives.
@@ -119,7 +119,7 @@ def enumerate_signs(
 
 @dataclass(frozen=True, slots=True)
 class ExtremeCase:
-    """One choice of the error variables, and what it comes to in seconds or metres."""
+    """One choice of errors with its seconds or metres."""
 
     errors: tuple[float, ...]
     value: float
@@ -127,17 +127,17 @@ class ExtremeCase:
 
 @dataclass(frozen=True, slots=True)
 class IndependentErrorBounds:
-    """How far a single gamma can be trusted: the worst with one sign for all, at corners, and at most.
+    """Bounds of independent errors: single gamma, corners, and over all errors.
 
     Attributes:
         names: of the error variables.
         scenarios: corners that there are.
-        all_tried: whether every corner was looked at, or those that a climb led to.
+        all_tried: whether every corner was evaluated, or those of a local search.
         slowest_single: the slowest with one value -1, 0 or 1 for all, coasting times chosen for it; seconds.
         furthest_single: with the plan's coasting times, the furthest from the goal; metres.
         slowest: the slowest corner found.
         furthest: the furthest corner found.
-        slowest_bound: what no errors in the whole box exceed, and the slowest found in it.
+        slowest_bound: upper bound over the whole box, and the slowest found in it.
         furthest_bound: likewise for the miss.
     """
 
@@ -162,7 +162,7 @@ def bound_independent_errors(
     each: ErrorGranularity = "primitive",
     most_boxes: int = MOST_TIME_BOXES,
 ) -> IndependentErrorBounds:
-    """Returns the worst that errors of their own do to a plan: with one gamma, at corners, and at most.
+    """Returns the worst effects of independent errors on a plan.
 
     Args:
         library: the primitives.
@@ -171,7 +171,7 @@ def bound_independent_errors(
         coasting_times: seconds, committed before the errors are known.
         gamma: what the error variables, from -1 to 1, scale.
         each: what has an error variable of its own.
-        most_boxes: of errors, that the bound of the time may look at.
+        most_boxes: boxes of errors that the bound of the time may use.
 
     Raises:
         NoMachineCodeError: there is no C compiler that works.
@@ -221,7 +221,7 @@ def _climb(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     starts: Float[np.ndarray, "n variables"],
 ) -> ExtremeCase:
-    """Returns the largest value at corners that changing one variable at a time leads to."""
+    """Returns the largest value by coordinate ascent over corners."""
     best = ExtremeCase((), -inf)
     for start in starts:
         here, known = start, float(value(start[None])[0])
@@ -241,7 +241,7 @@ def _climb(
 def _misses(
     path: ErrorPath, mission: Mission, times: tuple[float, ...], errors: Float[np.ndarray, "n variables"]
 ) -> Float[np.ndarray, "n"]:
-    """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
+    """Returns each choice of errors' miss in metres."""
     ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
     misses: Float[np.ndarray, "n"] = np.abs(ends - goal_from_start(mission))
     return misses

@@ -1,4 +1,4 @@
-"""What the sign convention claims, measured: over random missions, does the optimal time fall as gamma rises?
+"""Monotonicity audit of the sign convention over random missions.
 
 The errors are signed so that gamma = +1 means fast and wide for every primitive at once
 (`flight.automaton.sign_convention`). Whether the optimal time then falls from gamma = -1 to gamma = +1 is
@@ -37,7 +37,7 @@ _MANEUVER_NUMBERS = ("duration", "forward", "side", "heading_change")
 
 @dataclass(frozen=True, slots=True, order=True)
 class PrimitiveScalar:
-    """One number of one primitive: `trim` or `maneuver`, its id, the number's name."""
+    """One scalar of one primitive: kind, id and name."""
 
     kind: str
     id: int
@@ -52,8 +52,8 @@ class TimeIncrease:
         mission: place among the missions.
         gammas: the two levels.
         times: optimal times in seconds; the second is infinite where nothing reaches the goal any more.
-        walk: that is best at the first level.
-        culprit: the number whose holding back to the first level saves most; None where none saves anything.
+        walk: the best at the first level.
+        culprit: the scalar that saves most when kept at the first level; None if none saves any.
         saved: seconds that it saves on this walk; infinite where it makes the goal reachable.
     """
 
@@ -67,13 +67,13 @@ class TimeIncrease:
 
 @dataclass(frozen=True, slots=True)
 class MonotonicityAudit:
-    """What became of the missions.
+    """Counts and exceptions of a monotonicity audit.
 
     Attributes:
-        missions: how many were tried.
-        reachable: how many have a plan at one level or more.
-        monotone: how many of those have a time that never rises with gamma.
-        rises: where it does.
+        missions: number tried.
+        reachable: number with a plan at one level or more.
+        monotone: number of those whose time never rises with gamma.
+        rises: the exceptions.
     """
 
     missions: int
@@ -89,7 +89,7 @@ def audit_monotonicity(
 
     Args:
         library: the primitives.
-        missions: how many, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
+        missions: number, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
         seed: of the missions.
         max_trims: longest walk searched.
 
@@ -136,12 +136,12 @@ def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterat
 def _costliest_scalar(
     library: Library, mission: Mission, walk: Walk, levels: tuple[float, float]
 ) -> tuple[PrimitiveScalar | None, float]:
-    """Returns the number that costs most by going from the first level to the second, and what it costs."""
+    """Returns the scalar with the largest cost change between two levels."""
     trims, maneuvers = [library.trim(trim) for trim in walk], library.maneuvers_along(walk)
     owners = [PrimitiveScalar("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
     owners += [PrimitiveScalar("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
     numbers = sorted(set(owners))
-    # The first row goes to the second level with everything, each further row holds one number back.
+    # The first row takes every scalar to the second level, each further row keeps one at the first.
     gamma = np.full((len(numbers) + 1, len(owners)), levels[1])
     for row, number in enumerate(numbers, start=1):
         gamma[row, [owner == number for owner in owners]] = levels[0]
@@ -162,7 +162,7 @@ def _costliest_scalar(
 
 
 def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) -> Float[np.ndarray, "rows"]:
-    """Returns the least time of one walk with each row's numbers: three a trim, then four a maneuver."""
+    """Returns the least time of one walk for each row's coefficients."""
     rows, split = len(values), len(_TRIM_NUMBERS) * len(walk)
     trims = values[:, :split].reshape(rows, len(walk), len(_TRIM_NUMBERS))
     maneuvers = values[:, split:].reshape(rows, len(walk) - 1, len(_MANEUVER_NUMBERS))

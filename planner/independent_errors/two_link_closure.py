@@ -1,11 +1,10 @@
-"""Legs of a ring of displacements as long as asked, and rings closed by two of them, in boxes of errors.
+"""Solves two coasting times that close the chain, over error boxes.
 
-About the centre of a turn the rest of a ring keeps its distance, however far it turns: so another time has to
-make both sides of the ring equally long, seen from that centre, and the turn's own time follows from two
-bearings. Along a straight coast the length is the hypotenuse over what lies aside of the course; about the
-centre of a second turn it is the third side of a triangle. Two straight coasts meet like two lines; one coast
-alone ends where it enters the disc around the goal. All of it is explicit, and is evaluated in affine
-arithmetic.
+A turn keeps the rest of the chain at one distance from its centre: so another time has to make both sides of
+the chain equally long, seen from that centre, and the turn's own time follows from two bearings. Along a
+straight coast the length is the hypotenuse over what lies aside of the course; about the centre of a second
+turn it is the third side of a triangle. Two straight coasts meet like two lines; one coast alone ends where
+it enters the disc around the goal. All of it is explicit, and is evaluated in affine arithmetic.
 """
 
 from collections.abc import Callable
@@ -31,10 +30,10 @@ from .closed_chain import (
 )
 
 ROUNDS = 8
-"""In which times that bend their own course are looked at before they are given up."""
+"""Iterations for times that depend on themselves."""
 
 ROOM = 1.3
-"""By which the room for a time is made wider than it has to be, for its own effect on itself."""
+"""Factor by which a time's interval is widened for its effect on itself."""
 
 LEAST_ROOM = 1e-9
 """Seconds."""
@@ -47,7 +46,7 @@ Extra = TypeVar("Extra")
 
 @dataclass(eq=False)
 class LinkTimes:
-    """Times and turns of the places that answer; what their shape rests on, and how far that may go."""
+    """Times and turns of the adjusted coasts, with their validity limits."""
 
     times: dict[int, AffineForm] = field(default_factory=dict)
     turns: dict[int, AffineForm] = field(default_factory=dict)
@@ -56,7 +55,7 @@ class LinkTimes:
 
 
 def close_by_turn(boxes: AffineWalk, chain: Chain, turn: int, other: int) -> LinkTimes:
-    """Closes the ring by a turn and another coast: before + exp(i (turned + angle)) after = 0."""
+    """Closes the chain by a turn and another coast."""
     at, turn_radius = coast_places(chain).index(turn), boxes.turn_radius(turn)
     before, after = (
         [*chain[:at], ChainDisplacement(-turn_radius, boxes.nothing)],
@@ -85,7 +84,7 @@ def close_into_disc(boxes: AffineWalk, chain: Chain, place: int, tolerance: floa
 def _straight_link(
     boxes: AffineWalk, side: Chain, place: int, length: AffineForm
 ) -> tuple[LinkTimes, AffineForm]:
-    """Makes a side of the ring as long as asked by one coast; also returns its bearing from its beginning."""
+    """Solves one straight coast for a chain side's length; returns its bearing."""
     at = coast_places(side).index(place)
     near, heading = forward_sum(boxes, side[:at])
     far = backward_sum(boxes, displacements_of(boxes, side[at + 1 :])[0])
@@ -131,7 +130,7 @@ def _turning_link(
 
 
 def close_by_straights(boxes: AffineWalk, chain: Chain, first: int, second: int) -> LinkTimes:
-    """Closes the ring by two straight coasts, seen along the chord of the later one."""
+    """Closes the chain by two straight coasts, along the later's chord."""
     one, two = sorted((first, second), key=coast_places(chain).index)
     at, then = coast_places(chain).index(one), coast_places(chain).index(two)
     near, _ = forward_sum(boxes, chain[:at])
@@ -171,7 +170,7 @@ def _iterate(
     answering: tuple[int, ...],
     step: Callable[[list[AffineForm]], tuple[list[AffineForm], Extra]],
 ) -> tuple[Bool[np.ndarray, "n"], Extra]:
-    """Returns what times come to that bend their own course, and where it is sure that there are such times.
+    """Iterates self-consistent times; returns where their existence is proved.
 
     From a guess, affine with some room, follow times; where these lie within the guess, some lie where they
     lead (Brouwer's fixed point theorem).
@@ -209,5 +208,5 @@ def _iterate(
 
 
 def unwrap_near(angle: AffineForm, near: BoxValues) -> AffineForm:
-    """Returns an angle with the full turns that bring it closest to another."""
+    """Returns an angle with the full turns nearest to another."""
     return angle.shifted(2 * pi * np.round((near - angle.middle) / (2 * pi)))

@@ -1,4 +1,4 @@
-"""How far a plan may end from its goal for any errors in the whole box, not only at its corners.
+"""Upper bound of a plan's miss over the whole error box.
 
 Boxes of errors are enclosed and, where the bound is worst, halved, until bound and worst case found are
 within a gap, or the boxes are used up; the bound holds either way.
@@ -24,7 +24,7 @@ BATCH = 256
 
 
 def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> BoundedMaximum:
-    """Returns the largest miss in metres of coasting times that were fixed before the errors are known."""
+    """Returns the largest miss in metres for fixed coasting times."""
     goal, count = goal_from_start(mission), len(path.names)
     open_ = BoundedBoxes.whole(count)
     found, at, looked, closed = -1.0, np.zeros(count), 0, 0.0

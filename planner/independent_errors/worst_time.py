@@ -1,8 +1,8 @@
-"""The slowest errors: how long a walk takes at most when every error is its own and the times answer it.
+"""Upper bound of a walk's time with independent, known errors.
 
-Boxes of errors are taken worst first; those whose bound (`enclosed_answers`) is not enough are halved, along
-the variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A
-bound holds however few boxes were looked at; more make it closer.
+Boxes of errors are taken worst first; those whose bound (`box_evaluator.py`) is insufficient are halved along
+the most sensitive variable. Where that gives no bound in the boxes allowed, detours give one. The bound holds
+after any number of boxes; more boxes tighten it.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ QUICK, COARSE, LAST = 0.1, 0.3, 0.9
 after the last what is left, on boxes that still have none."""
 
 BATCH = 128
-"""Boxes that are looked at together."""
+"""Boxes evaluated together."""
 
 LookAt = Callable[[BoundedBoxes, float], BoxState]
 """Gives bounds to boxes, no closer than some seconds."""
@@ -35,7 +35,7 @@ LookAt = Callable[[BoundedBoxes, float], BoxState]
 def worst_time_bound(
     path: ErrorPath, mission: Mission, known: BoundedMaximum, *, gap: float = GAP, most: int = MOST_TIME_BOXES
 ) -> BoundedMaximum:
-    """Returns the largest least time in seconds: the coasting times are chosen when the errors are known.
+    """Returns the largest least time for errors known before coasting.
 
     It is infinite where errors are found with which the walk never arrives.
 
@@ -43,8 +43,8 @@ def worst_time_bound(
         path: the walk.
         mission: from where to where.
         known: the slowest errors known; seconds.
-        gap: share of the bound at which the search is content.
-        most: boxes that may be looked at.
+        gap: share of the bound at which the search stops.
+        most: boxes that may be evaluated.
 
     Raises:
         NoMachineCodeError: there is no C compiler that works.
@@ -67,10 +67,10 @@ class _Search:
     """Branch and bound over boxes of errors.
 
     Args:
-        evaluator: looks at boxes.
+        evaluator: of boxes.
         whole: all errors.
         known: the slowest errors known.
-        gap: share of the bound at which the search is content.
+        gap: share of the bound at which the search stops.
     """
 
     def __init__(
@@ -81,16 +81,16 @@ class _Search:
 
     @property
     def bounded(self) -> BoundedMaximum:
-        """What was found, and what nothing exceeds."""
+        """Returns the best found value and the upper bound."""
         bound = max(float(self._open.bound.max(initial=0.0)), self._close) + ROUNDING
         return replace(self._known, bound=max(bound, self._known.found), boxes=self._looked)
 
     def branch(self, evaluate: LookAt, most: int, *, above: float = 0.0) -> None:
-        """Looks at boxes, worst first, and halves those whose bound is not enough.
+        """Evaluates boxes, worst first, and halves those with insufficient bounds.
 
         Args:
             evaluate: gives bounds.
-            most: boxes looked at in all, after which to stop.
+            most: boxes evaluated in all, after which to stop.
             above: seconds; boxes with a smaller bound are left as they are.
         """
         while self._looked < most and self._open.bound.max(initial=0.0) > max(self._enough, above):
@@ -99,7 +99,7 @@ class _Search:
                 break
 
     def learn(self, bounded: BoundedMaximum) -> None:
-        """Takes over what another search over all errors has found."""
+        """Adopts the errors of another search over the same box."""
         self._known = replace(bounded, boxes=0) if bounded.found > self._known.found else self._known
         self._open = replace(self._open, bound=np.minimum(self._open.bound, bounded.bound))
         self._looked += bounded.boxes
@@ -125,7 +125,7 @@ class _Search:
         self._open = joined(self._open.take(~chosen), looked.take(~enough & fine), halves)
 
     def _record_slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
-        """Notes slower errors than were known."""
+        """Records slower errors than the known ones."""
         slowest = int(costs.argmax())
         if costs[slowest] > self._known.found:
             found, at = float(costs[slowest]), tuple(errors[slowest].tolist())

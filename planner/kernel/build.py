@@ -1,4 +1,4 @@
-"""The kernel's machine code: compiled when first needed, then kept."""
+"""The kernel's machine code: compiled when first needed, then cached."""
 
 import ctypes
 from functools import cache

@@ -1,4 +1,4 @@
-"""The exact search: all candidates of every walk that no bound excludes, in compiled code."""
+"""Exact search over every walk not excluded by a bound, in C."""
 
 import ctypes
 from math import inf
@@ -80,7 +80,7 @@ class ExactSearch:
     def answer(
         self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
     ) -> SearchResult:
-        """Returns the walk whose worst level is best.
+        """Returns the walk of least worst-case cost.
 
         Args:
             mission: from where to where.
@@ -115,7 +115,7 @@ class ExactSearch:
 
 
 def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walks"]:
-    """Returns the exact least cost of each walk of a table in seconds; infinite where it ends elsewhere.
+    """Returns each walk's exact least cost in seconds; infinite if infeasible.
 
     Args:
         table: of one level.
@@ -130,7 +130,7 @@ def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walk
 def best_times(
     table: KernelTable, mission: Mission
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "walks trims"]]:
-    """Returns the exact least cost of each walk of a table, and its coasting times, in seconds.
+    """Returns each walk's exact least cost and coasting times, in seconds.
 
     Where a walk cannot end at the goal its cost is infinite and its times are 0.
 

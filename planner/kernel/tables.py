@@ -1,4 +1,4 @@
-"""Every walk from a trim as the arrays that the kernel reads, a table for each length."""
+"""Walks from a trim as kernel arrays, one table per length."""
 
 import ctypes
 from collections.abc import Iterator
@@ -56,7 +56,7 @@ class KernelTable:
         structure.walks, structure.trims = self.walks.shape
 
     def parts(self, size: int) -> Iterator["KernelTable"]:
-        """Yields a table of one level in parts of at most so many walks."""
+        """Yields parts of a one-level table, of bounded length."""
         for begin in range(0, len(self.walks), size):
             rows = slice(begin, begin + size)
             yield KernelTable(self.walks[rows], tuple(array[rows] for array in self.arrays))
@@ -65,7 +65,7 @@ class KernelTable:
 def tables(
     library: Library, gammas: tuple[float, ...], start_trim: int, max_trims: int, goal_trim: int | None
 ) -> tuple[KernelTable, ...]:
-    """Returns the walks of at most so many trims from a trim, with their numbers at every level.
+    """Returns tables of walks from a trim with coefficients by level.
 
     Raises:
         UnknownTrimError: the library has no such start or goal trim.
@@ -98,7 +98,7 @@ def tables(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Numbers:
-    """The library's numbers at every level."""
+    """Coefficients of the library at every level."""
 
     velocity: Complex[np.ndarray, "levels trims"]
     rate: Float[np.ndarray, "levels trims"]
@@ -176,5 +176,5 @@ def kernel_table(
 
 
 def _rows_along_walks(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:
-    """Returns numbers along walks: row = walk x levels + level."""
+    """Returns coefficients along walks: row = walk x levels + level."""
     return np.moveaxis(by_level[:, index], 0, 1).reshape(len(by_level) * len(index), index.shape[1])

@@ -1,8 +1,8 @@
-"""Up to which level of uncertainty a mission is bearable: at every level, not only at those looked at.
+"""Largest gamma such that every smaller one provably meets the limit.
 
-An interval of levels is bearable if one walk takes no longer than the limit at all of them, at those of the
-other sign, and at 0: coasting times that answer the level, as they would any other error
-(`independent_errors.enclosed_answers`), show it for all at once. Intervals in which they do not are halved.
+An interval of levels is proved if one walk meets the limit at all of them, at those of the other sign, and at
+0. The proof encloses coasting times that are adjusted to the level (`independent_errors.closure.close_chain`)
+over the whole interval. Intervals without a proof are halved.
 """
 
 from functools import cache
@@ -27,7 +27,7 @@ NARROWEST = 1e-5
 
 
 def certified_gamma(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
-    """Returns a level up to which every level is proved to be bearable.
+    """Returns a gamma below which every level provably meets the limit.
 
     Args:
         library: the primitives.
@@ -59,7 +59,7 @@ def _is_certified(evaluator: BoxEvaluator, low: float, high: float, limit: float
 
 
 def _best_walk(library: Library, mission: Mission, gamma: float) -> Walk:
-    """Returns the walk that is best for a level; none where there is none."""
+    """Returns the best walk for a level; empty if infeasible."""
     try:
         return worst_case_planner(library, gamma).plan(mission).sequence
     except NegativeDurationError:

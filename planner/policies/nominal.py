@@ -1,4 +1,4 @@
-"""The nominal policy: minimum time, believing the library (thesis, Problem 6.1)."""
+"""The nominal policy: minimum time with the library's values (thesis, Problem 6.1)."""
 
 from math import inf
 
@@ -10,7 +10,7 @@ from .policy import LibraryPlanner
 def nominal_planner(
     library: Library, *, max_nodes: int | None = None, deadline: float = inf
 ) -> LibraryPlanner:
-    """Returns a planner that takes every primitive exactly as the library has it.
+    """Returns a planner for the library's values without errors.
 
     Args:
         library: the primitives.

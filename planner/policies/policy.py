@@ -1,4 +1,4 @@
-"""What every policy is and does: a planner for one library, asked again and again."""
+"""Planner interface of all policies, for one library."""
 
 from dataclasses import replace
 from functools import cache, partial
@@ -30,10 +30,10 @@ SLOW_TURNS = (
 
 
 class Planner(Protocol):
-    """Something that answers missions with plans."""
+    """Interface of planners: a plan for a mission."""
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, or an honest no.
+        """Returns the best plan found, or an infeasible one.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -41,7 +41,7 @@ class Planner(Protocol):
 
 
 class LibraryPlanner:
-    """Answers missions in one library, over the uncertainty levels of a policy.
+    """Planner for one library over a policy's uncertainty levels.
 
     Args:
         library: the primitives.
@@ -81,7 +81,7 @@ class LibraryPlanner:
         self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, re-checked by code that shares nothing with the search.
+        """Returns the best plan found, after an independent check.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -107,7 +107,7 @@ class LibraryPlanner:
         if slow:
             return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
         if not isfinite(answer.lower_bound):
-            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
+            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, proved")
         if not answer.walk:
             return replace(plan, reason=f"no coasting times were found for any walk {depth}")
         return replace(
@@ -129,7 +129,7 @@ class LibraryPlanner:
         )
 
     def _unresolved(self, mission: Mission) -> list[int]:
-        """Returns the trims of its walks whose full circles are too long for their ends to be computed."""
+        """Returns trims with full circles too long for a computed end."""
         longest = mission.destination.slack / (2 * pi * ROUNDING)
         twists = {
             trim: [self._library.trim(trim).at(gamma) for gamma in self._gammas]

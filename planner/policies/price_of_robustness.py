@@ -1,8 +1,8 @@
-"""The price of robustness: how much uncertainty a mission can take for how much time (thesis, Problem 4.2).
+"""Price of robustness: tolerable gamma for an allowed time (thesis, Problem 4.2).
 
-A level is bearable at a price alpha where at it, and at every smaller one, the best worst-case time is at
-most alpha times the nominal optimum. That time is looked at on a grid of levels, and bisected where it first
-exceeds the limit; what happens between levels is then proved (`bearable.py`), up to where the limit is met.
+A level meets alpha where at it, and at every smaller one, the best worst-case time is at most alpha times the
+nominal optimum. That time is computed on a grid of levels and bisected where it first exceeds the limit;
+`certified_gamma.py` then proves the levels in between.
 """
 
 from dataclasses import dataclass, replace
@@ -22,19 +22,19 @@ from .worst_case import worst_case_planner
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
 
-ON_A_GRID = f"at other levels, {1 / STEPS:g} apart, it was tried"
+ON_A_GRID = f"it was computed only at levels {1 / STEPS:g} apart"
 
 ALL_BUT = 1e-3
 """Levels below the largest in which a proof may leave off: there the time is all but the limit."""
 
 GAMMA_RESOLUTION = 1e-6
-"""How closely the largest bearable level is found; the plan is the one just below it."""
+"""Resolution of the largest level that meets alpha; the plan is the one just below it."""
 
-TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} is too much already"
+TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} exceeds alpha"
 
 
 class AlphaError(FlightError):
-    """A price below that of no robustness at all, or none."""
+    """Alpha is below 1 or not a number."""
 
     def __init__(self, alpha: float) -> None:
         super().__init__(f"alpha must be >= 1, got {alpha}")
@@ -47,7 +47,7 @@ class PricePoint:
     Attributes:
         gamma: uncertainty level.
         cost: the best worst-case time at that level in seconds; infinite where no plan was found.
-        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels looked at.
+        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels computed.
         sequence: trims of the plan; empty without one.
     """
 
@@ -58,7 +58,7 @@ class PricePoint:
 
 
 def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[PricePoint, ...]:
-    """Returns the curve from gamma 0 to 1; empty where the mission has no nominal plan.
+    """Returns the curve from gamma 0 to 1; empty if infeasible.
 
     Args:
         library: the primitives.
@@ -79,7 +79,7 @@ def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tu
 
 
 class PriceOfRobustness:
-    """Plans for the largest uncertainty level that is bearable at a price.
+    """Planner for the largest gamma within a time limit alpha.
 
     Args:
         library: the primitives.
@@ -96,7 +96,7 @@ class PriceOfRobustness:
         self._alpha = alpha
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the worst-case plan of the largest level that is bearable.
+        """Returns the worst-case plan at the largest gamma within the limit.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -139,15 +139,15 @@ class PriceOfRobustness:
 
 
 def _gamma_reason(gamma: float, proved: float) -> str:
-    """Returns what is known of the levels below."""
+    """Returns the proof status of the levels below gamma."""
     if gamma == 0:
         return TO_THE_RESOLUTION
     if proved >= gamma:
-        return "every smaller gamma keeps to alpha, provably"
+        return "every smaller gamma meets alpha, proved"
     if proved > 0:
-        nearly = "; above it the time is all but alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
-        return f"every gamma up to {proved:.6g} keeps to alpha, provably{nearly}"
-    return f"not proved that every smaller gamma keeps to alpha: {ON_A_GRID}"
+        nearly = "; above it the time is close to alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
+        return f"every gamma up to {proved:.6g} meets alpha, proved{nearly}"
+    return f"not proved that every smaller gamma meets alpha: {ON_A_GRID}"
 
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:

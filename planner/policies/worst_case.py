@@ -1,4 +1,4 @@
-"""The worst-case policy: the walk whose worst uncertainty level is fastest (thesis, Problem 6.2)."""
+"""The worst-case policy: minimum worst-case time over gamma (thesis, Problem 6.2)."""
 
 from math import inf
 
@@ -11,10 +11,10 @@ from .policy import LibraryPlanner
 def worst_case_planner(
     library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
 ) -> LibraryPlanner:
-    """Returns a planner for the levels 0, -gamma and +gamma, the coasting times chosen anew at each.
+    """Returns a planner for the levels 0, -gamma and +gamma.
 
-    Its time is promised to whoever learns the level before flying. It is no promise for one set of coasting
-    times flown at an unknown level: that is Problem 8.1.
+    The plan's time holds if the level is known before the flight. For one set of coasting times at an unknown
+    level see the committed policy (Problem 8.1).
 
     Args:
         library: the primitives.

@@ -1,4 +1,4 @@
-"""Boxes of coasting times of many walks, cut until multipliers refute each of them."""
+"""Branching over boxes of coasting times until all are refuted."""
 
 from math import inf
 
@@ -12,19 +12,19 @@ from .dual_bound import PerBox, PerTrim, WalkProblems
 from .multipliers import MultiplierSearch
 
 MARGIN = 1e-7
-"""By which a box is refuted here, so that a check that rounds outward agrees."""
+"""Margin of a refutation, so that the check with outward rounding agrees."""
 
 ROUNDING = 1e-14
-"""And this share of what the bound is the sum of: of slow turns that is long, and cancels."""
+"""Relative margin, of the bound's terms, which cancel for slow turns."""
 
 DIGITS, EXACT = 9, 17
-"""Of multipliers: as many as do where ..."""
+"""Digits of multipliers in general, and with turns slower than `SLOW`."""
 
 SLOW = 1e-2
-"""... no turn is slower than this in rad/s, and all there are where one is: its radius multiplies them."""
+"""Yaw rate in rad/s below which multipliers need all digits, for the turn's radius."""
 
 LONG = 1e3
-"""Seconds that a coasting time without an end counts as, where it is decided which one to cut."""
+"""Seconds that stand for an unbounded interval in the choice of cuts."""
 
 NEWTON_ROUNDS = 4
 
@@ -33,13 +33,13 @@ UNUSED = 0.99
 
 
 def root_boxes(problems: WalkProblems, target: float) -> tuple[PerTrim, PerTrim]:
-    """Returns the least and the largest coasting times with which walks may be faster than a target."""
+    """Returns bounds of coasting times for walks faster than a target."""
     rest = np.maximum(target - problems.fixed, 0.0)[:, None]
     return np.zeros(problems.rate.shape), np.minimum(problems.longest, rest)
 
 
 class BranchingTrees:
-    """The trees of some walks at one level, grown together, all boxes of a depth at once."""
+    """The trees of several walks at one level, branched together."""
 
     def __init__(self, problems: WalkProblems, target: float) -> None:
         self._flown, self._problems = problems, problems.straightened(target)
@@ -53,7 +53,7 @@ class BranchingTrees:
         self._parts: list[tuple[int, int]] = []
 
     def branch(self, rows: Int[np.ndarray, "some"], effort: int) -> None:
-        """Cuts boxes until all are refuted, but no more of one walk than the effort.
+        """Branches boxes until all are refuted or the effort is spent.
 
         Afterwards `left` marks the walks that are not refuted, `reached` those that reach the goal in time,
         and `ways` holds their coasting times.
@@ -136,7 +136,7 @@ class BranchingTrees:
             )
 
     def text(self, row: int, trims: int) -> str:
-        """Returns the tree of a walk of so many trims that is refuted."""
+        """Returns the certificate tree of a refuted walk."""
         ordered: list[BoxSplit | BoxLeaf] = []
         waiting = [int(self._first[row])]
         while waiting:
@@ -152,7 +152,7 @@ class BranchingTrees:
 
 
 def _magnitude(problems: WalkProblems, search: MultiplierSearch) -> PerBox:
-    """Returns the size of what bounds are the sum of, in their units."""
+    """Returns the magnitude of the bound's terms."""
     turns = problems.rate != 0
     radian = np.where(turns, np.abs(search.by.kappa[:, None] - search.by.shares), 0.0)
     radian = radian / np.where(turns, np.abs(problems.rate), 1.0)
@@ -172,13 +172,13 @@ def _choose_cuts(
     search: MultiplierSearch,
     some: Bool[np.ndarray, "all"],
 ) -> tuple[Int[np.ndarray, "boxes"], Float[np.ndarray, "boxes"]]:
-    """Returns where each box is cut: at the time whose interval blurs the bound most.
+    """Returns each box's cut: the time that most loosens the bound.
 
-    The bound is off by what bends: for every heading its interval squared, times the radius that it turns.
+    The bound's error is, for every heading, its interval squared times the turn radius.
     """
     width = np.minimum(np.where(np.isfinite(high), high - low, LONG), LONG)
     turning = np.abs(problems.rate) * width
-    spread = np.cumsum(turning, axis=1)
+    total = np.cumsum(turning, axis=1)
     onward = np.roll(problems.centre, -1, axis=1)
     onward[:, -1:] = 0
     ahead = np.roll(problems.displacement, -1, axis=1)
@@ -186,7 +186,7 @@ def _choose_cuts(
     radius = np.abs(problems.centre - onward + ahead)
     straight = problems.rate == 0
     moved = np.where(straight, np.abs(problems.velocity) * width, 0.0)
-    bent = np.minimum(spread, np.pi)
+    bent = np.minimum(total, np.pi)
     blur = np.cumsum((radius * bent)[:, ::-1], axis=1)[:, ::-1]
     score = np.where(
         straight, moved * (bent + 1e-3), np.minimum(turning, np.pi) * (blur + moved.sum(axis=1)[:, None])
@@ -202,7 +202,7 @@ def _choose_cuts(
 def _find_reaching_times(
     problems: WalkProblems, times: PerTrim, target: float
 ) -> tuple[Bool[np.ndarray, "boxes"], PerTrim]:
-    """Returns whether times that reach the goal before the target are found near given ones, and them."""
+    """Returns where goal-reaching times near given ones exist, and these times."""
     for _ in range(NEWTON_ROUNDS):
         velocity, end, turned = problems.propagate(times)
         miss, off = _goal_misses(problems, end, turned)
@@ -225,7 +225,7 @@ def _find_reaching_times(
 def _goal_misses(
     problems: WalkProblems, end: Complex[np.ndarray, "boxes"], turned: Float[np.ndarray, "boxes"]
 ) -> tuple[Complex[np.ndarray, "boxes"], Float[np.ndarray, "boxes"]]:
-    """Returns by how much ends lie outside the goal's disc, and headings outside those wanted."""
+    """Returns excess distances and heading errors beyond the goal's tolerances."""
     away = end - problems.goal
     size = np.abs(away)
     inner = 0.999 * (problems.tolerance - problems.slack)
@@ -238,7 +238,7 @@ def _goal_misses(
 
 
 def _heading_off(problems: WalkProblems, turned: Float[np.ndarray, "boxes"]) -> Float[np.ndarray, "boxes"]:
-    """Returns by how much headings differ from the one wanted."""
+    """Returns absolute heading errors."""
     assert problems.heading is not None
     off = turned + problems.turned - problems.heading
     nearest: Float[np.ndarray, "boxes"] = off - 2 * np.pi * np.round(off / (2 * np.pi))

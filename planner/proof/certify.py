@@ -1,7 +1,7 @@
-"""Certificates: for every walk, boxes of coasting times cut until multipliers refute each of them.
+"""Certificates of optimality: dual bounds over boxes of coasting times.
 
 A walk need be refuted at one uncertainty level only: there its least time, and so its worst one, is no better
-than the plan. Which level that is, is tried out; a level at which a faster way shows up is left at once.
+than the plan. Levels are tried in turn; a level with a faster solution is dropped at once.
 """
 
 from collections.abc import Sequence
@@ -30,12 +30,11 @@ EFFORTS = (300, 3000, 30000)
 
 @dataclass(frozen=True, slots=True)
 class ProofFailure:
-    """Why there is no certificate.
+    """Reason for a missing certificate.
 
     Attributes:
         walk: the one that was not refuted.
-        reached: whether it reaches the goal in less time at every level; where not, the effort was not enough
-            to tell.
+        reached: whether it reaches the goal in less time at every level; if not, the effort was exhausted.
     """
 
     walk: Walk
@@ -107,13 +106,13 @@ def certify(
 def _fastest_known(
     rows: list[int], every: tuple[Walk, ...], ways: dict[tuple[int, int], tuple[float, ...]], levels: int
 ) -> ProofFailure:
-    """Returns the walk that coasts least, of those known to be faster than the bound."""
+    """Returns the known walk below the bound with the least coasting time."""
     best = min(rows, key=lambda row: max(sum(ways[row, level][: len(every[row])]) for level in range(levels)))
     return ProofFailure(every[best], reached=True)
 
 
 def _levels_by_bound(levels: list[WalkProblems], target: float) -> Int[np.ndarray, "walks levels"]:
-    """Returns the levels of each walk, the one whose first box is refuted most before the others."""
+    """Returns each walk's levels, ordered by decreasing bound of the root box."""
     excess = []
     for level in levels:
         problems = level.straightened(target)
@@ -125,5 +124,5 @@ def _levels_by_bound(levels: list[WalkProblems], target: float) -> Int[np.ndarra
 
 
 def provable_bound(cost: float) -> float:
-    """Returns the bound that is proved for a plan's cost."""
+    """Returns the lower bound to prove for a plan's cost."""
     return cost - GAP if isfinite(cost) else inf

@@ -1,4 +1,4 @@
-"""Plans with their proof: a certificate beside the plan, checked by the code that shares nothing with it."""
+"""Plans with a certificate that passed the independent check."""
 
 from dataclasses import replace
 from math import isfinite
@@ -17,7 +17,7 @@ PROVABLE = ("nominal", "worst-case")
 
 
 class NotProvableError(FlightError):
-    """A certificate was asked for a policy that has none."""
+    """A certificate was requested for an unsupported policy."""
 
     def __init__(self, policy: str) -> None:
         super().__init__(
@@ -26,14 +26,14 @@ class NotProvableError(FlightError):
 
 
 def certify_plan(plan: Plan, library: Library, mission: Mission) -> Plan:
-    """Returns a plan with the proof that none is faster by more than 1e-3 s, or that there is none.
+    """Returns a plan with its certificate, or with the failure's reason.
 
     Where the proof is not found the plan comes back as `feasible` (or `unknown`), with the reason.
 
     Args:
         plan: of the nominal or the worst-case policy.
         library: it was made with.
-        mission: it answers.
+        mission: it was planned for.
 
     Raises:
         NotProvableError: the plan is of another policy.

@@ -1,4 +1,4 @@
-"""Why no coasting times in a box reach the goal in time: multipliers, and the bound that they give.
+"""Lagrangian lower bounds over boxes of coasting times.
 
 Positions are complex (north + i east), seen from the start with heading 0. After the coast at place k the
 heading that coasting has made is psi_k = psi_(k-1) + r_k t_k. A coast in a turn moves by
@@ -32,7 +32,7 @@ ROUNDING = 1e-12
 """Seconds (for kappa 0: metres) a second."""
 
 POSITION_SLACK = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+"""Metres by which the end may shift if negligible turns are made straight."""
 
 HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
@@ -43,7 +43,7 @@ PerBox = Float[np.ndarray, "boxes"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WalkProblems:
-    """Walks at one uncertainty level each, padded to one length with trims that do nothing.
+    """Walks at one level each, padded to a common length.
 
     Attributes:
         rate: yaw rates in radians per second.
@@ -75,7 +75,7 @@ class WalkProblems:
 
     @classmethod
     def of(cls, motions: list[WalkMotion], mission: Mission) -> "WalkProblems":
-        """Gathers walks for a mission."""
+        """Returns the problems of walks for a mission."""
         trims = max(len(motion.velocities) for motion in motions)
         rows = [_merge_displacements(motion, trims) for motion in motions]
         rate, velocity, displacement = (np.array([row[part] for row in rows]) for part in range(3))
@@ -100,9 +100,9 @@ class WalkProblems:
         )
 
     def straightened(self, target: float) -> "WalkProblems":
-        """Returns them with turns too slow to show in the seconds allowed made straight, tolerances widened.
+        """Returns problems with negligible turns straightened and tolerances widened.
 
-        Turning less than an angle in all, a walk leads astray by no more than its length times that angle.
+        If turns made straight turn by at most an angle, the end shifts by at most the walk's length times it.
         """
         if not np.isfinite(target):
             return self
@@ -123,7 +123,7 @@ class WalkProblems:
         )
 
     def take(self, rows: Int[np.ndarray, "taken"]) -> "WalkProblems":
-        """Returns some of them, in the order asked for."""
+        """Returns some of the problems, in the given order."""
         return WalkProblems(
             self.rate[rows],
             self.velocity[rows],
@@ -142,7 +142,7 @@ class WalkProblems:
     def propagate(
         self, times: PerTrim
     ) -> tuple[Complex[np.ndarray, "boxes trims"], Complex[np.ndarray, "boxes"], PerBox]:
-        """Returns how the end moves with each time, where it is, and what coasting has turned."""
+        """Returns end velocities, ends and turns from coasting."""
         position, psi = np.zeros(len(times), dtype=complex), np.zeros(len(times))
         own, after = [], []
         for place in range(times.shape[1]):
@@ -175,12 +175,12 @@ def _merge_displacements(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """What refutes a box.
+    """Multipliers that refute a box.
 
     Attributes:
         kappa: 1 for a bound of the cost, 0 where the goal is out of reach.
-        vector: m, seconds a metre.
-        shares: x, one for each trim: seconds a second at a turn, seconds at a straight coast.
+        vector: m, seconds per metre.
+        shares: x, one for each trim: seconds per second at a turn, seconds at a straight coast.
     """
 
     kappa: PerBox
@@ -189,7 +189,7 @@ class Multipliers:
 
 
 def dual_bound(problems: WalkProblems, low: PerTrim, high: PerTrim, by: Multipliers) -> PerBox:
-    """Returns the bound that multipliers give over boxes of coasting times: see the module."""
+    """Returns the Lagrangian lower bounds over boxes of coasting times."""
     m = np.conj(by.vector)
     total = by.kappa * problems.fixed - (m * problems.goal).real - problems.tolerance * np.abs(m)
     way, slope = np.zeros(len(low), dtype=complex), np.zeros(len(low))
@@ -217,24 +217,24 @@ def dual_bound(problems: WalkProblems, low: PerTrim, high: PerTrim, by: Multipli
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
         before = after
     last = least_wave(slope, m * way, *before)
-    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    # No wanted heading: the box is empty, whatever the weights of straight coasts.
     with np.errstate(invalid="ignore"):
         found: PerBox = np.where(last == np.inf, np.inf, total + last)
     return found
 
 
 def _straight_term(times: tuple[PerBox, PerBox], x: PerBox, multiplier: tuple[PerBox, PerBox]) -> PerBox:
-    """Returns the least of a straight time less x, times what a second of it is worth; both between two."""
+    """Returns the minimum over a box of a weighted straight-time term."""
     (first, last), (steady, fast) = times, multiplier
     with np.errstate(invalid="ignore"):
         late, early = (last - x) * steady, (first - x) * fast
     least: PerBox = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
-    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    # Outward rounding may make a zero weight negative on an unbounded interval.
     return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 
 def headings(problems: WalkProblems, low: PerTrim, high: PerTrim) -> tuple[PerTrim, PerTrim]:
-    """Returns between what the headings lie; at the end only what is wanted, empty if that is nothing."""
+    """Returns heading intervals, the last intersected with the wanted one."""
     one, other = problems.rate * low, problems.rate * np.where(problems.rate == 0, 0.0, high)
     least, most = np.cumsum(np.minimum(one, other), axis=1), np.cumsum(np.maximum(one, other), axis=1)
     if problems.heading is None:
@@ -254,7 +254,7 @@ def headings(problems: WalkProblems, low: PerTrim, high: PerTrim) -> tuple[PerTr
 
 
 def least_wave(slope: PerBox, wave: Complex[np.ndarray, "boxes"], low: PerBox, high: PerBox) -> PerBox:
-    """Returns the least of slope * psi + Re(wave exp(i psi)) for psi from low to high."""
+    """Returns the minimum of slope * psi + Re(wave exp(i psi))."""
     size = np.abs(wave)
     ends = [slope * psi + (wave * np.exp(1j * psi)).real for psi in (low, high)]
     least = np.minimum(*ends)

@@ -1,4 +1,4 @@
-"""The multipliers that refute a box best: those of the problem made linear at the middle of the box."""
+"""Search for the best multipliers by linearisation at a box's middle."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -12,24 +12,24 @@ UNBOUNDED = 10.0
 """Seconds after the beginning of an interval without an end that count as its middle."""
 
 FLAT = 1e-3
-"""Seconds a second; a coasting time that is worth more is taken at one end of its interval."""
+"""Seconds per second; a time of larger weight is taken at one end of its interval."""
 
 TILT = 1e-5
-"""Radians by which a line is left behind that may be followed for ever."""
+"""Radians of tilt against a line that may be followed without limit."""
 
 BoxVectors = Complex[np.ndarray, "boxes"]
 MultiplierTrial = tuple[float, BoxVectors, PerBox]
-"""kappa, the vector, and seconds a radian that turning is worth."""
+"""kappa, the vector, and the weight of turning in seconds per radian."""
 
 
 class MultiplierSearch:
-    """Seeks multipliers for many boxes at once.
+    """Search for multipliers over many boxes at once.
 
     Args:
         problems: one for each box.
         low: of the coasting times, seconds.
         high: likewise; may be infinite.
-        target: seconds that nothing in the boxes is to undercut; infinite where nothing is to reach the goal.
+        target: lower bound in seconds to prove; infinite to prove the goal unreachable.
 
     Attributes:
         excess: by how much each box is refuted, in seconds (for kappa 0 in metres); negative where it is not.
@@ -46,7 +46,7 @@ class MultiplierSearch:
         self.middle = box_midpoint(low, high)
 
     def run(self, hint: BoxVectors) -> None:
-        """Tries candidates until every box is refuted, or there are none left."""
+        """Tries candidates until every box is refuted or none is left."""
         velocity, end, _ = self._problems.propagate(self.middle)
         for kappa, vector, turning in self._trials(velocity, end, hint):
             rows = np.flatnonzero(self.excess < 0)
@@ -86,7 +86,7 @@ class MultiplierSearch:
         centre: PerTrim,
         velocity: Complex[np.ndarray, "some trims"],
     ) -> None:
-        """Evaluates one choice for some boxes, and keeps it where it is the best so far."""
+        """Evaluates one trial for some boxes and records improvements."""
         some = self._problems.take(rows)
         kappa, vector, turning = np.broadcast_to(trial[0], len(rows)), trial[1], trial[2]
         worth = kappa[:, None] + (np.conj(vector)[:, None] * velocity).real + turning[:, None] * some.rate
@@ -102,7 +102,7 @@ class MultiplierSearch:
         self._turning[which] = turning[better]
 
     def _at_corners(self, rows: Int[np.ndarray, "some"]) -> None:
-        """Tries the best multipliers again, expanded about the times that are best with them."""
+        """Repeats the best multipliers, expanded about their minimising corners."""
         some, low, high = self._problems.take(rows), self._low[rows], self._high[rows]
         kappa, vector, turning = self.by.kappa[rows], self.by.vector[rows], self._turning[rows]
         centre = self.middle[rows]
@@ -116,7 +116,7 @@ class MultiplierSearch:
 
 
 def box_midpoint(low: PerTrim, high: PerTrim) -> PerTrim:
-    """Returns times inside boxes; in one without an end some seconds after its beginning."""
+    """Returns interior times of boxes, also of unbounded ones."""
     ended = np.isfinite(high)
     inside: PerTrim = np.where(ended, 0.5 * (low + np.where(ended, high, 0.0)), low + UNBOUNDED)
     return inside
@@ -129,7 +129,7 @@ def _unit(vector: BoxVectors) -> BoxVectors:
 
 
 def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: BoxVectors) -> Iterator[MultiplierTrial]:
-    """One time between its ends: the vector points out of the goal's disc."""
+    """Yields trials with one free time, normal to the goal's disc."""
     for place in range(velocity.shape[1]):
         nearing = -(np.conj(normal) * velocity[:, place]).real
         some = nearing > 0
@@ -137,7 +137,7 @@ def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: BoxVectors) 
 
 
 def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[MultiplierTrial]:
-    """Two times between their ends: both are worth exactly their seconds."""
+    """Yields trials with two free times of equal weight."""
     for one, two in combinations(range(velocity.shape[1]), 2):
         first, second = velocity[:, one], velocity[:, two]
         area = (np.conj(first) * second).imag
@@ -149,7 +149,7 @@ def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[Multipli
 def _turning_free(
     velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim, normal: BoxVectors
 ) -> Iterator[MultiplierTrial]:
-    """The heading at the goal is worth seconds: to one turn alone, or with the disc's edge to two times."""
+    """Yields trials with the heading constraint active."""
     none = np.zeros(len(normal), dtype=complex)
     away = (np.conj(normal)[:, None] * velocity).real
     for place in range(velocity.shape[1]):
@@ -164,7 +164,7 @@ def _turning_free(
 
 
 def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
-    """Three times between their ends, with the heading at the goal a third equation."""
+    """Yields trials with three free times and the heading constraint."""
     for places in combinations(range(velocity.shape[1]), 3):
         matrix = _columns(velocity, rate)[:, places]
         solvable = np.abs(np.linalg.det(matrix)) > 1e-12
@@ -175,7 +175,7 @@ def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> 
 
 
 def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
-    """What is worth nothing to two times: across both, in the space of ends and headings."""
+    """Yields separating multipliers with zero weight for two times."""
     columns = _columns(velocity, rate)
     for one, two in combinations(range(velocity.shape[1]), 2):
         across = np.cross(columns[:, one], columns[:, two])

@@ -1,4 +1,4 @@
-"""Boxes of coasting times or of errors, many at once: what branch and bound halves."""
+"""Boxes of coasting times or of errors for branch and bound."""
 
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -10,7 +10,7 @@ from jaxtyping import Bool, Float, Int
 
 @dataclass(frozen=True, eq=False)
 class Boxes:
-    """Boxes, one a row; the boxes of a search add what it knows of each, as arrays of as many rows.
+    """Boxes, one a row, with optional per-box data in subclasses.
 
     Attributes:
         low: smallest values in each.
@@ -31,7 +31,7 @@ class Boxes:
 
     @cached_property
     def width(self) -> Float[np.ndarray, "n places"]:
-        """Half widths."""
+        """Half widths of each."""
         width: Float[np.ndarray, "n places"] = 0.5 * (self.high - self.low)
         return width
 
@@ -40,7 +40,7 @@ class Boxes:
         return type(self)(**{one.name: getattr(self, one.name)[which] for one in fields(self)})
 
     def halves(self, place: Int[np.ndarray, "n"]) -> Self:
-        """Returns both halves of each, cut at these places, with what is known of the whole."""
+        """Returns both halves of each box, cut at the given places."""
         at = np.arange(len(self)), place
         below, above = self.high.copy(), self.low.copy()
         below[at] = above[at] = self.middle[at]
@@ -51,7 +51,7 @@ Some = TypeVar("Some", bound=Boxes)
 
 
 def joined(*parts: Some) -> Some:
-    """Returns all boxes in one."""
+    """Returns the concatenation of several sets of boxes."""
     every: dict[str, Any] = {
         one.name: np.concatenate([getattr(part, one.name) for part in parts]) for one in fields(parts[0])
     }

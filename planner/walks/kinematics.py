@@ -1,4 +1,4 @@
-"""Where a walk leads: its end at an uncertainty level.
+"""Kinematics of a walk at an uncertainty level.
 
 It is the flow of `flight.se2.SE2.exp` and the composition of poses; `tests.oracles` has a twin for symbols.
 """
@@ -14,14 +14,14 @@ from .walk import Walk
 
 
 class NegativeDurationError(FlightError):
-    """An uncertainty level turns a maneuver's duration negative."""
+    """A maneuver's duration is negative at an uncertainty level."""
 
     def __init__(self, maneuver: int, duration: float, gamma: float) -> None:
         super().__init__(f"maneuver {maneuver}: duration must be >= 0 s, got {duration} s at gamma {gamma}")
 
 
 class GammaError(FlightError):
-    """An uncertainty level to plan for is outside its range."""
+    """The gamma to plan for is outside its range."""
 
     def __init__(self, gamma: float) -> None:
         super().__init__(f"gamma must be between 0 and 1, got {gamma}")
@@ -29,7 +29,7 @@ class GammaError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class WalkMotion:
-    """The numbers of a walk at one uncertainty level.
+    """Coefficients of a walk at one uncertainty level.
 
     Attributes:
         velocities: body velocity in each trim.
@@ -42,7 +42,7 @@ class WalkMotion:
     fixed_time: float
 
     def end(self, start: SE2, coasting_times: Sequence[float]) -> SE2:
-        """Returns the pose after the whole walk (thesis, eq. 8a and 8b, displacements rotated).
+        """Returns the pose after the walk (thesis, eq. 8a and 8b).
 
         Args:
             start: pose at time 0.
@@ -61,7 +61,7 @@ class WalkMotion:
 
 
 def walk_motion(library: Library, walk: Walk, gamma: float) -> WalkMotion:
-    """Returns the numbers of a walk at an uncertainty level.
+    """Returns the coefficients of a walk at an uncertainty level.
 
     Raises:
         NoManeuverError: the library does not join two trims of the walk.
@@ -77,7 +77,7 @@ def walk_motion(library: Library, walk: Walk, gamma: float) -> WalkMotion:
 
 
 def check_durations(library: Library, gamma: float) -> None:
-    """Raises `NegativeDurationError` where an uncertainty level turns a duration negative."""
+    """Raises `NegativeDurationError` for a negative duration at a level."""
     for maneuver in library.maneuvers:
         duration = maneuver.at(gamma).duration
         if duration < 0:
@@ -85,6 +85,6 @@ def check_durations(library: Library, gamma: float) -> None:
 
 
 def check_gamma(gamma: float) -> None:
-    """Raises `GammaError` where an uncertainty level to plan for is outside [0, 1]."""
+    """Raises `GammaError` for a gamma outside [0, 1]."""
     if not 0 <= gamma <= 1:
         raise GammaError(gamma)

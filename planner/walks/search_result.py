@@ -1,4 +1,4 @@
-"""What a search says."""
+"""Result of a search."""
 
 from dataclasses import dataclass
 
@@ -10,13 +10,13 @@ Times = tuple[float, ...]
 
 @dataclass(frozen=True, slots=True)
 class SearchResult:
-    """The best walk found, with its coasting times at every level; no walk where none was found.
+    """The best walk with its coasting times; empty if none was found.
 
     Attributes:
         walk: trim ids; empty where none was found.
         times: seconds, one tuple for each level.
         costs: seconds, one for each level.
-        lower_bound: seconds that no plan undercuts; infinite where it is proved that there is none.
+        lower_bound: seconds, of every plan; infinite where it is proved that there is none.
         exhausted: whether every walk was searched exactly, or excluded by a bound.
     """
 

@@ -26,6 +26,9 @@ from .encoder import FilmError, Picture, film_encoder
 from .film_model import film_model
 from .film_tracks import FLOWN, PLANNED, FilmTracks
 
+LONGEST_FILM = 6.0 * 3600.0
+"""Longest flight filmed, seconds."""
+
 # Rotor speeds in the film, rad/s, the main rotor clockwise seen from above: at the true speed the frame rate
 # would alias the rotation.
 _SHOWN_SPEEDS = (-11.0, 17.0)
@@ -62,10 +65,13 @@ class Film:
         settings: size and frame rate.
 
     Raises:
-        FlightError: the log lacks motion, an attachment is broken, or no OpenGL context can be opened.
+        FlightError: the log lacks motion or is too long, an attachment is broken, or no OpenGL context can be
+            opened.
     """
 
     def __init__(self, log: FlightLog, settings: FilmSettings) -> None:
+        if log.duration > LONGEST_FILM:
+            raise FilmError(f"expected a flight of at most {LONGEST_FILM:g} s, got {log.duration:.6g} s")
         self._times = np.arange(0.0, log.duration + 0.5 / settings.rate, 1.0 / settings.rate)
         self._states = _states(log, self._times)
         self._smooth = _smooth_camera_path(self._states, settings.rate)

@@ -39,7 +39,7 @@ def film_model(log: FlightLog) -> mujoco.MjModel:
         shape = spec.compile()
     except (ValueError, UnicodeDecodeError) as error:
         why = " ".join(str(error).split())
-        raise BadFileError(MODEL_ATTACHMENT, f"is no model that can be drawn: {why}") from None
+        raise BadFileError(MODEL_ATTACHMENT, f"expected a drawable model: {why}") from None
     for names, axis in ((MAIN_ROTOR, (0.0, 0.0, 1.0)), (TAIL_ROTOR, (0.0, 1.0, 0.0))):
         _add_rotor_joint(spec, shape, names, axis)
     _add_ground(spec)

@@ -20,7 +20,7 @@ def comparison_rows(summaries: Sequence[Summary]) -> list[list[str]]:
     rows: list[tuple[str, Callable[[Summary], str]]] = [
         ("outcome", lambda one: one.outcome),
         ("goal", _goal),
-        ("predicted time, first plan", _planned),
+        ("planned time", _planned),
         ("plans, failed replans", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
         ("distance over the ground", _distance),
@@ -53,7 +53,7 @@ def _distance(one: Summary) -> str:
 
 
 def _planned(one: Summary) -> str:
-    return NOT_KNOWN if one.predicted_time is None else f"{one.predicted_time:.2f} s"
+    return NOT_KNOWN if one.planned_time is None else f"{one.planned_time:.2f} s"
 
 
 def _plans(one: Summary) -> str:

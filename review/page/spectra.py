@@ -19,6 +19,8 @@ LONGEST_WINDOW = 20.0
 """Window length in seconds; the lowest frequency shown is its inverse."""
 
 LEAST_SAMPLES = 64
+MOST_FILLED = 10
+"""Most samples of the even spacing, as a multiple of the logged ones."""
 _DEGREES = float(np.degrees(1.0))
 _SERVOS = ("collective_command", "longitudinal_command", "lateral_command", "pedal_command")
 _RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
@@ -49,12 +51,13 @@ def amplitude_density(time: Column, values: Column) -> tuple[Column, Column] | N
     """Returns frequencies > 0 in Hz and amplitude densities, values' unit/√Hz.
 
     Welch's method with Hann windows of half overlap; mean and slope of each window are removed; uneven
-    samples are interpolated linearly to an even spacing. None for too few samples or a constant signal.
+    samples are interpolated linearly to an even spacing. None for too few samples, a constant signal, or gaps
+    that make up most of the time.
     """
     if len(time) < LEAST_SAMPLES or not np.ptp(values) > 0:
         return None
     step = float(np.median(np.diff(time)))
-    if not step > 0:
+    if not step > 0 or time[-1] - time[0] > MOST_FILLED * step * len(time):
         return None
     even = np.arange(time[0], time[-1], step)
     window = min(len(even), max(LEAST_SAMPLES, round(LONGEST_WINDOW / step)))

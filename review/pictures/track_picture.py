@@ -109,7 +109,8 @@ def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
 
 def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
     """Marks times along the track; yields their labels."""
-    step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
+    longest = TIME_STEPS[-1] * np.ceil(log.duration / (TIME_STEPS[-1] * MOST_TIMES))
+    step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), longest)
     for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)

@@ -12,7 +12,7 @@ from flightlog.attachment_names import PLANS_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
-from flightlog.mission_attachments import logged_plannings
+from flightlog.mission_attachments import logged_planned_time, logged_plannings
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_names
@@ -91,7 +91,7 @@ class Summary:
         faults: injected faults with their times and sizes, a sentence each.
         plans: replans that found a plan; None where the log has no plans.
         failures: replans that found none, so that the previous plan stayed in force.
-        predicted_time: predicted time of the first plan, s; None without one.
+        planned_time: seconds of the plan for the mission as stated; None where the log carries none.
         arrival: None without a mission.
     """
 
@@ -112,7 +112,7 @@ class Summary:
     faults: tuple[str, ...]
     plans: int | None
     failures: int
-    predicted_time: float | None
+    planned_time: float | None
     arrival: ArrivalVerdict | None
 
 
@@ -150,7 +150,7 @@ def summarise(log: FlightLog) -> Summary:
         faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in fault_occurrences(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
-        predicted_time=plans[0].cost if plans else None,
+        planned_time=logged_planned_time(log),
         arrival=logged_arrival(log),
     )
 

@@ -27,6 +27,8 @@ def summary_tiles(summary: Summary) -> list[Content]:
     A tile has a label, a value, a note, a tone (`good`, `bad`, `plain`) and a time that it links to.
     """
     tiles = [_outcome(summary)]
+    if summary.planned_time is not None:
+        tiles.append(_tile("planned time", f"{summary.planned_time:.2f} s", "for the mission as stated"))
     if summary.bounds is not None:
         left, checked = len(summary.bounds.violations), summary.bounds.coasts + summary.bounds.maneuvers
         coasts = summary.bounds.count_violations(PrimitiveKind.COAST)

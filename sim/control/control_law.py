@@ -85,7 +85,7 @@ class ControlLaw:
         excess_yaw = self._excess_yaw(estimate, reference, state)
         tilt, free = self._tilt(estimate, reference, learnt, reference.yaw + excess_yaw)
         model, model_rates = _model(state)
-        asked = self._reference_model(reference, tilt, state)
+        commanded = self._reference_model(reference, tilt, state)
         errors = TrackingErrors(
             attitude=model - ca.vertcat(estimate.roll, estimate.pitch),
             attitude_rate=model_rates - _euler_rates(estimate),
@@ -93,7 +93,7 @@ class ControlLaw:
             free=free,
         )
         pseudo = (
-            asked + self._damping * errors.attitude_rate + self._stiffness * errors.attitude - learnt[3:5]
+            commanded + self._damping * errors.attitude_rate + self._stiffness * errors.attitude - learnt[3:5]
         )
         body_rates = _commanded_body_rates(estimate, reference, state)
         cyclic = self._invert(pseudo, body_rates, state)
@@ -104,7 +104,7 @@ class ControlLaw:
         controls = ca.vertcat(*reference[-4:]) + ca.vertcat(cyclic, collective, pedal)
         servos, kept = predict_servos(self._parameters.servos, state.servos, controls, step=self._step)
         hedge = self._gains.hedging * (controls - kept)[:2] * ca.DM([self._model.roll, self._model.pitch])
-        model_rates = model_rates + self._step * (asked - hedge)
+        model_rates = model_rates + self._step * (commanded - hedge)
         model = model + self._step * model_rates
         trained = self._update_weights(
             weights,

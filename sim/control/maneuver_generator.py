@@ -89,9 +89,9 @@ class ManeuverGenerator:
 def _reference_models(
     speeding: SecondOrderResponse, turning: SecondOrderResponse, step: float
 ) -> ca.Function:
-    """Builds the reference models of all channels, (target, reference) -> reference."""
-    asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
-    forward, side, yaw_rate, together = ca.vertsplit(asked)
+    """Builds the reference models of all channels, (command, reference) -> reference."""
+    command, reference = ca.SX.sym("command", 4), ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw_rate, together = ca.vertsplit(command)
     before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
     with_speed, alone = (
         _advance_second_order(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
@@ -101,7 +101,7 @@ def _reference_models(
         _advance_second_order(speeding, before[1], side, step=step),
         ca.if_else(together, with_speed, alone),
     )
-    return ca.Function("generate", [asked, reference], [after])
+    return ca.Function("generate", [command, reference], [after])
 
 
 def _advance_second_order(
@@ -109,7 +109,7 @@ def _advance_second_order(
 ) -> ca.SX:
     """Returns one channel after a step with constant target.
 
-    Exact.
+    The step is exact.
 
     Returns:
         Value, rate and acceleration.

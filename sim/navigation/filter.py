@@ -218,7 +218,7 @@ def standard_deviation_function() -> ca.Function:
     slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
     estimated = covariance[:ESTIMATED, :ESTIMATED]
     sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
-    return ca.Function("spread", [state], [ca.cse(sigmas)])
+    return ca.Function("standard_deviation", [state], [ca.cse(sigmas)])
 
 
 def initial_nominal_function() -> ca.Function:

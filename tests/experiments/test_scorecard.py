@@ -138,9 +138,6 @@ def test_the_time_bound_is_stored_with_the_plan(tmp_path: Path, capsys: pytest.C
     printed = capsys.readouterr()
     assert "of flights are there" not in printed.out
     assert "mine.times.toml is for another library: no time bound is stated" in printed.err
-    file.write_text("promise = 3\n")
-    assert run(("plan", "gtmax-2", "--library", str(library))) == 2
-    assert capsys.readouterr().err.count("\n") == 1
 
 
 def test_too_few_missions_give_no_time_bound() -> None:

@@ -1,4 +1,4 @@
-"""Outside a library's domain: each departure is named, and nothing is refused."""
+"""Tests of warnings outside a library's domain, none of them a refusal."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -74,7 +74,7 @@ def test_only_stronger_wind_is_named(wind: str, stronger: bool, capsys: pytest.C
     warn_of_flight(LIBRARY, wind=wind, altitude=30.0)
     said = capsys.readouterr().err
     assert ("stronger than gtmax" in said) == stronger
-    # The hash above is nobody's.
+    # No library has the hash above.
     assert "outside the domain of mine: the vehicle is " in said
 
 

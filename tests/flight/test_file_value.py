@@ -1,4 +1,4 @@
-"""What files must state, may leave out, and cannot say twice, held against the values' own declarations."""
+"""Tests of file values: required, optional and repeated keys."""
 
 import json
 import pickle
@@ -13,7 +13,7 @@ from flight.automaton.library_file import library_hash, library_text, parse_libr
 from flight.errors import BadFileError
 from flight.plan.plan import PlanContradictionError, plan_text, read_plan
 from flight.se2 import Twist
-from tests.planner.check.test_plan_check import case
+from tests.support.planning.planned_case import case
 from tests.support.synthetic_log import synthetic_library
 
 OPTIONAL_OF_A_PLAN = {"reason", "alpha", "tail", "miss", "lower_bound", "cost"}

@@ -1,4 +1,4 @@
-"""What counts as reached: closed sets, with one slack for rounding."""
+"""Tests of goal tolerances: closed sets, with one slack for rounding."""
 
 from math import nextafter, pi
 

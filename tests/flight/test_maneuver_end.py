@@ -16,7 +16,7 @@ def make_detector() -> ManeuverEndDetector:
 
 
 def end_of(velocities: list[Twist], step: float = 0.1) -> tuple[float, ManeuverStatus]:
-    """Returns the time after entry at which a series of samples is judged, and how."""
+    """Returns judgement time after entry, and status, of a sample series."""
     under_test = make_detector()
     for place, velocity in enumerate(velocities):
         verdict = under_test.update(10.0 + place * step, velocity)

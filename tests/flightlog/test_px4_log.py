@@ -56,13 +56,13 @@ def circle() -> dict[str, Messages]:
         "xyz[1]": RATE * np.sin(BANK) * ones,
         "xyz[2]": RATE * np.cos(BANK) * ones,
     }
-    asked = {"timestamp": slow * 1e6, "vx": place["vx"], "vy": place["vy"], "z": place["z"]}
-    asked["yawspeed"] = np.where(slow < 110.0, np.nan, RATE)
+    setpoint = {"timestamp": slow * 1e6, "vx": place["vx"], "vy": place["vy"], "z": place["z"]}
+    setpoint["yawspeed"] = np.where(slow < 110.0, np.nan, RATE)
     return {
         "vehicle_local_position": place,
         "vehicle_attitude": attitude,
         "vehicle_angular_velocity": rates,
-        "vehicle_local_position_setpoint": asked,
+        "vehicle_local_position_setpoint": setpoint,
     }
 
 

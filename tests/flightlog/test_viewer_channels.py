@@ -37,7 +37,7 @@ COASTS = (2.0,) * 4
 
 
 def of_a_mission(log: FlightLog) -> FlightLog:
-    """Returns the log as one of a mission with a plan, a planning that failed, and the vehicle's model."""
+    """Returns the log as a mission log with plan, failure and model."""
     plans = [
         planning(0.0, WALK, COASTS, gammas=(0.0, -1.0)),
         planning(3.0, reason="nothing reaches the goal"),
@@ -144,14 +144,14 @@ def test_without_a_model_the_vehicle_is_an_arrow_and_without_a_mission_there_is_
 
 def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None:
     lost = replace(flight, header=replace(flight.header, outcome="flight lost at 9.00 s: met the ground"))
-    told = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
-    assert told[0] == (0.0, "primitive", "hold 1 hover")
-    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case, feasible)" in [text for _, _, text in told]
-    assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in told
-    assert told[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
+    events = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
+    assert events[0] == (0.0, "primitive", "hold 1 hover")
+    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case, feasible)" in [text for _, _, text in events]
+    assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in events
+    assert events[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
     levels = [message.level for _, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
     assert levels[-1] == Log.ERROR
-    assert sum(source == "primitive" for _, source, _ in told) == 2 * len(WALK) - 1
+    assert sum(source == "primitive" for _, source, _ in events) == 2 * len(WALK) - 1
 
 
 def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: FlightLog) -> None:
@@ -166,7 +166,9 @@ def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: F
 
 def test_a_log_with_an_estimate_alone_is_drawn_from_it(flight: FlightLog) -> None:
     series = {name: part for name, part in flight.series.items() if name not in {TRUTH.name, PRIMITIVE.name}}
-    for _, message in messages(replace(flight, series=series), TRANSFORMS):
+    drawn = [message for _, message in messages(replace(flight, series=series), TRANSFORMS)]
+    assert len(drawn) > 100
+    for message in drawn:
         assert isinstance(message, FrameTransforms)
         assert [part.child_frame_id for part in message.transforms] == [VEHICLE]
 

@@ -107,6 +107,7 @@ def topics_in(path: Path) -> set[str]:
     return {channel.topic for channel in summary.channels.values()}
 
 
+@pytest.mark.viewer
 @pytest.mark.skipif(RERUN is None, reason="no rerun-sdk (half a gigabyte) in this environment")
 def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path, tmp_path: Path) -> None:
     check = subprocess.run([str(RERUN), "mcap", "check", path], check=True, capture_output=True, text=True)
@@ -125,6 +126,7 @@ def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path,
                 assert f'"{field}": non-null Float64' in kept[0], (topic.name, field)
 
 
+@pytest.mark.viewer
 @pytest.mark.skipif(DOCTOR is None, reason="no pymcap-cli in this environment")
 def test_an_independent_doctor_finds_no_defect(path: Path) -> None:
     done = subprocess.run([str(DOCTOR), "doctor", path], check=True, capture_output=True, text=True)

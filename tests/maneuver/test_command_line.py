@@ -1,4 +1,4 @@
-"""The command line as a user meets it: answers, the honest no, and one line for every bad input."""
+"""Tests of the command line: results, exit codes, one-line errors."""
 
 import json
 import subprocess
@@ -117,7 +117,8 @@ def test_a_plan_is_one_json_document(capsys: pytest.CaptureFixture[str]) -> None
     code = run(("plan", "kinematic-1", "--library", "thesis-kinematic", "--policy", "nominal", "--json"))
     plan = json.loads(capsys.readouterr().out)
     assert code == 0
-    assert plan["schema"] == "maneuver-plan/1"
+    assert plan["schema"] == "maneuver-plan/2"
+    assert plan["stated_mission"]["name"] == plan["mission"] == "kinematic-1"
     assert plan["sequence"] == [1, 2, 5, 2]
     assert plan["cost"] == pytest.approx(19.868357, abs=1e-4)
     assert plan["verified"] is True

@@ -1,4 +1,4 @@
-"""Pages say what the code says."""
+"""Tests of the documentation against the code."""
 
 import re
 import subprocess
@@ -20,7 +20,7 @@ DOCS = ROOT / "docs"
 
 
 def checked(tool: str, page: Path) -> subprocess.CompletedProcess[str]:
-    """Returns what a tool says of a page that it writes, or of another in its place."""
+    """Returns the tool's result for its own or another page."""
     command = [sys.executable, "-m", tool, "--check", str(page)]
     return subprocess.run(command, check=False, cwd=ROOT, capture_output=True, text=True)
 
@@ -61,7 +61,7 @@ def test_the_program_on_the_page_of_the_flight_log_runs(tmp_path: Path) -> None:
 
 
 def named_places(text: str) -> set[str]:
-    """Returns the files of modules and tests that a page names in what it asks its reader to run."""
+    """Returns the modules and tests that a page asks to run."""
     modules = re.findall(r"(?:python -m |`)((?:benchmarks|tools)(?:\.\w+)+)", text)
     files = re.findall(r"\b(?:benchmarks|tools|tests)/[\w/]+\.py\b", text)
     return {*files, *(f"{module.replace('.', '/')}.py" for module in modules)}

@@ -1,4 +1,4 @@
-"""What is said of libraries: audits of signs, kinematics, differences, sheets."""
+"""Tests of library verbs: audits, kinematics, differences and sheets."""
 
 import json
 from dataclasses import replace
@@ -24,7 +24,7 @@ from planner.independent_errors.monotonicity_audit import PrimitiveScalar, audit
 
 
 def simple(forward_error: float) -> Library:
-    """Returns two straight trims, and turns on the spot of 90 degrees between them that are exact."""
+    """Returns a library of two straight trims and exact quarter turns."""
     trims = (
         Trim(1, "one", Twist(2.0, 0.0, 0.0), Twist(forward_error, 0.0, 0.0)),
         Trim(2, "two", Twist(2.0, 0.0, 0.0), Twist(0.0, 0.0, 0.0)),
@@ -44,7 +44,7 @@ def test_where_only_speed_is_uncertain_faster_is_never_slower() -> None:
 
 
 def test_an_error_signed_the_wrong_way_is_named() -> None:
-    """The negative control: gamma = +1 makes the first trim slower."""
+    """Negative control: gamma = +1 makes the first trim slower."""
     result = audit_monotonicity(simple(-0.3), missions=60, seed=1)
     assert result.monotone < result.reachable
     assert {rise.culprit for rise in result.rises} == {PrimitiveScalar("trim", 1, "forward")}

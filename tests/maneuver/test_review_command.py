@@ -1,4 +1,4 @@
-"""`maneuver review` of one log: what it prints and writes, what it refuses, by which library it judges."""
+"""Tests of `maneuver review` on one log: output, files, errors, bounds."""
 
 import json
 from dataclasses import replace
@@ -28,7 +28,7 @@ def still_flight(*, kind: str = "sequence") -> FlightLog:
 
 
 def narrower(library: Library, share: float) -> Library:
-    """Returns a library whose trims' errors are a share of what they were."""
+    """Returns a library with scaled trim errors."""
 
     def less(error: Twist) -> Twist:
         return Twist(share * error.forward, share * error.side, share * error.yaw_rate)

@@ -1,4 +1,4 @@
-"""`maneuver verify`: every figure beside its bar, and bars that fail when something is broken."""
+"""Tests of `maneuver verify`: figures, limits and failures after damage."""
 
 import json
 from dataclasses import replace
@@ -21,7 +21,7 @@ def test_the_vehicle_holds_every_bar() -> None:
 
 
 def test_a_corrupt_parameter_is_found() -> None:
-    """The negative control: a vehicle 1 % heavier than its shape, and one with a limp hub."""
+    """Negative control: 1 % more mass, or a soft hub."""
     heavy = replace(PARAMETERS, body=replace(PARAMETERS.body, mass=1.01 * PARAMETERS.body.mass))
     assert [figure.name for figure in check_shape(heavy) if not figure.passed] == ["mass, difference"]
     limp = replace(PARAMETERS, main_rotor=replace(PARAMETERS.main_rotor, hub_spring=0.01))

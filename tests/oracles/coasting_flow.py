@@ -1,4 +1,4 @@
-"""The trim flow integrated in closed complex form: x' = exp(i heading) v, heading' = r.
+"""Closed-form integral of the trim flow: x' = exp(i heading) v.
 
 Positions are north + i east in metres, headings clockwise from north in radians.
 """
@@ -32,13 +32,13 @@ class Ends:
 def coasted(
     velocity: Complex[np.ndarray, "*n"], rate: Float[np.ndarray, "*n"], time: Float[np.ndarray, "*n"]
 ) -> Complex[np.ndarray, "*n"]:
-    """Returns the integral of exp(i r s) v over s from 0 to the time, metres in the frame at entry."""
+    """Returns the integral of `exp(i r s) v` over [0, time]."""
     angle = rate * time
     turning = angle != 0
     safe = np.where(turning, angle, 1.0)
     ahead = np.where(turning, np.sin(safe) / safe, 1.0)
     aside = np.where(turning, 2 * np.sin(0.5 * safe) ** 2 / safe, 0.0)
-    return velocity * time * (ahead + 1j * aside)
+    return np.asarray(velocity * time * (ahead + 1j * aside))
 
 
 def fly(problem: CoastingProblem, times: Times, start: tuple[complex, float], *, until: int = -1) -> Ends:
@@ -77,7 +77,7 @@ def fly(problem: CoastingProblem, times: Times, start: tuple[complex, float], *,
 def end_velocities(
     problem: CoastingProblem, times: Float[np.ndarray, "rows free"], start: tuple[complex, float]
 ) -> tuple[Ends, Complex[np.ndarray, "rows free"]]:
-    """Returns the ends, and how they move with each time: with the coast, and about where it ends."""
+    """Returns the ends and their velocities with each time."""
     ends = fly(problem, times, start)
     position = np.full(len(times), start[0], dtype=complex)
     heading = np.full(len(times), start[1])

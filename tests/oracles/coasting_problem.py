@@ -1,7 +1,7 @@
-"""Walks of a library as arrays: some coasts are free, everything between them is merged."""
+"""Walks as arrays of free coasts with merged fixed parts."""
 
 from dataclasses import dataclass
-from itertools import combinations
+from itertools import combinations, pairwise
 
 import numpy as np
 from jaxtyping import Bool, Complex, Float, Int
@@ -12,7 +12,7 @@ from flight.mission.mission import Mission
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoastingProblem:
-    """Rows of walks at one uncertainty level in which the same number of coasts is free.
+    """Rows of walks at one level with equally many free coasts.
 
     Attributes:
         walk: index of each row's walk.
@@ -35,7 +35,7 @@ class CoastingProblem:
     @property
     def free(self) -> int:
         """Number of free coasts of each row."""
-        return self.velocity.shape[1]
+        return int(self.velocity.shape[1])
 
     def take(self, rows: Int[np.ndarray, "some"] | Bool[np.ndarray, "rows"]) -> "CoastingProblem":
         """Returns some of the rows."""
@@ -52,15 +52,16 @@ class CoastingProblem:
     def all_times(
         self, times: Float[np.ndarray, "rows free"], longest: int
     ) -> Float[np.ndarray, "rows longest"]:
-        """Returns the times of free coasts at their places in the walk, the others 0."""
+        """Returns free times at their places in the walk, others 0."""
         every = np.zeros((len(times), longest))
         np.put_along_axis(every, self.place, times, axis=1)
         return every
 
 
 def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
-    """Returns the trim ids of every walk that a mission allows, shorter ones first."""
-    every, ends = [], [(mission.start_trim,)]
+    """Returns every walk of a mission, shorter ones first."""
+    every: list[tuple[int, ...]] = []
+    ends: list[tuple[int, ...]] = [(mission.start_trim,)]
     for _ in range(mission.max_trims):
         every += ends
         ends = [
@@ -72,7 +73,7 @@ def all_walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
 def coasting_problems(
     library: Library, walks: list[tuple[int, ...]], gamma: float
 ) -> dict[int, CoastingProblem]:
-    """Returns the walks with every choice of free coasts, by the number of these.
+    """Returns the walks for every choice of free coasts, by number.
 
     Coasts that neither move nor turn are never free.
 
@@ -84,16 +85,16 @@ def coasting_problems(
     found: dict[int, list[CoastingProblem]] = {}
     for length in sorted({len(walk) for walk in walks}):
         index = [place for place, walk in enumerate(walks) if len(walk) == length]
-        whole = _whole(library, [walks[place] for place in index], gamma, np.array(index))
+        whole = whole_walks(library, [walks[place] for place in index], gamma, np.array(index))
         moves = (whole.velocity != 0) | (whole.rate != 0)
         for free in range(length + 1):
             for chosen in combinations(range(length), free):
                 part = _merged(whole, chosen)
                 found.setdefault(free, []).append(part.take(moves[:, list(chosen)].all(axis=1)))
-    return {free: _joined(parts) for free, parts in found.items()}
+    return {free: joined(parts) for free, parts in found.items()}
 
 
-def _whole(
+def whole_walks(
     library: Library, walks: list[tuple[int, ...]], gamma: float, index: Int[np.ndarray, "rows"]
 ) -> CoastingProblem:
     """Returns walks of one length with all coasts free."""
@@ -117,7 +118,7 @@ def _whole(
         for one in library.maneuvers
     }
     held = [[trims[trim] for trim in walk] for walk in walks]
-    joints = [[edges[pair] for pair in zip(walk, walk[1:], strict=False)] for walk in walks]
+    joints = [[edges[pair] for pair in pairwise(walk)] for walk in walks]
     count, length = len(walks), len(walks[0])
     gap, turn = np.zeros((count, length + 1), dtype=complex), np.zeros((count, length + 1))
     for row, joint in enumerate(joints):
@@ -135,7 +136,7 @@ def _whole(
 
 
 def _merged(whole: CoastingProblem, chosen: tuple[int, ...]) -> CoastingProblem:
-    """Returns the walks with only some coasts free: the gaps between them are composed."""
+    """Returns the walks with some coasts free and the gaps composed."""
     count = len(whole.walk)
     gap = np.zeros((count, len(chosen) + 1), dtype=complex)
     turn = np.zeros((count, len(chosen) + 1))
@@ -155,7 +156,8 @@ def _merged(whole: CoastingProblem, chosen: tuple[int, ...]) -> CoastingProblem:
     )
 
 
-def _joined(parts: list[CoastingProblem]) -> CoastingProblem:
+def joined(parts: list[CoastingProblem]) -> CoastingProblem:
+    """Returns the rows of several problems with as many free coasts."""
     return CoastingProblem(
         np.concatenate([one.walk for one in parts]),
         np.concatenate([one.place for one in parts]),

@@ -1,4 +1,4 @@
-"""Where a mission may end: a closed disc and a closed interval of headings."""
+"""Goal region of a mission: closed disc and heading interval."""
 
 from dataclasses import dataclass
 from math import pi
@@ -11,17 +11,24 @@ from flight.mission.mission import Mission
 from .coasting_flow import Ends
 
 ROUNDING = 4e-15
-"""Share of the way flown, and of the radians turned, by which an end on the edge may seem outside."""
+"""Rounding slack of an end, as a share of path length and of radians turned."""
+
+
+FORGIVEN = 1e-9
+"""Metres and radians by which a plan may be beyond its tolerance, 0 or more ..."""
+
+FORGIVEN_SHARE = 1e-12
+"""... and share of numbers in metres that are larger than a thousand."""
 
 
 @dataclass(frozen=True, slots=True)
 class GoalRegion:
-    """A closed disc, and a closed interval of headings; a tolerance of 0 is equality.
+    """Closed disc and heading interval; zero tolerance means equality.
 
     Attributes:
         centre: north + i east, metres.
         radius: metres.
-        heading: radians; None where every heading will do.
+        heading: radians; None without a constraint.
         width: half width of the interval of headings, radians.
     """
 
@@ -44,15 +51,21 @@ class GoalRegion:
         """Returns radians by which headings are outside the interval; negative inside."""
         if self.heading is None:
             return np.full(ends.heading.shape, -pi)
-        return np.abs(wrapped(ends.heading - self.heading)) - self.width
+        return np.asarray(np.abs(wrapped(ends.heading - self.heading)) - self.width)
 
     def holds(self, ends: Ends, *, slack: float = ROUNDING) -> "np.ndarray":
-        """Returns which ends are inside, but for a share of the way and of the turn that is rounding."""
+        """Returns True where ends are inside, with relative slack for rounding."""
         near = slack * (ends.way + abs(self.centre) + self.radius)
         turned = slack * (1 + np.abs(ends.heading) + abs(self.heading or 0.0))
-        return (self.beyond(ends) <= near) & (self.heading_beyond(ends) <= turned)
+        return np.asarray((self.beyond(ends) <= near) & (self.heading_beyond(ends) <= turned))
 
 
 def wrapped(angle: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     """Returns angles brought into [-pi, pi]."""
     return angle - 2 * pi * np.round(angle / (2 * pi))
+
+
+def slack(mission: Mission) -> float:
+    """Returns metres by which a plan may be beyond the tolerance."""
+    sizes = (*mission.start.position, *mission.goal, mission.tolerance)
+    return max(FORGIVEN, FORGIVEN_SHARE * sum(map(abs, sizes)))

@@ -1,4 +1,4 @@
-"""The least total time that was found to end inside a goal: an upper bound, a feasible plan, checked by flight."""
+"""Reference planner: the least total time found that reaches the goal."""
 
 from dataclasses import dataclass, replace
 from math import inf, log2
@@ -45,7 +45,7 @@ def least_times(
     ceiling: float = inf,
     rng: np.random.Generator,
 ) -> LeastTimes:
-    """Returns the least time found for each of some walks at a level.
+    """Returns the least time found for each walk at a level.
 
     Args:
         library: the primitives.
@@ -65,7 +65,7 @@ def least_times(
     start = complex(mission.start.x, mission.start.y), mission.start.heading
     goal = GoalRegion.of(mission)
     small = replace(goal, centre=(goal.centre - start[0]) / metres, radius=goal.radius / metres)
-    for free, problem in sorted(every.items()):
+    for _free, problem in sorted(every.items()):
         possible = problem.take(problem.fixed < ceiling)
         for begin in range(0, len(possible.walk), ROWS_AT_ONCE):
             part = possible.take(np.arange(begin, min(begin + ROWS_AT_ONCE, len(possible.walk))))
@@ -107,7 +107,7 @@ def _moved(
     ceiling: float,
     rng: np.random.Generator,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Returns rows with times in which the last coasts lead to the goal."""
+    """Returns rows with times whose last coasts lead to the goal."""
     rows = np.arange(len(problem.walk))
     if problem.free == 1:
         times = telling_times(problem, start, goal)
@@ -115,7 +115,7 @@ def _moved(
     anywhere, limits = seeds(problem, start, goal, ceiling, rng)
     found = [(anywhere.row, anywhere.times)]
     if goal.heading is None or goal.width > 0:
-        limits = {**limits, None: anywhere}
+        limits = {**limits, None: anywhere}  # type: ignore[dict-item]
     for limit, seed in limits.items():
         if len(seed.row):
             chosen = problem.take(seed.row)
@@ -130,7 +130,7 @@ def _rotated(
     ceiling: float,
     rng: np.random.Generator,
 ) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Returns times of walks whose last coast is a rotation on the spot."""
+    """Returns times of walks with a final rotation on the spot."""
     assert goal.heading is not None
     before = replace(
         problem,
@@ -163,7 +163,7 @@ def _keep(
     cost: Float[np.ndarray, "walks"],
     best: Float[np.ndarray, "walks longest"],
 ) -> None:
-    """Writes down what is faster than what was known of a walk."""
+    """Records improvements over the best known times of each walk."""
     total = problem.fixed + times.sum(axis=1)
     for row in np.argsort(-total):
         walk = problem.walk[row]
@@ -174,7 +174,7 @@ def _keep(
 
 
 def natural_units(library: Library, mission: Mission) -> tuple[float, float]:
-    """Returns a power of 2 in metres and in seconds, by which to measure: scaling by these is exact."""
+    """Returns powers of 2 as exact units of metres and seconds."""
     away = abs(complex(*mission.goal) - complex(mission.start.x, mission.start.y))
     moved = [abs(complex(one.displacement.x, one.displacement.y)) for one in library.maneuvers]
     metres = max(away, mission.tolerance, *moved, 0.0)
@@ -204,9 +204,9 @@ def worst_of_each(
     ceiling: float = inf,
     rng: np.random.Generator,
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "levels walks longest"]]:
-    """Returns for each walk the largest over levels of the least times found, and the times.
+    """Returns each walk's largest least time over levels, with the times.
 
-    Walks that reach the ceiling at one level are not looked at at the others.
+    Walks that reach the ceiling at one level are skipped at the others.
     """
     worst = np.zeros(len(walks))
     times = np.zeros((len(gammas), len(walks), max(map(len, walks), default=0)))

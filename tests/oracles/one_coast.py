@@ -1,4 +1,4 @@
-"""Times of one free coast at which an earliest end can be: a line or a circle meets the disc."""
+"""Candidate times of one free coast: line or circle meets disc."""
 
 from math import inf, pi
 
@@ -10,13 +10,13 @@ from .coasting_problem import CoastingProblem
 from .goal_region import GoalRegion
 
 STEPS = 4
-"""Of Newton's method, by which what cancels in turns of huge radius is made good."""
+"""Newton steps that correct cancellation in turns of large radius."""
 
 
 def telling_times(
     problem: CoastingProblem, start: tuple[complex, float], goal: GoalRegion
 ) -> Float[np.ndarray, "rows candidates"]:
-    """Returns coasting times of which one is the least that ends inside the goal, if any does.
+    """Returns candidate times, among them the least that reaches the goal.
 
     At the least time the goal's edge is entered or touched, or a heading limit is met.
 
@@ -37,7 +37,7 @@ def telling_times(
 def _candidates(
     problem: CoastingProblem, start: tuple[complex, float], goal: GoalRegion
 ) -> tuple[Float[np.ndarray, "rows n"], Float[np.ndarray, "rows m"], Float[np.ndarray, "rows k"]]:
-    """Returns times nearest to the centre, times on the edge of the disc, and times at heading limits."""
+    """Returns times nearest the centre, on the edge, at heading limits."""
     still = fly(problem, np.zeros((len(problem.walk), 1)), start)
     velocity, rate = problem.velocity[:, 0], problem.rate[:, 0]
     heading = start[1] + problem.gap_turn[:, 0]
@@ -53,7 +53,7 @@ def _candidates(
         angle, angle_edge = _on_circle(middle, arm, goal)
         turn = np.mod(angle * np.sign(rate), 2 * pi) / np.abs(rate)
         turn_edge = np.mod(angle_edge * np.sign(rate)[:, None], 2 * pi) / np.abs(rate)[:, None]
-    # What rounding put just before the begin is at the begin.
+    # A time just before the begin by rounding is at the begin.
     turn_edge = np.concatenate([turn_edge, turn_edge - full[:, None]], axis=1)
     nearest = np.stack([line, turn, turn - full], axis=1)
     limits = np.full((len(rate), 1), np.nan)

@@ -1,4 +1,4 @@
-"""Plans held to the independent reference: what is slower, missed, or ends elsewhere."""
+"""Comparison of plans with the independent reference."""
 
 from dataclasses import dataclass, replace
 from math import fsum, inf, isfinite
@@ -11,34 +11,39 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
 from .coasting_problem import all_walks
-from .goal_region import ROUNDING, GoalRegion
+from .goal_region import FORGIVEN, FORGIVEN_SHARE, ROUNDING, GoalRegion, slack
 from .least_time import natural_units, worst_of_each
 
 SLOWER = 1e-6
 """Share of the reference's cost by which a plan may cost more."""
 
 BLURRED = 1e-7
-"""Share of the natural units of metres and seconds that is never told apart."""
+"""Share of the natural units of metres and seconds below resolution."""
 
 INSIDE = 1e-5
-"""Share of a tolerance by which a reference is inside that shows a fault away from the edge."""
+"""Share of a tolerance inside which a reference is away from the edge."""
+
+RESOLVED = 0.1
+"""Share of the slack that rounding must not exceed for a plan to be demanded."""
 
 DIGITS = 40
 
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A plan for every level, flown in many digits.
+    """Reference plan for every level, evaluated with 40 digits.
 
     Attributes:
         cost: seconds at the level that takes longest; infinite without a plan.
         walk: trim ids.
         times: seconds in each trim, level by level.
+        rounding: metres by which double precision may miss the ends.
     """
 
     cost: float
     walk: tuple[int, ...] = ()
     times: tuple[tuple[float, ...], ...] = ()
+    rounding: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +79,7 @@ def judge(
     rng: np.random.Generator,
     known: tuple[tuple[int, ...], tuple[float, ...]] | None = None,
 ) -> Judgement:
-    """Holds a nominal or a worst-case plan to the reference.
+    """Compares a nominal or worst-case plan with the reference.
 
     Args:
         plan: from a search that was not stopped.
@@ -87,28 +92,36 @@ def judge(
     if wrong:
         return Judgement(wrong, True, Reference(inf), plan)
     best = reference(plan, library, mission, rng=rng, known=known)
-    metres, seconds = natural_units(library, mission)
-    least = best.cost * (1 + SLOWER) + BLURRED * seconds
-    bound = plan.lower_bound or 0.0
+    _metres, seconds = natural_units(library, mission)
+    blur = BLURRED * seconds
+    least = best.cost * (1 + SLOWER) + blur
+    if plan.status == "unknown" and best.rounding > RESOLVED * slack(mission):
+        return Judgement("unknown, ends below resolution", False, best, plan)
     if plan.cost > least:
         kind = {"infeasible": "false infeasible", "unknown": "plan not found"}.get(plan.status, "slower")
-        narrow = replace(
-            mission,
-            tolerance=mission.tolerance * (1 - INSIDE),
-            heading_tolerance=mission.heading_tolerance * (1 - INSIDE),
-        )
-        inner = reference(plan, library, narrow, rng=rng)
-        clear = inner.cost * (1 + SLOWER) + BLURRED * seconds < plan.cost
-        where = "" if clear and mission.tolerance > 0 else ", goal met exactly" if clear else ", at an edge"
-        return Judgement(kind + where, True, best, plan)
-    if isfinite(best.cost) and bound > least:
+        return Judgement(kind + _where(plan, library, mission, blur, rng), True, best, plan)
+    if isfinite(best.cost) and (plan.lower_bound or 0.0) > least:
         return Judgement("lower bound above a plan", True, best, plan)
     if plan.status in ("feasible", "unknown"):
-        return Judgement(f"{plan.status} without a stop", False, best, plan)
-    if not plan.found:
-        return Judgement("no plan", False, best, plan)
-    slower = best.cost > plan.cost * (1 + SLOWER) + BLURRED * seconds
-    return Judgement("reference slower" if slower else "same", False, best, plan)
+        kind = f"{plan.status} without a stop"
+    elif not plan.found:
+        kind = "no plan"
+    else:
+        kind = "reference slower" if best.cost > plan.cost * (1 + SLOWER) + blur else "same"
+    return Judgement(kind, False, best, plan)
+
+
+def _where(plan: Plan, library: Library, mission: Mission, blur: float, rng: np.random.Generator) -> str:
+    """Returns whether a better plan needs the edge of a tolerance."""
+    narrow = replace(
+        mission,
+        tolerance=mission.tolerance * (1 - INSIDE),
+        heading_tolerance=mission.heading_tolerance * (1 - INSIDE),
+    )
+    inner = reference(plan, library, narrow, rng=rng)
+    if inner.cost * (1 + SLOWER) + blur >= plan.cost:
+        return ", at an edge"
+    return "" if mission.tolerance > 0 else ", goal met exactly"
 
 
 def reference(
@@ -119,7 +132,7 @@ def reference(
     rng: np.random.Generator,
     known: tuple[tuple[int, ...], tuple[float, ...]] | None = None,
 ) -> Reference:
-    """Returns the best plan that the reference finds, not much slower than the one given."""
+    """Returns the reference's best plan, pruned by the given plan's cost."""
     gammas = levels_of(plan)
     walks = all_walks(library, mission)
     ceiling = plan.cost * (1 + 10 * SLOWER) + 1e-300 if plan.found else inf
@@ -130,11 +143,10 @@ def reference(
             break
         walk = walks[place]
         every = tuple(tuple(one[place, : len(walk)].tolist()) for one in times)
-        if all(
-            ends_inside(library, mission, walk, held, gamma)
-            for held, gamma in zip(every, gammas, strict=True)
-        ):
-            found = Reference(float(costs[place]), walk, every)
+        levels = list(zip(every, gammas, strict=True))
+        if all(ends_inside(library, mission, walk, held, gamma) for held, gamma in levels):
+            ways = [flown_beyond(library, mission, walk, held, gamma)[2] for held, gamma in levels]
+            found = Reference(float(costs[place]), walk, every, ROUNDING * max(ways))
             break
     if known is None or gammas != (0.0,) or known[0] not in walks:
         return found
@@ -153,7 +165,7 @@ def ends_inside(
     *,
     slack: float = ROUNDING,
 ) -> bool:
-    """Whether times, flown in many digits, end inside the goal but for rounding; that must be small."""
+    """Returns True if the end, in 40 digits, is within rounding."""
     beyond, turned, way = flown_beyond(library, mission, walk, times, gamma)
     metres, _ = natural_units(library, mission)
     if ROUNDING * way > BLURRED * metres:
@@ -164,7 +176,7 @@ def ends_inside(
 def flown_beyond(
     library: Library, mission: Mission, walk: tuple[int, ...], times: tuple[float, ...], gamma: float
 ) -> tuple[float, float, float]:
-    """Returns metres and radians by which a flight ends outside, and its way; negative inside.
+    """Returns excess metres and radians of an end, and path length.
 
     Integrated in 40 digits, step by step: x' = exp(i heading) v.
     """
@@ -195,21 +207,13 @@ def flown_beyond(
         return float(beyond), float(turned), float(way)
 
 
-EQUALITY = 1e-6
-"""Metres and radians that count as equality where a tolerance is 0."""
-
-FORGIVEN = 1e-9
-"""Metres and radians, and shares of the way, by which a plan may be beyond its tolerance."""
-
-
 def end_problem(plan: Plan, library: Library, mission: Mission) -> str:
-    """Returns what is wrong with the ends or the costs of a plan; empty where they are right."""
+    """Returns the fault in a plan's ends or costs; empty without."""
     for one in plan.scenarios:
         beyond, turned, way = flown_beyond(library, mission, plan.sequence, one.coasting_times, one.gamma)
-        allowed = max(EQUALITY - mission.tolerance, FORGIVEN, 1e-12 * way)
-        if beyond > allowed:
+        if beyond > 1.001 * max(slack(mission), FORGIVEN_SHARE * way):
             return "ends outside the disc"
-        if turned > max(EQUALITY - mission.heading_tolerance, FORGIVEN):
+        if turned > 1.001 * FORGIVEN:
             return "ends with another heading"
         durations = [step.at(one.gamma).duration for step in library.maneuvers_along(plan.sequence)]
         total = fsum((*one.coasting_times, *durations))

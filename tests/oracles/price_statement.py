@@ -1,8 +1,8 @@
-"""The price of robustness of one walk, stated in CasADi and solved by IPOPT: what the planner is held to.
+"""Price of robustness of one walk, as a CasADi statement for IPOPT.
 
 The largest level that a limit of seconds allows (thesis, Problem 4.2): the level is a variable itself, with
 coasting times for 0, minus and plus that level, each of which reaches the goal within the limit. Whether the
-levels below are bearable, too, is no part of the statement.
+levels below meet the limit, too, is no part of the statement.
 """
 
 from collections.abc import Sequence
@@ -27,7 +27,7 @@ PROBE = 0.25
 
 
 def state_price(trims: int) -> Statement:
-    """States the largest level for one walk: the variables are the times, sign after sign, and the level.
+    """States the largest level of a walk over times and level.
 
     The constraints are a miss and the seconds to spare for each sign.
     """
@@ -56,7 +56,7 @@ def largest_level(
     limit: float,
     start: tuple[Sequence[Sequence[float]], float],
 ) -> float:
-    """Returns the largest level from 0 to 1 that IPOPT finds; minus infinity where it finds none.
+    """Returns the largest level IPOPT finds, or minus infinity.
 
     Args:
         library: the primitives.

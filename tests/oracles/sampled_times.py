@@ -1,4 +1,4 @@
-"""Coasting times on dense grids: the last two coasts solved exactly for each point of the others."""
+"""Coasting times on dense grids, with exact last two coasts."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -27,12 +27,12 @@ NEAR = 0.5
 """Radians from a heading limit at which a point is tried that has a neighbour without a solution."""
 
 STEEPEST = 0.25
-"""Share by which a point may cost more than what is sought, to be worth a closer look."""
+"""Share by which a point may exceed the sought cost and still be refined."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Seeds:
-    """Times that end on the edge of the disc, or nearly at a wanted heading.
+    """Times that end on the disc's edge or near a wanted heading.
 
     Attributes:
         row: of the problem.
@@ -52,7 +52,7 @@ def seeds(
     ceiling: float,
     rng: np.random.Generator,
 ) -> tuple[Seeds, dict[float, Seeds]]:
-    """Returns the best points of a grid over all coasts but two, and over the edge of the disc.
+    """Returns the best grid points, and those on the disc's edge.
 
     Those with any heading, or one inside the limits; and those at which a limit is met, for each limit.
 
@@ -60,11 +60,12 @@ def seeds(
         problem: rows with two free coasts or more.
         start: position and heading at time 0.
         goal: where to end.
-        ceiling: seconds; slower plans are of no interest.
+        ceiling: seconds; slower plans are ignored.
         rng: shifts the grid.
     """
     points, bearing, times = _grid(problem, start, goal, ceiling, rng)
-    total = problem.fixed[:, None] + times.sum(axis=-1)
+    with np.errstate(invalid="ignore"):
+        total = problem.fixed[:, None] + times.sum(axis=-1)
     total = np.where((times >= 0).all(axis=-1) & (total <= (1 + STEEPEST) * ceiling), total, inf)
     free = _cheapest(times, total, bearing)
     if goal.heading is None:
@@ -88,7 +89,7 @@ def _grid(
     ceiling: float,
     rng: np.random.Generator,
 ) -> tuple[int, Float[np.ndarray, "samples"], Float[np.ndarray, "2 rows samples free"]]:
-    """Returns the points along a line, bearings on the edge, and times that end there, line after line."""
+    """Returns grid points along lines, with edge bearings and times."""
     others, edge = problem.free - 2, int(goal.radius > 0)
     dimensions = others + edge
     along = POINTS[min(dimensions, len(POINTS) - 1)]
@@ -123,7 +124,7 @@ def kronecker(count: int, dimensions: int, rng: np.random.Generator) -> Float[np
 def horizon(
     problem: CoastingProblem, start: tuple[complex, float], goal: GoalRegion, ceiling: float
 ) -> Float[np.ndarray, "rows free"]:
-    """Returns seconds that each coast may take: what the ceiling leaves, or what covers the way."""
+    """Returns upper limits in seconds for each coast."""
     speed, rate = np.abs(problem.velocity), np.abs(problem.rate)
     base = abs(goal.centre - start[0]) + goal.radius + np.abs(problem.gap).sum(axis=1, keepdims=True)
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -140,7 +141,7 @@ def horizon(
 def _spread(
     problem: CoastingProblem, points: Float[np.ndarray, "samples others"], longest: Float[np.ndarray, "r f"]
 ) -> Float[np.ndarray, "rows samples others"]:
-    """Returns times of the first coasts: turns evenly, straight lines denser where short."""
+    """Returns times of the first coasts: turns uniform, straights denser near zero."""
     others = points.shape[1]
     most = longest[:, None, :others]
     straight = (np.abs(problem.rate[:, :others]) * longest[:, :others] < 0.5)[:, None]
@@ -152,7 +153,7 @@ def _cheapest(
     total: Float[np.ndarray, "2 rows samples"],
     bearing: Float[np.ndarray, "samples"],
 ) -> Seeds:
-    """Returns the cheapest point of each part of the grid and each solution."""
+    """Returns the cheapest point of each grid part and solution."""
     samples = total.shape[2]
     chosen = []
     for part in np.array_split(np.arange(samples), min(BINS, samples)):
@@ -170,7 +171,7 @@ def _crossing(
     bearing: Float[np.ndarray, "samples"],
     along: int,
 ) -> Seeds:
-    """Returns the cheapest points between which a heading passes its limit; of one point, that itself."""
+    """Returns the cheapest points between which a heading crosses its limit."""
     if along == 1:
         return _cheapest(times, total, bearing)
     shape = (*off.shape[:2], -1, along)
@@ -210,8 +211,8 @@ def _crossing(
 
 
 def _indices(place: Int[np.ndarray, "2 rows n"]) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    branch, row, _ = np.indices(place.shape)
-    return branch, row, place
+    branch, row, _ = (np.asarray(one) for one in np.indices(place.shape))
+    return branch, row, np.asarray(place)
 
 
 def _both(*parts: Seeds) -> Seeds:

@@ -1,4 +1,4 @@
-"""The problem of each policy for one walk, stated in CasADi and solved by IPOPT: what planners are held to.
+"""Policy problems of one walk, as CasADi statements for IPOPT.
 
 The worst case has coasting times for each level and the largest cost as one more variable (thesis, Problem
 6.2; with level 0 alone it is the nominal problem, 6.1); the committed one has the same times at every
@@ -28,7 +28,7 @@ from planner.walks.walk import Walk
 from .symbolic_motion import symbolic_motion
 
 FINE = 2001
-"""Levels of the grid on which a committed solution is looked at."""
+"""Levels of the grid on which a committed solution is evaluated."""
 
 ROUNDS = 10
 """Levels that may join."""
@@ -51,7 +51,7 @@ class Statement:
     Attributes:
         problem: variables `x`, parameters `p` (numbers of the walk at every level, then start, goal and
             tolerance), objective `f`, constraints `g`.
-        rows: which kind each constraint is: a miss over its tolerance squared, a heading, a cost or a time.
+        rows: kind of each constraint: a miss over its tolerance squared, a heading, a cost or a time.
     """
 
     problem: dict[str, casadi.SX]
@@ -59,7 +59,7 @@ class Statement:
 
 
 def state_worst_case(trims: int, levels: int) -> Statement:
-    """States Problem 6.2 for one walk: least worst cost, coasting times for each level, within the tolerance.
+    """States Problem 6.2 for one walk: least worst-case cost.
 
     The variables are the times, level after level, and the worst cost; each level's constraints are its miss
     and how far its cost is below the worst.
@@ -79,7 +79,7 @@ def state_worst_case(trims: int, levels: int) -> Statement:
 
 
 def state_committed(trims: int, levels: int, *, heading: bool) -> Statement:
-    """States Problem 8.1 for one walk: least time, the same times at every level, within the tolerance.
+    """States Problem 8.1 for one walk: least committed time.
 
     The last constraint is the sum of the times.
     """
@@ -98,7 +98,7 @@ def state_committed(trims: int, levels: int, *, heading: bool) -> Statement:
 
 
 def state_smallest_tolerance(trims: int, levels: int, *, heading: bool) -> Statement:
-    """States the least tolerance that one walk meets with the same times at every level.
+    """States the least tolerance of one walk with committed times.
 
     The variables are the times and the tolerance in units of the one given; the last constraint is the sum of
     the times.
@@ -121,7 +121,7 @@ def state_smallest_tolerance(trims: int, levels: int, *, heading: bool) -> State
 def worst_case(
     library: Library, walk: Walk, mission: Mission, gammas: Sequence[float], start: Sequence[float]
 ) -> float:
-    """Returns the worst cost in seconds that IPOPT finds from some times; infinite without.
+    """Returns the worst cost IPOPT finds in seconds, or infinity.
 
     Args:
         library: the primitives.
@@ -167,12 +167,12 @@ class Question:
     budget: float
 
     def committed(self, start: Times) -> Times | None:
-        """Returns times that IPOPT finds from some, within the tolerance on a fine grid of levels."""
+        """Returns IPOPT's times within the tolerance on a fine grid."""
         found = self._exchanged("committed", start)
         return None if found is None else found[0]
 
     def smallest_tolerance(self, start: Times) -> tuple[Times, float] | None:
-        """Returns times and their largest miss in metres, as small as IPOPT finds from some times."""
+        """Returns IPOPT's times of least largest miss, and the miss."""
         return self._exchanged("tolerance", start)
 
     def _exchanged(self, kind: str, times: Times) -> tuple[Times, float] | None:
@@ -229,7 +229,7 @@ def _solver(kind: str, trims: int, levels: int, *, heading: bool) -> casadi.Func
 
 
 def ends_of(trims: int, levels: int) -> tuple[casadi.Function, list[casadi.SX]]:
-    """Returns the end as a function of times, numbers of the walk and start; and numbers for every level."""
+    """Returns the end function, and the symbols of every level."""
     walk = symbolic_motion(trims)
     numbers = casadi.vertcat(casadi.vec(walk.velocities), casadi.vec(walk.displacements))
     end = casadi.Function("end", [walk.coasting_times, numbers, walk.start], [walk.end])

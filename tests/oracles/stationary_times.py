@@ -1,4 +1,4 @@
-"""Coasting times polished by Newton's method on the first-order conditions of least time."""
+"""Coasting times polished by Newton's method on the optimality conditions."""
 
 import numpy as np
 from jaxtyping import Float
@@ -11,7 +11,7 @@ STEPS = 12
 """Of Newton's method."""
 
 RESTORING_STEPS = 3
-"""By which an end is moved to the edge again, at the last to rounding."""
+"""Steps that return an end to the edge, to rounding."""
 
 LONGEST_TURN = 0.7
 """Radians that one step may change a coast by, and the bearing of the end."""
@@ -20,7 +20,7 @@ LONGEST_STEP = 0.5
 """Share of the seconds in all that one step may change a coast by."""
 
 SINGULAR = 1e-11
-"""Added to the diagonal, so that a family of equally good times does no harm."""
+"""Added to the diagonal against singularity for families of equal times."""
 
 Rows = Float[np.ndarray, "rows"]
 Times = Float[np.ndarray, "rows free"]
@@ -34,9 +34,9 @@ def polished(
     goal: GoalRegion,
     limit: float | None,
 ) -> Times:
-    """Returns times nearby at which no small change on the edge of the disc saves time.
+    """Returns nearby stationary times on the edge of the disc.
 
-    Units are such that distances and times are of the order of 1. What the times lead to is not judged here.
+    Units are such that distances and times are of the order of 1. The end is not judged here.
 
     Args:
         problem: the walks, a row for each set of times.
@@ -101,7 +101,7 @@ def _multipliers(
 def _solved(
     matrix: Float[np.ndarray, "rows n n"], error: Float[np.ndarray, "rows n"]
 ) -> Float[np.ndarray, "rows n"]:
-    """Returns the step that takes an error away; 0 where numbers have run away."""
+    """Returns the Newton step; 0 where numbers have diverged."""
     size = matrix.shape[1]
     usable = np.isfinite(matrix).all(axis=(1, 2)) & np.isfinite(error).all(axis=1)
     matrix = np.where(usable[:, None, None], matrix, np.eye(size))
@@ -122,7 +122,7 @@ def _shortened(step: Float[np.ndarray, "r n"], problem: CoastingProblem, times: 
     share = np.maximum(share, np.abs(step[:, :free] * problem.rate).max(axis=1) / LONGEST_TURN)
     if edge:
         share = np.maximum(share, np.abs(step[:, free]) / LONGEST_TURN)
-    return 1 / np.maximum(share, 1.0)
+    return np.asarray(1 / np.maximum(share, 1.0))
 
 
 def _restored(
@@ -132,7 +132,7 @@ def _restored(
     goal: GoalRegion,
     limit: float | None,
 ) -> Times:
-    """Moves times as little as need be to end on the edge, at the heading to be kept."""
+    """Returns times corrected to the edge and the kept heading."""
     for _ in range(RESTORING_STEPS):
         times = np.where(times > 0, times, 0.0)
         ends, moves = end_velocities(problem, times, start)

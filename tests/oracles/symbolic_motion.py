@@ -1,4 +1,4 @@
-"""Where a walk leads, for CasADi symbols: the twin of `planner.walks.kinematics.WalkMotion`.
+"""Symbolic end of a walk: twin of `planner.walks.kinematics.WalkMotion`.
 
 It takes the walk's numbers as symbols, so that one statement serves every walk of the same length.
 """
@@ -28,7 +28,7 @@ class SymbolicMotion:
 
 
 def symbolic_motion(trims: int) -> SymbolicMotion:
-    """States the end of a walk in CasADi: the twin of `Motion.end`."""
+    """States the end of a walk in CasADi: the twin of `WalkMotion.end`."""
     velocities = casadi.SX.sym("velocities", 3, trims)
     displacements = casadi.SX.sym("displacements", 3, trims - 1)
     start = casadi.SX.sym("start", 3)
@@ -50,7 +50,7 @@ def _exp(velocity: casadi.SX, time: casadi.SX) -> casadi.SX:
 
 
 def _sinc(angle: casadi.SX) -> casadi.SX:
-    """sin(x) / x; its slope at 0 is 0, which is what the branch gives."""
+    """Returns sin(x) / x as a symbol, with slope 0 at 0."""
     return casadi.if_else(angle == 0, 1, casadi.sin(angle) / casadi.if_else(angle == 0, 1, angle))
 
 

@@ -22,14 +22,14 @@ def last_two_times(
     start: tuple[complex, float],
     horizon: float,
 ) -> Float[np.ndarray, "2 rows samples 2"]:
-    """Returns both pairs of times of the last two coasts that end at a point; not a number without one.
+    """Returns both pairs of last times to a point, or NaN.
 
     Args:
         problem: rows with two free coasts or more.
         before: seconds in the coasts before these two.
         target: where to end, north + i east.
         start: position and heading at time 0.
-        horizon: seconds within which a turn is told from a straight line.
+        horizon: seconds within which a turn differs from a straight line.
     """
     pose = fly(problem, before, start, until=problem.free - 2)
     one, two = problem.free - 2, problem.free - 1
@@ -120,7 +120,7 @@ _PAIRS = {
 def _meets(
     base: Complex[np.ndarray, "*n"], way: Complex[np.ndarray, "*n"], radius: Float[np.ndarray, "*n"]
 ) -> tuple[Float[np.ndarray, "*n"], Float[np.ndarray, "*n"]]:
-    """Returns the times at which a line is so far from the origin."""
+    """Returns times at which a line has a distance from origin."""
     speed = np.abs(way)
     seen = np.conj(way / speed) * base
     inside = (radius - np.abs(seen.imag)) * (radius + np.abs(seen.imag))
@@ -133,5 +133,5 @@ def _arccos(cosine: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
 
 
 def _turned(angle: Float[np.ndarray, "*n"], rate: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
-    """Returns the seconds in which a turn reaches an angle, modulo full turns."""
-    return np.mod(angle * np.sign(rate), 2 * pi) / np.abs(rate)
+    """Returns seconds for a turn to an angle, modulo full turns."""
+    return np.asarray(np.mod(angle * np.sign(rate), 2 * pi) / np.abs(rate))

@@ -117,7 +117,7 @@ def test_the_film_has_rotors_that_turn_and_the_weight_of_none() -> None:
     )
     other = film_model(FlightLog(flown().header, flown().series, {MODEL_ATTACHMENT: bare}))
     assert other.nq == 7
-    with pytest.raises(BadFileError, match=r"model\.xml: is no model that can be drawn"):
+    with pytest.raises(BadFileError, match=r"model\.xml: expected a drawable model"):
         film_model(FlightLog(flown().header, flown().series, {MODEL_ATTACHMENT: b"<nonsense>"}))
 
 

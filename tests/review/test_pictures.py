@@ -11,11 +11,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyArrowPatch, Rectangle
+from matplotlib.patches import Rectangle
 
 from flight.errors import AlreadyExistsError
 from flight.mission.mission import Mission
-from flight.plan.plan import Plan, Policy, Scenario, Status
+from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.channels import CONTROLS, ESTIMATE, TRUTH, WIND
@@ -24,15 +24,13 @@ from flightlog.primitives import merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_colors
 from review.pictures import palette
-from review.pictures.automaton_picture import draw_automaton
-from review.pictures.demo_picture import FlownPlan, demo_picture, outcome_caption
 from review.pictures.flight_picture import track_picture, write_picture, write_pictures
-from review.pictures.library_picture import library_picture
 from review.pictures.plan_picture import plan_picture
 from review.pictures.primitive_lane import draw_primitive_lane
 from review.pictures.time_histories import draw_control, draw_velocity, draw_wind
 from review.pictures.track_picture import draw_track
 from tests.support.altered_logs import bound_for, planned, planning
+from tests.support.reviewed_flights import plan_of
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -54,37 +52,6 @@ def poor(log: FlightLog) -> FlightLog:
     """Returns the log with truth and primitives alone."""
     gone = {WIND.name, ESTIMATE.name, CONTROLS.name, "/command"}
     return FlightLog(log.header, {k: v for k, v in log.series.items() if k not in gone}, {})
-
-
-def outcome_of(log: FlightLog, *, gammas: tuple[float, ...] = (0.0,)) -> FlownPlan:
-    scenarios = tuple(Scenario(gamma, 20.0 - gamma, COASTS, SE2.identity()) for gamma in gammas)
-    ids = tuple(maneuver.id for maneuver in LIBRARY.maneuvers_along(WALK))
-    plan = plan_of(WALK, ids, scenarios, status="feasible")
-    return FlownPlan(plan, (log,))
-
-
-def plan_of(
-    walk: tuple[int, ...],
-    maneuvers: tuple[int, ...],
-    scenarios: tuple[Scenario, ...],
-    *,
-    status: Status = "optimal",
-    policy: Policy = "worst-case",
-    reason: str = "",
-) -> Plan:
-    return Plan(
-        status=status,
-        reason=reason,
-        library="l",
-        library_hash="",
-        mission="out",
-        policy=policy,
-        gamma=0.0 if policy == "nominal" else 1.0,
-        tolerance=2.0,
-        sequence=walk,
-        maneuvers=maneuvers,
-        scenarios=scenarios,
-    )
 
 
 def test_every_picture_is_drawn_that_the_log_has_topics_for(flight: FlightLog, tmp_path: Path) -> None:
@@ -201,46 +168,6 @@ def test_a_limit_is_drawn_where_the_control_comes_near_and_said_anyway(flight: F
     assert "limits" in far[0]
     assert near[1]
     assert not far[1]
-
-
-def test_the_automaton_has_a_circle_for_each_trim_and_an_arrow_for_each_maneuver() -> None:
-    axes = palette.new_figure(6.0, 6.0).subplots()
-    draw_automaton(axes, LIBRARY)
-    circles = [line for line in axes.lines if isinstance(line, Line2D) and line.get_marker() == "o"]
-    arrows = [artist for artist in axes.get_children() if isinstance(artist, FancyArrowPatch)]
-    words = {text.get_text() for text in axes.texts}
-    assert len(circles) == 7
-    assert len(arrows) == 22
-    assert {str(number) for number in range(1, 23)} <= words
-
-
-def test_a_library_of_one_trim_is_drawn(tmp_path: Path) -> None:
-    alone = replace(
-        LIBRARY,
-        trims=LIBRARY.trims[:1],
-        maneuvers=(),
-        conditions=replace(LIBRARY.conditions, maneuver_end=None),
-    )
-    library_picture(alone).savefig(tmp_path / "alone.png")
-    library_picture(LIBRARY).savefig(tmp_path / "library.png")
-
-
-def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_path: Path) -> None:
-    mission = Mission("there", SE2(5.0, -3.0, 0.7), 1, (20.0, 10.0), 2.0)
-    found = outcome_of(flight, gammas=(0.0, -1.0, 1.0))
-    nowhere = plan_of((), (), (), status="infeasible", policy="nominal", reason="every walk ends elsewhere")
-    none = FlownPlan(nowhere, ())
-    demo_picture(LIBRARY, mission, [none, found]).savefig(tmp_path / "demo.png")
-
-
-def test_the_caption_states_the_predicted_time_and_the_results(flight: FlightLog) -> None:
-    plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
-    assert outcome_caption(plan, [flight], [None]).endswith("goal reached in 0 of 1 flight")
-    predicted, results = outcome_caption(plan, [flight, flight], [17.3, None]).split("\n")
-    assert predicted == "predicted 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1"
-    assert results == "goal reached in 1 of 2 flights, in 17.3 s"
-    nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
-    assert outcome_caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"
 
 
 def test_trims_differ_in_colour() -> None:

@@ -18,7 +18,7 @@ from review.page.comparison import comparison_rows
 from review.summary.bound_check import with_bounds_of
 from review.summary.summary import summarise
 from tests.support.altered_logs import bound_for
-from tests.support.browser import CHROMIUM, browser
+from tests.support.browser import browser
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -93,7 +93,7 @@ def test_the_folder_is_reviewed_with_pages_for_the_first_and_exit_code_1(
     assert "give --force" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+@pytest.mark.browser
 def test_the_index_sorts_and_links_in_a_browser(campaign: Path, tmp_path: Path) -> None:
     rows = sort_outliers_first([flight_row(path) for path in sorted(campaign.iterdir())])
     page = campaign_page(rows, title="<b>tour</b>", pages={rows[2].path: "sideways.html"})

@@ -44,7 +44,7 @@ def test_a_campaign_stopped_by_a_signal_says_so_and_resumes(tmp_path: Path, stop
     else:
         assert process.returncode == 128 + stop
         assert len(message.splitlines()) == 1
-        assert "the same command goes on from there" in message
+        assert "the same command resumes" in message
         assert not publishing.partial_files(tmp_path / "flights")
     deadline = time.monotonic() + 20
     while any(map(alive, workers)):
@@ -139,7 +139,7 @@ def test_the_status_of_a_validation_says_what_is_missing(
         (["regenerate"], True),
     ],
 )
-def test_only_a_command_that_goes_on_from_there_says_so(
+def test_only_a_command_that_resumes_says_so(
     words: list[str], resumes: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stop(**_: object) -> None:
@@ -148,5 +148,5 @@ def test_only_a_command_that_goes_on_from_there_says_so(
     monkeypatch.setattr("maneuver.app.build", stop)
     assert run(words) == 130
     message = capsys.readouterr().err
-    assert "files that are there are whole" in message
-    assert ("the same command goes on from there" in message) is resumes
+    assert "all files written are complete" in message
+    assert ("the same command resumes" in message) is resumes

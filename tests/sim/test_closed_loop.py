@@ -215,6 +215,7 @@ def test_every_plan_says_how_it_comes_to_rest() -> None:
 def test_the_remaining_plan_ends_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
     plan = worst_case_planner(LIBRARY, 1.0).plan(mission)
+    assert len(plan.scenarios) == 3
     for scenario in plan.scenarios:
         end, time = RemainingPlan.of(plan, scenario).predicted_end(mission.start, LIBRARY, scenario.gamma)
         assert time == pytest.approx(scenario.cost)

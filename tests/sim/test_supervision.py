@@ -339,7 +339,7 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
     assert "| `gps stuck 2 inf` | 1 | 1 | - |" in (out / "fault-matrix.md").read_text()
     assert len((out / "fault-matrix.csv").read_text().splitlines()) == 4
     assert run(words) == 0
-    assert "wrong with protection: 0 of 1" in capsys.readouterr().out
+    assert "undetected failures with protection: 0 of 1" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -15,6 +15,7 @@ def result(mission: str, number: int, *, flown: float = 10.0, reached: bool = Tr
         reached=reached,
         claimed=reached,
         flown_time=flown,
+        planned_time=9.5,
         predicted_time=10.0,
         closest=0.5 if reached else 3.0,
         replans=20,

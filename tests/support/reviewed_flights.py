@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flight.plan.plan import Plan, Policy, Scenario, Status
 from flight.se2 import SE2
 from flightlog.attachment_names import VEHICLE_ATTACHMENT
 from flightlog.channels import CONTROLS, NAVIGATION, TRUTH
@@ -40,3 +41,28 @@ def whole_flight(*, coasts: tuple[float, ...] = COASTS, seed: int = 1, name: str
 def page_of(*logs: FlightLog) -> str:
     flights = [ReviewedFlight(log, summarise(log), f"flight {place}") for place, log in enumerate(logs)]
     return review_page(flights, limits=control_limits(logs[0]))
+
+
+def plan_of(
+    walk: tuple[int, ...],
+    maneuvers: tuple[int, ...],
+    scenarios: tuple[Scenario, ...],
+    *,
+    status: Status = "optimal",
+    policy: Policy = "worst-case",
+    reason: str = "",
+) -> Plan:
+    """Returns a plan to be drawn."""
+    return Plan(
+        status=status,
+        reason=reason,
+        library="l",
+        library_hash="",
+        mission="out",
+        policy=policy,
+        gamma=0.0 if policy == "nominal" else 1.0,
+        tolerance=2.0,
+        sequence=walk,
+        maneuvers=maneuvers,
+        scenarios=scenarios,
+    )

@@ -1,4 +1,4 @@
-"""Certificates: what they prove holds, and what they do not prove is not believed."""
+"""Tests of certificates: proved bounds hold, false ones are refused."""
 
 from dataclasses import replace
 from functools import cache
@@ -49,7 +49,7 @@ def gtmax() -> tuple[Plan, Library, Mission]:
 
 
 def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, tuple[float, ...], Mission]:
-    """A walk of a shipped library, flown for some times, and the mission to get where it ends."""
+    """Returns a random walk with its times, library and mission."""
     library = shipped(int(rng.integers(3)))
     gamma = float(rng.choice([0.0, 0.3, -1.0, 1.0]))
     start = int(rng.choice([trim.id for trim in library.trims]))
@@ -72,7 +72,7 @@ def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, t
 def around(
     rng: np.random.Generator, times: tuple[float, ...], longest: list[float]
 ) -> tuple[np.ndarray, ...]:
-    """A box that holds the times, some of its sides far away."""
+    """Returns a box around the times, some of its sides far away."""
     wide = 10 ** rng.uniform(-3, 1, (2, len(times)))
     low = np.maximum(np.array(times) - wide[0], 0.0)
     high = np.array(times) + wide[1]
@@ -191,7 +191,7 @@ def test_the_price_of_robustness_has_no_certificate() -> None:
 
 
 def lonely(*trims: Twist) -> Library:
-    """A library of trims of these velocities, in a ring."""
+    """Returns a library of trims of these velocities, in a ring."""
     still = Twist(0.0, 0.0, 0.0)
     every = tuple(Trim(place, f"trim {place}", one, still) for place, one in enumerate(trims, start=1))
     none = ManeuverError(0.0, 0.0, 0.0, 0.0)

@@ -1,4 +1,4 @@
-"""Plans are believed only when they are flown again by other code; broken ones are not."""
+"""Tests of the plan check: valid plans pass, broken ones fail."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -22,7 +22,7 @@ def with_scenario(plan: Plan, place: int, **changes: object) -> Plan:
 
 
 def later(plan: Plan, place: int, seconds: float) -> Plan:
-    """The last trim held a little longer, the cost kept honest: only the end is wrong then."""
+    """Returns the plan with a longer last coast and matching cost."""
     scenario = plan.scenarios[place]
     times = (*scenario.coasting_times[:-1], scenario.coasting_times[-1] + seconds)
     return with_scenario(plan, place, coasting_times=times, cost=scenario.cost + seconds)
@@ -114,7 +114,7 @@ def test_every_small_lie_about_times_is_found() -> None:
 
 
 def _turned(leaf: str) -> str:
-    """A leaf whose multipliers point the other way."""
+    """Returns a leaf with reversed multipliers."""
     if ":" not in leaf:
         return leaf
     kappa, numbers = leaf.split(":")
@@ -124,7 +124,7 @@ def _turned(leaf: str) -> str:
 
 
 def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
-    """The plan with a certificate that proves nothing any more."""
+    """Returns the plan with a certificate that proves nothing."""
     certificate = plan.certificate
     assert certificate is not None
     every = list(certificate.refutations)
@@ -147,16 +147,16 @@ def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
         None,
     )
     if rng.random() < 0.1:
-        # A proof about shorter walks is none about those that were asked for.
+        # A proof for shorter walks does not cover longer ones.
         short = tuple(kept for kept in every if len(kept.sequence) < certificate.max_trims)
         return replace(plan, certificate=replace(certificate, max_trims=1, refutations=short))
     lie = wrong[int(rng.integers(len(wrong)))]
-    told = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
-    return replace(plan, certificate=replace(certificate, refutations=tuple(told)))
+    altered = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
+    return replace(plan, certificate=replace(certificate, refutations=tuple(altered)))
 
 
 def broken(plan: Plan, rng: np.random.Generator) -> Plan:
-    """The plan with one lie of at least 1e-5 in it."""
+    """Returns the plan with one fault of at least 1e-5."""
     place, lie = int(rng.integers(3)), float(10 ** rng.uniform(-5, 1)) * float(rng.choice([-1, 1]))
     scenario = plan.scenarios[place]
     trims = list(plan.sequence)

@@ -1,4 +1,4 @@
-"""The tube of a flight: who keeps the library's errors stays inside, who does not is seen to leave."""
+"""Tests of the flight tube within and beyond the library's errors."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -24,7 +24,7 @@ from scenarios.find import find_library
 LIBRARY = find_library("gtmax-sim")
 START = SE2(3.0, -2.0, 0.7)
 SLICES = 20
-"""Stretches of a coast, each with errors of its own."""
+"""Parts of a coast with independent errors."""
 
 
 def leg(begin: float, duration: float, start: SE2, end: SE2) -> Leg:
@@ -33,7 +33,7 @@ def leg(begin: float, duration: float, start: SE2, end: SE2) -> Leg:
 
 
 def flown(steps: Sequence[PlanStep], draw: Callable[[int], list[float]]) -> list[Leg]:
-    """Flies steps with errors in parts of the library's, drawn anew for every number and every moment."""
+    """Flies steps with random errors, redrawn for each scalar and moment."""
     pose, time, legs = START, 0.0, []
     for step in steps:
         before, duration = pose, step.duration
@@ -60,13 +60,13 @@ def flown(steps: Sequence[PlanStep], draw: Callable[[int], list[float]]) -> list
 
 
 class Draw:
-    """Errors in parts of the library's: uniform, or all at one end or the other."""
+    """Random error shares: uniform or at the limits."""
 
     def __init__(self, seed: int, *, corners: bool, size: float = 1.0) -> None:
         self._rng, self._corners, self._size = np.random.default_rng(seed), corners, size
 
     def __call__(self, count: int) -> list[float]:
-        """Returns so many."""
+        """Returns a number of shares."""
         if self._corners:
             ends: list[float] = (self._size * self._rng.choice([-1.0, 1.0], count)).tolist()
             return ends
@@ -75,7 +75,7 @@ class Draw:
 
 
 def alone(place: int, size: float) -> Callable[[int], list[float]]:
-    """Draws nothing but one error."""
+    """Returns a draw of one error only."""
     return lambda count: [size if number == place else 0.0 for number in range(count)]
 
 
@@ -112,7 +112,8 @@ def test_one_number_of_a_trim_beyond_its_error_leaves_the_tube(place: int) -> No
     steps = [PlanStep(2, 0.5)]
     for size in (-1.3, 1.3):
         legs = flown(steps, alone(place, size))
-        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.0) is not None, (place, size)
+        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.0) == 0.5
+        assert tube_exit_time(LIBRARY, steps, legs, [0.0], share=1.35) is None
 
 
 def test_what_an_alarm_broke_off_is_no_exit() -> None:

@@ -1,4 +1,4 @@
-"""Affine arithmetic: every value that symbols can give lies within the radius, also at corners."""
+"""Tests of affine arithmetic: enclosure of all symbol values."""
 
 from collections.abc import Callable
 

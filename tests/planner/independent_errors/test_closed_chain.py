@@ -1,4 +1,4 @@
-"""Times that answer errors: for every error of a box they close the walk on the goal, and take no longer."""
+"""Tests of chain closures: closed on the goal within bounded time."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def boxes(rng: np.random.Generator, path: ErrorPath, count: int, size: float) ->
 def solved(
     path: ErrorPath, errors: np.ndarray, times: np.ndarray, closure: Closure, wanted: np.ndarray
 ) -> np.ndarray:
-    """Returns times near those given that end at a point, with a heading where the way has a cut: Newton."""
+    """Returns Newton-corrected times that end at a point."""
     answering = list(closure.answering)
     times = times.copy()
     for _ in range(30):
@@ -51,7 +51,7 @@ def ends(path: ErrorPath, errors: np.ndarray, times: np.ndarray) -> np.ndarray:
 
 
 def check_draws(path: ErrorPath, drawn: Boxes, closure: Closure, closed: ClosureTimes) -> int:
-    """Asserts that errors drawn in each box are answered as claimed; returns how many boxes claim so."""
+    """Asserts that drawn errors are compensated; returns the closed boxes."""
     middle, width, times = drawn
     rng, variables = np.random.default_rng(5), middle.shape[1]
     aims = ends(path, middle, times)[:, : len(closure.answering)]
@@ -87,7 +87,7 @@ def test_times_that_claim_to_close_the_walk_do(turns: str, each: str) -> None:
         path = error_path(wandering(rng, turns), tuple(range(1, len(turns) + 1)), 1.0, each)  # type: ignore[arg-type]
         for closure in closures_of(path, heading=True, tolerance=0.0):
             if closure.turn is None and not closure.others:
-                continue  # Nothing answers the end.
+                continue  # No adjusted time moves the end.
             middle, width, times = boxes(rng, path, 12, rng.choice([0.03, 0.2, 0.5]))
             goal = path.at(middle).end(times)
             closed = close_chain(path, middle, width, times, goal=goal, tolerance=0.0, closure=closure)
@@ -131,7 +131,7 @@ def test_one_coast_or_none_ends_in_the_disc(turns: str) -> None:
 def entered(
     path: ErrorPath, errors: np.ndarray, times: np.ndarray, place: int, disc: tuple[np.ndarray, float]
 ) -> np.ndarray:
-    """Returns when, near the time given, the end crosses the rim of a disc: Newton."""
+    """Returns Newton-corrected times of entry into a disc."""
     goal, tolerance = disc
     times = times.copy()
 

@@ -1,4 +1,4 @@
-"""Errors that move on their own: enclosures hold inside and at corners, and corners are not the worst."""
+"""Tests of independent errors: enclosures, and maxima away from corners."""
 
 from dataclasses import replace
 from math import inf, pi
@@ -139,7 +139,7 @@ def test_exact_goals_and_wanted_headings_have_a_bound_of_their_time(change: dict
 
 
 def slowest_of(path: ErrorPath, mission: Mission, rng: np.random.Generator) -> float:
-    """Returns the most seconds that errors drawn at random, a quarter of them corners, take."""
+    """Returns the largest least time over randomly drawn errors."""
     drawn = rng.uniform(-1, 1, (2000, len(path.names)))
     drawn[:500] = np.sign(drawn[:500])
     return float(least_costs(path.table(drawn), mission).max())
@@ -180,7 +180,7 @@ def test_no_draw_in_a_box_takes_longer_than_the_bound_of_the_box(name: str, gamm
 
 
 def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
-    """With a wide gap nothing is halved: the bound is that of the first box, not what was found in it."""
+    """A wide gap needs no halving: the first bound holds."""
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
     plan = worst_case_planner(library, 0.3).plan(mission)
     path = error_path(library, plan.sequence, 0.3, "primitive")
@@ -190,7 +190,7 @@ def test_boxes_that_are_good_enough_count_for_the_bound() -> None:
 
 
 def test_times_that_errors_make_negative_prove_nothing() -> None:
-    """Short coasts that answer errors would soon have to be undone; then the walk has to go another way."""
+    """Short coasts cannot compensate errors; other times must."""
     rng, never = np.random.default_rng(3), 0
     for _ in range(120):
         turns = str(rng.choice(["ts", "st", "sts", "tst"]))

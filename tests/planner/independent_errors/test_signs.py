@@ -1,4 +1,4 @@
-"""Every primitive with a sign of its own: appendix B of the thesis, where a single gamma is too hopeful."""
+"""Tests of independent primitive signs (thesis, appendix B)."""
 
 import json
 from dataclasses import replace
@@ -91,7 +91,7 @@ def test_the_verb_shows_the_counter_example(tmp_path: Path, capsys: pytest.Captu
 def test_errors_that_no_coasting_time_answers_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    """A straight line that may drift 2 m aside on its 50 m reaches a goal of 1 m only without that error."""
+    """2 m drift on 50 m misses the 1 m goal."""
     sliding = Trim(1, "ahead", Twist(5.0, 0.0, 0.0), Twist(0.1, 0.2, 0.0))
     library = Library("sliding", "one straight trim", "", (sliding,), ())
     (tmp_path / "sliding.json").write_text(library_text(library))
@@ -103,7 +103,7 @@ def test_errors_that_no_coasting_time_answers_are_named(
     assert run(["plan", "signs", str(tmp_path / "plan.json"), *words]) == 0
     shown = capsys.readouterr().out
     assert "no arrival" in shown
-    assert "with trim 1 - this sequence never arrives" in shown
+    assert "infeasible: with errors trim 1 - the goal is unreachable" in shown
     assert "no bound" not in shown
 
 

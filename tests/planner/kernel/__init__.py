@@ -1,1 +1,1 @@
-"""Tests of planner.kernel; the mark `kernel` selects those of the C."""
+"""Tests of planner.kernel; mark `kernel` for the C code."""

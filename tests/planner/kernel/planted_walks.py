@@ -27,7 +27,7 @@ class Planted:
 
 
 def planted(rng: np.random.Generator, *, slow: float = 0.1) -> Planted | None:
-    """Returns a walk and times that may be its best, by chance; None where no such times were found.
+    """Returns a random walk with candidate times, or None.
 
     Args:
         rng: of everything.
@@ -74,9 +74,9 @@ def _rate(rng: np.random.Generator, base: float, slow: float) -> float:
     if kind < 0.35:
         return 0.0
     if kind < 0.6:
-        return base if kind < 0.55 else -base
+        return float(base if kind < 0.55 else -base)
     if kind < 0.6 + slow:
-        return sign * 10.0 ** float(rng.uniform(-7, -2))
+        return float(sign * 10.0 ** float(rng.uniform(-7, -2)))
     return sign * float(rng.uniform(0.03, 0.8))
 
 

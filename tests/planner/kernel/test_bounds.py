@@ -125,7 +125,7 @@ def test_straight_coasts_reach_as_far_as_the_fastest_of_them(bearing: float, asi
 
 
 def beyond_reach(walk: WalkProblem, seconds: float) -> float:
-    """Returns by how many metres the goal is out of reach in the direction in which it is most.
+    """Returns the largest directional distance in metres beyond the reachable set.
 
     Headings are sampled: all that the coasts before can turn to, and in a coast what it turns besides.
     """
@@ -159,8 +159,8 @@ def test_a_goal_is_out_of_reach_where_in_some_direction_nothing_leads_far_enough
         seconds = float(rng.exponential(3.0))
         beyond = beyond_reach(asked, seconds)
         # Cosines are bounded from above: at most by 2.6 % of what is turned, at the far side of a turn.
-        told = 0.03 * (sum(map(abs, walk.displacements)) + seconds * max(map(abs, walk.velocities))) + 1e-3
-        if beyond > told:
+        margin = 0.03 * (sum(map(abs, walk.displacements)) + seconds * max(map(abs, walk.velocities))) + 1e-3
+        if beyond > margin:
             out += 1
             assert out_of_reach(asked, seconds), seed
         elif beyond < 0:
@@ -193,7 +193,7 @@ def test_no_multiplier_refutes_what_was_flown() -> None:
 
 
 def test_multipliers_refute_most_that_is_faster_than_the_best() -> None:
-    """A best 5 % below the least is refuted in three of four walks, and what was climbed to serves again."""
+    """Refutes 5 % below the least in three of four walks."""
     tried = few = 0
     for seed in range(400):
         one = planted(np.random.default_rng([6, seed]), slow=0.0)
@@ -225,7 +225,7 @@ def test_a_heading_that_no_turn_has_in_time_is_refuted() -> None:
 
 
 def test_a_walk_that_cannot_beat_the_best_is_known_by_its_bounds() -> None:
-    """A goal abeam, which the multipliers know and the reach does not; they serve the next walk."""
+    """Goal abeam: refuted by multipliers, not by the reachable set."""
     walk = WalkProblem((3, 2), (0.4, 0.0), (1,), (0.1,), goal=4 + 14j, tolerance=1.0)
     cost, _ = walk.solved()
     problem, first = problem_of(walk), -0.1 * walk.goal / abs(walk.goal)

@@ -1,4 +1,4 @@
-"""Candidates in closed form."""
+"""Tests of closed-form candidates."""
 
 import pytest
 
@@ -8,7 +8,7 @@ pytestmark = pytest.mark.kernel
 
 
 def test_two_straight_coasts_after_a_turn_take_the_direction_of_both() -> None:
-    """Their multiplier was conjugated twice: 28.489 s came out."""
+    """Checks the multiplier's conjugation: 28.489 s was wrong."""
     walk = WalkProblem(
         velocities=(3, 3, -2),
         rates=(-0.4, 0.0, 0.0),

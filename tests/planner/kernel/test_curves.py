@@ -17,7 +17,7 @@ STEP = 1e-6
 
 
 def stretch(*, A: complex, a: float, w: complex = 0j, most: float) -> Stretch:
-    """Returns a stretch whose limit is known, on a curve that ends at `most`."""
+    """Returns a stretch with known limit, on a curve ending at `most`."""
     size, speed = abs(A), abs(w)
     limit = speed if w else (size / abs(a) if a else inf)
     return Stretch(
@@ -118,13 +118,12 @@ def too_long(chain: Chain, *headings: float) -> bool:
 
 
 def test_turns_are_too_long_where_together_they_take_what_is_allowed() -> None:
-    """Turns lead from the goal's heading, -alpha, to each next one and to the target."""
+    """Turns lead from heading -alpha through each heading to the target."""
     # 1 rad to the right at 0.5 rad/s and 1 rad to the left at 0.25: 6 s beside 1 s in maneuvers.
     assert too_long(turning(free=2, best=7.0 - 1e-6)[0], 1.2, 0.2, 0.2)
     assert not too_long(turning(free=2, best=7.0 + 1e-6)[0], 1.2, 0.2, 0.2)
     # From 1.2 on to 0.2 + 0.7 at -0.1 rad/s: 3 s more.
-    bound = {"free": 2, "last_rate": -0.1}
-    assert too_long(turning(**bound, best=7.0 + 7.0 - 1e-5)[0], 1.2, 0.2 + 1.4, 0.2)
+    assert too_long(turning(free=2, last_rate=-0.1, best=7.0 + 7.0 - 1e-5)[0], 1.2, 0.2 + 1.4, 0.2)
     chain, held = turning(free=1, best=1.0 + 2.0 + 3.0 - 1e-5, last_rate=-0.1)
     assert too_long(chain, 1.2, 0.2)
     chain.problem.contents.best = 1.0 + 2.0 + 3.0 + 1e-5
@@ -138,7 +137,7 @@ def test_turns_are_too_long_where_together_they_take_what_is_allowed() -> None:
 
 
 def test_a_series_is_the_sum_near_its_middle() -> None:
-    """To the third power, and beyond it within the fourth's bound; the slopes are those of the sum."""
+    """Third-order series with fourth-order error bound; slopes are the sum's."""
     rng = np.random.default_rng(4)
     native().series.restype = Series
     for _ in range(200):
@@ -206,7 +205,7 @@ def total(chain: Chain, signs: "ctypes.Array[ctypes.c_double]", s: float) -> tup
 
 
 def test_a_circle_of_the_same_centre_adds_nothing_to_the_way() -> None:
-    """Two turns about one centre: whatever the first of them turns, the second may."""
+    """Two turns about one centre are interchangeable."""
     walk = WalkProblem((2, 2), (0.5, 0.5), (0j,), (0.0,))
     end, _ = walk.end((1.0, 2.0))
     cost, times = replace(walk, goal=end).solved()
@@ -215,7 +214,7 @@ def test_a_circle_of_the_same_centre_adds_nothing_to_the_way() -> None:
 
 
 def test_two_turns_meet_at_the_corner_of_a_triangle() -> None:
-    """Circles of 2 and 3 m: their centres, and the goal's, have the sides of a triangle."""
+    """Circles of 2 and 3 m form a triangle with the goal."""
     walk = WalkProblem((1, 1.5), (0.5, 0.5), (0j,), (pi,))
     for times in ((1.0, 2.0), (4.0, 1.0), (0.5, 5.0)):
         end, _ = walk.end(times)
@@ -223,7 +222,7 @@ def test_two_turns_meet_at_the_corner_of_a_triangle() -> None:
 
 
 def test_a_straight_line_after_a_turn_is_the_tangent() -> None:
-    """A circle of 6 m to the right, then straight on to a point: the tangent, at equal speed."""
+    """Right circle of 6 m, then the tangent to a point."""
     walk = WalkProblem((3, 3), (0.5, 0.0), (0j,), (0.0,), goal=10 + 6j)
     _, times = walk.solved()
     assert 3 * times[1] == pytest.approx(sqrt(10**2 - 6**2), abs=1e-9)

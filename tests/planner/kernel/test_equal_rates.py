@@ -1,4 +1,4 @@
-"""Coasts at one yaw rate with a heading wanted: they share a turn in any way that ends at the goal."""
+"""Tests of equal yaw rates with a wanted heading."""
 
 from dataclasses import replace
 
@@ -23,7 +23,7 @@ def random_walk(rng: np.random.Generator, coasts: int, rate: float) -> WalkProbl
 @pytest.mark.parametrize("tolerance", [0.0, 0.3])
 @pytest.mark.parametrize("seed", range(8))
 def test_a_share_of_the_turn_that_ends_at_the_goal_is_found(coasts: int, tolerance: float, seed: int) -> None:
-    """All shares take as long: what was flown to the goal is as good as any on the same turn."""
+    """All shares of one turn take the same time."""
     rng = np.random.default_rng([coasts, seed])
     walk = random_walk(rng, coasts, float(rng.choice([-0.3, 0.3])))
     times = tuple(rng.dirichlet(np.ones(coasts)) * rng.uniform(3, 18))
@@ -53,7 +53,7 @@ def test_rates_that_are_all_but_equal_are_solved_likewise(apart: float) -> None:
 
 
 def test_three_coasts_at_one_rate_were_a_freedom_that_no_candidate_showed() -> None:
-    """14.064 s with its maneuvers of 1 s; 51.035 s came out."""
+    """Optimum of 14.064 s with three coasts at one rate."""
     walk = WalkProblem(
         velocities=(1.5888076732541556 + 1j, 2.602675641346975, -1),
         rates=(0.3, 0.3, 0.3),

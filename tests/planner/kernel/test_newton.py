@@ -66,7 +66,7 @@ def test_the_end_moves_with_each_time_as_differences_say(seed: int) -> None:
 
 
 def placed(walk: WalkProblem, times: tuple[float, ...]) -> tuple[Problem, ActiveSet]:
-    """Returns the problem with the set of the times that are not 0, its heading bound where one is wanted."""
+    """Returns the problem with nonzero times and heading limit set."""
     problem = problem_of(walk)
     on = active(problem, *[place for place, time in enumerate(times) if time])
     if walk.heading is not None:
@@ -78,7 +78,7 @@ def placed(walk: WalkProblem, times: tuple[float, ...]) -> tuple[Problem, Active
 @pytest.mark.parametrize("headed", [False, True])
 @pytest.mark.parametrize("count", [1, 2, 3, 4, 5])
 def test_times_move_by_least_to_the_goal(tolerance: float, headed: bool, count: int) -> None:
-    """With fewer times than equations too: then to where nothing is missed, if there is such a place."""
+    """Covers fewer times than equations, with a consistent solution."""
     for seed in range(5):
         rng = np.random.default_rng([count, seed])
         walk = WalkProblem(
@@ -115,7 +115,7 @@ def test_times_move_by_least_to_the_goal(tolerance: float, headed: bool, count: 
 
 
 def test_newtons_method_ends_where_it_leads_nowhere() -> None:
-    """Two coasts that move the end alike: no step does for a goal aside."""
+    """Two parallel coasts cannot reach a goal aside."""
     walk = WalkProblem((1, 2), (0.0, 0.0), goal=5 + 3j)
     problem, on = placed(walk, (1.0, 1.0))
     assert native().meet_goal(ctypes.byref(problem), ctypes.byref(on), Doubles(1.0, 1.0)) == 0
@@ -158,8 +158,8 @@ def test_stationary_times_are_kept_and_times_near_them_led_there() -> None:
         problem, on = placed(walk, times)
         if on.count < 2 + on.bound_heading:
             continue
-        held = np.array(times) > 0
-        moved = Doubles(*(np.array(times) + 1e-5 * held * rng.normal(size=len(times))))
+        positive = np.array(times) > 0
+        moved = Doubles(*(np.array(times) + 1e-5 * positive * rng.normal(size=len(times))))
         led = native().make_stationary(ctypes.byref(problem), ctypes.byref(on), moved, Complex.of(m * 1.0001))
         found = np.array(moved[: len(times)])
         if not led or np.abs(found - times).max() > 1e-2:

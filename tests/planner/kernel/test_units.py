@@ -50,7 +50,7 @@ def test_times_are_the_same_to_the_last_bit_in_units_that_are_powers_of_two(seed
 
 
 def test_a_goal_at_the_start_is_measured_by_the_turn() -> None:
-    """Nothing else has a length: a circle, and a turn on the spot."""
+    """The only length is a circle, or a turn's."""
     circle = WalkProblem((3,), (0.5,), goal=0, heading=0.5, heading_tolerance=0.0)
     assert solved(circle, 1e-9)[0] == np.inf
     spot = replace(circle, velocities=(0,))
@@ -67,7 +67,9 @@ def test_only_faster_times_count() -> None:
     cost, times = solved(walk, 1e-9)
     assert solved(walk, 1e-9, best=cost * (1 - 1e-12))[1] == [0.0, 0.0]
     assert solved(walk, 1e-9, best=cost * (1 - 1e-12))[0] == cost * (1 - 1e-12)
-    assert solved(walk, 1e-9, best=cost * 1.01) == (pytest.approx(cost, rel=1e-14), pytest.approx(times))
+    again, same = solved(walk, 1e-9, best=cost * 1.01)
+    assert again == pytest.approx(cost, rel=1e-14)
+    assert same == pytest.approx(times)
 
 
 def test_no_more_times_are_used_than_asked_for() -> None:

@@ -1,4 +1,4 @@
-"""One walk in plain numbers, flown by formulas that the kernel does not use, and the kernel's answer."""
+"""One walk in plain numbers, with independent formulas."""
 
 from cmath import exp
 from dataclasses import dataclass
@@ -14,7 +14,7 @@ from planner.kernel.tables import KernelTable, kernel_table
 Times = tuple[float, ...]
 
 SMALL = 0.1
-"""Radians below which what cancels is left out."""
+"""Radians below which cancelling terms are omitted."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,14 +43,14 @@ class WalkProblem:
 
     @property
     def steps(self) -> list[tuple[complex, float]]:
-        """Displacement and heading change of the maneuver before each coast; none before the first."""
+        """Returns displacement and heading change of the maneuver before each coast."""
         moved = self.displacements or (0j,) * (len(self.rates) - 1)
         turned = self.turns or (0.0,) * (len(self.rates) - 1)
         return [(0j, 0.0), *zip(moved, turned, strict=True)]
 
     @property
     def mission(self) -> Mission:
-        """The end that is asked for."""
+        """Returns the mission to the wanted end."""
         return Mission(
             name="walk",
             start=SE2.identity(),
@@ -62,7 +62,7 @@ class WalkProblem:
         )
 
     def end(self, times: Times) -> tuple[complex, float]:
-        """Returns position and heading at the end: the mean velocity of a turn is an integral."""
+        """Returns position and heading at the end, by integration."""
         position, heading = 0j, 0.0
         for (moved, turned), velocity, rate, time in zip(
             self.steps, self.velocities, self.rates, times, strict=True
@@ -75,7 +75,7 @@ class WalkProblem:
         return position, heading
 
     def end_velocities(self, times: Times) -> np.ndarray:
-        """Returns how the end moves with each time, in metres per second."""
+        """Returns the end's velocity with each time, in metres per second."""
         position, heading, own, after = 0j, 0.0, [], []
         for (moved, turned), velocity, rate, time in zip(
             self.steps, self.velocities, self.rates, times, strict=True
@@ -89,7 +89,7 @@ class WalkProblem:
         return np.array(own) + 1j * np.array(self.rates) * (position - np.array(after))
 
     def table(self) -> KernelTable:
-        """Returns what the kernel reads."""
+        """Returns the walk as a kernel table."""
         return kernel_table(
             np.arange(1, len(self.rates) + 1)[None, :],
             velocity=np.array([self.velocities], dtype=complex),
@@ -100,13 +100,13 @@ class WalkProblem:
         )
 
     def solved(self) -> tuple[float, Times]:
-        """Returns the kernel's least seconds, infinite without an end at the goal, and its coasting times."""
+        """Returns the kernel's least seconds, or infinity, and coasting times."""
         costs, times = best_times(self.table(), self.mission)
         return float(costs[0]), tuple(times[0].tolist())
 
 
 def _mean_direction(angle: float) -> complex:
-    """Returns the mean of exp(i s) for s from 0 to an angle; the first terms of its series for small ones."""
+    """Returns the mean of `exp(i s)` over an angle, small ones by series."""
     if abs(angle) > SMALL:
         return (exp(1j * angle) - 1) / (1j * angle)
     return sum((1j * angle) ** power / factorial(power + 1) for power in range(10))

@@ -1,4 +1,4 @@
-"""How hard it blows, as the vehicle can tell, and what is planned for it."""
+"""Tests of the turbulence estimate and adaptive-gamma plans."""
 
 import json
 from dataclasses import replace
@@ -39,7 +39,7 @@ LIBRARY = find_library("gtmax-sim")
 
 
 def flight(wind: str, seed: int, *changes: WindChange, seconds: float = 30.0) -> SimulatedHelicopter:
-    """Holds slow flight."""
+    """Returns a helicopter after a coast in slow flight."""
     helicopter = SimulatedHelicopter(
         FlightSpecification(seed=seed, start_trim=2, wind=wind, supervised=True, wind_changes=changes),
         LIBRARY,
@@ -69,7 +69,7 @@ def test_the_meter_undoes_what_it_was_made_of() -> None:
 
 
 def test_the_vehicle_can_tell_how_hard_it_blows() -> None:
-    """The median of six flights is within a third of the wind class's wind at 20 ft, and calm is calm."""
+    """Median of six flights within a third of the wind class."""
     for name in ("gtmax", "light", "moderate"):
         found = median(shown(flight(name, seed)) for seed in range(6))
         assert found == pytest.approx(WIND_CLASSES[name].wind_at_20_ft, rel=1 / 3), name

@@ -1,4 +1,4 @@
-"""What the committed search is made of: the largest miss enclosed, boxes of times, levels to look at."""
+"""Tests of the committed search: worst miss, boxes, worst levels."""
 
 from dataclasses import replace
 from math import pi
@@ -21,7 +21,7 @@ from planner.commitment.worst_levels import worst_levels
 from planner.walks.walk import walks
 
 FEW = 20_000
-"""Boxes: a tenth of what the search needed when it looked at the same levels everywhere, or more."""
+"""Boxes; at most a tenth of those for a search with fixed levels."""
 
 
 def test_the_largest_miss_is_enclosed() -> None:
@@ -84,7 +84,7 @@ def test_boxes_are_looked_at_where_their_middle_misses_most() -> None:
         assert (np.abs(chosen) <= 1).all()
         looked_at = np.append(chosen, [-1.0, 1.0])
         seen = np.abs(lines.ends(times, looked_at) - goal).max()
-        # No more than what a parabola through three of the grid overlooks.
+        # At most the error of a parabola through three grid points.
         assert seen >= np.abs(lines.ends(times, np.linspace(-1, 1, 2001)) - goal).max() - 0.01
 
 
@@ -110,7 +110,7 @@ def test_a_wanted_heading_leaves_few_boxes() -> None:
 
 
 def test_who_ends_in_the_middle_of_his_circle_may_circle_as_long_as_he_likes() -> None:
-    # Why no horizon is enough: the heading is smeared over gamma, the end is not.
+    # No horizon suffices: the heading varies with gamma, the end does not.
     trims = (
         Trim(1, "turn", Twist(2.0, 0, 0.5), Twist(0.2, 0, 0.05)),
         Trim(2, "hover", Twist(0, 0, 0), Twist(0, 0, 0)),

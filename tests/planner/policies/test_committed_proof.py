@@ -1,4 +1,4 @@
-"""Committed plans against brute force: nothing is better, and a planner that is too slow is found out."""
+"""Tests of committed plans against brute force."""
 
 from dataclasses import replace
 
@@ -20,10 +20,10 @@ STRAIGHT = Library("straight", "", "", (Trim(1, "north", Twist(2.0, 0, 0), Twist
 
 
 class Timid(CommittedPlanner):
-    """Plans for half of the tolerance."""
+    """Planner for half of the tolerance."""
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns a plan that is slower than it need be."""
+        """Returns a suboptimal plan."""
         return super().plan(replace(mission, tolerance=0.5 * mission.tolerance))
 
 

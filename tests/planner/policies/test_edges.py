@@ -1,4 +1,4 @@
-"""Goals on the edge of a tolerance: reached means the same to every policy, the check and the certificate."""
+"""Tests of goals on the edge of a tolerance."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -57,7 +57,7 @@ POLICIES: dict[str, Callable[[Library], Planner]] = {
 
 
 def turned(mission: Mission, angle: float) -> Mission:
-    """The same task seen from elsewhere: now nothing is exact any more."""
+    """Returns the mission rotated, so that coordinates are inexact."""
     start = SE2(12.3, -45.6, angle)
     goal = start @ SE2(*mission.goal, 0.0)
     heading = None if mission.goal_heading is None else mission.goal_heading + angle
@@ -79,7 +79,7 @@ def test_a_goal_on_the_edge_of_its_tolerance_is_reached(
     if edge == "aside" and library is WITH_A_TURN:
         assert plan.cost < seconds
     else:
-        # A touching end is told to the root of what the slack leaves, and committed plans to their gap.
+        # A touching end is resolved to the root of the slack, committed plans to their gap.
         assert plan.cost == pytest.approx(seconds, abs=5e-4 if policy == "committed" else 1e-4)
     assert plan_problems(plan, library, mission) == ()
 
@@ -118,7 +118,7 @@ def test_a_heading_to_be_met_exactly_is_met_to_rounding() -> None:
 @needs_kernel
 @pytest.mark.parametrize("goal", [(5.0, 0.0), (5 * cos(0.3), 5 * sin(0.3)), (2.5, -2.5)])
 def test_a_goal_at_the_edge_of_reach_is_found(goal: tuple[float, float]) -> None:
-    """The far side of a circle of 2.5 m: no plan of the turn alone gets further, and two ways become one."""
+    """Goal at the far side of a 2.5 m circle: double root."""
     turn = Library("turn", "", "", (Trim(1, "turn", Twist(1.0, 0.0, -0.4), STILL),), ())
     mission = Mission("far side", SE2(0.0, 0.0, pi / 2), 1, goal, max_trims=1)
     end = SE2(0.0, 0.0, pi / 2) @ SE2.exp(Twist(1.0, 0.0, -0.4), 3.0)

@@ -1,4 +1,4 @@
-"""How much uncertainty a mission can take for how much time."""
+"""Tests of the price of robustness."""
 
 import json
 from math import isclose
@@ -82,7 +82,7 @@ def test_every_level_below_the_one_bought_is_proved_to_keep_to_the_price(name: s
     library = thesis_gtmax() if name.startswith("gtmax") else LIBRARY
     mission = read_mission(MISSIONS / f"{name}.toml")
     plan = PriceOfRobustness(library, 1.1).plan(mission)
-    assert "provably" in plan.reason
+    assert "proved" in plan.reason
     limit = 1.1 * nominal_planner(library).plan(mission).cost
     proved = certified_gamma(library, mission, limit=limit + 1e-9, gamma=plan.gamma)
     assert plan.gamma - 1e-3 <= proved <= plan.gamma

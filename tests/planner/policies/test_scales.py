@@ -1,4 +1,4 @@
-"""The same task in other units: a plan is as good at 0.1 mm and at the speed of a tenth of light."""
+"""Tests of plans under scaled units of length and time."""
 
 from dataclasses import replace
 from math import pi
@@ -23,7 +23,7 @@ def twist(velocity: Twist, length: float, time: float) -> Twist:
 
 
 def scaled(library: Library, length: float, time: float) -> Library:
-    """The library with metres and seconds that are so many times as long."""
+    """Returns the library with scaled metres and seconds."""
     trims = tuple(
         replace(one, velocity=twist(one.velocity, length, time), error=twist(one.error, length, time))
         for one in library.trims
@@ -116,5 +116,5 @@ def test_straight_trims_that_are_nearly_parallel_divide_the_way(angle: float, sp
     assert plan.status == "optimal"
     assert plan.cost == pytest.approx(3001.0)
     # What the slack is worth in seconds aside.
-    told = mission.destination.slack / (speed * angle)
-    assert plan.coasting_times == pytest.approx((2e3, 1e3), abs=told + 1e-6)
+    slack = mission.destination.slack / (speed * angle)
+    assert plan.coasting_times == pytest.approx((2e3, 1e3), abs=slack + 1e-6)

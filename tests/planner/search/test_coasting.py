@@ -1,4 +1,4 @@
-"""Coasting times of one walk, as the kernel finds them: they reach the goal, and none that do take less."""
+"""Tests of one walk's coasting times: feasible and optimal."""
 
 from dataclasses import replace
 from math import inf, pi, sqrt
@@ -29,12 +29,12 @@ def mission(x: float, y: float, tolerance: float = 0.0) -> Mission:
 
 
 def walk(*velocities: Twist, step: SE2 = HERE) -> WalkMotion:
-    """A walk whose maneuvers take no time, and lead nowhere unless told otherwise."""
+    """Returns a walk with maneuvers of zero time and displacement."""
     return WalkMotion(velocities, (step,) * (len(velocities) - 1), 0.0)
 
 
 def solve(numbers: WalkMotion, asked: Mission) -> tuple[float, ...] | None:
-    """The kernel's times for a walk; None where it ends elsewhere."""
+    """Returns the kernel's times for a walk, or None."""
     trims = len(numbers.velocities)
     table = kernel_table(
         np.ones((1, trims), dtype=int),
@@ -68,7 +68,7 @@ def test_no_two_times_that_end_at_a_point_take_less(one: Twist, two: Twist, seed
     ahead, back = (numbers.end(HERE, (known + 1e-6 * np.eye(2)[place]).tolist()).position for place in (0, 1))
     end = numbers.end(HERE, known.tolist()).position
     first, second = ((np.array(there) - end) / 1e-6 for there in (ahead, back))
-    # Where both times move the end alike, no two times are told apart.
+    # Two times that move the end alike are not distinguished.
     assume(abs(first[0] * second[1] - first[1] * second[0]) > 0.1)
     asked = mission(*end)
     times = solve(numbers, asked)

@@ -1,4 +1,4 @@
-"""Turns so slow that they are all but straight: what is exact at 0.1 rad/s is exact at 1e-9 rad/s, too."""
+"""Tests of slow turns: exact at 0.1 and 1e-9 rad/s."""
 
 from dataclasses import replace
 from math import inf, pi
@@ -94,7 +94,7 @@ def test_a_plan_of_hours_is_no_slower_than_a_way_that_is_known(
 
 
 def test_a_straight_trim_that_errs_by_a_hair_is_planned_with_to_the_tolerances_edge() -> None:
-    """The 18 km of `FAR`, flown at one gamma with times that another search found."""
+    """The 18 km of `FAR`, with times of another search."""
     library, walk, times = thesis_gtmax(), (3, 6, 3), (1729.0350925, 7.3674557, 4237.2986192)
     numbers = walk_motion(library, walk, -0.001)
     mission = replace(FAR, tolerance=FAR.tolerance + 1e-3)
@@ -104,7 +104,7 @@ def test_a_straight_trim_that_errs_by_a_hair_is_planned_with_to_the_tolerances_e
 
 @pytest.mark.parametrize("seed", range(60))
 def test_a_plan_is_never_slower_than_a_way_that_was_flown(seed: int) -> None:
-    """Goals are where random walks end, a metre to 20 km away, by turns of 1e-9 to 0.4 rad/s."""
+    """Goals at random walks' ends, 1 m to 20 km away."""
     rng = np.random.default_rng([31, seed])
     for _ in range(10):
         rates = [random_rate(rng) for _ in range(3)]
@@ -150,7 +150,7 @@ def test_the_trims_of_all_walks_are_known_without_listing_the_walks(start_trim: 
 
 @pytest.mark.parametrize(("slow", "status"), [(3, "infeasible"), (1, "unknown")])
 def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status: str) -> None:
-    """Behind a vehicle that can only fly on there is no goal, whatever trims it cannot reach."""
+    """Unreachable slow trims leave an infeasible mission proved."""
     library = library_of(0.0, 0.1, 0.1, speeds=(5.0, 5.0, 5.0), turns=(0.0,) * 6)
     rates = {slow: 1e-9}
     library = replace(

@@ -1,4 +1,4 @@
-"""Boxes that branch and bound halves."""
+"""Tests of boxes in branch and bound."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from planner.walks.boxes import Boxes, joined
 
 @dataclass(frozen=True, eq=False)
 class Named(Boxes):
-    """Boxes of which a number is known."""
+    """Boxes with a number each."""
 
     known: Float[np.ndarray, "n"]
 

@@ -1,4 +1,4 @@
-"""Where a walk leads: numbers, symbols and arrays agree."""
+"""Tests of walk kinematics: numbers, symbols and arrays agree."""
 
 from math import pi
 

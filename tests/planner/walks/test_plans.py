@@ -1,4 +1,4 @@
-"""Minimum-time plans, nominal and for the worst case."""
+"""Tests of minimum-time plans, nominal and worst-case."""
 
 from dataclasses import replace
 from math import cos, pi, sin
@@ -123,7 +123,7 @@ def test_at_the_goal_already_there_is_nothing_to_fly() -> None:
 def test_a_goal_out_of_reach_is_proved_infeasible() -> None:
     plan = nominal_planner(one_trim(Twist(1.0, 0.0, 0.5))).plan(Mission("far", HERE, 1, (10.0, 0.0), 1.0))
     assert plan.status == "infeasible"
-    assert "provably" in plan.reason
+    assert "proved" in plan.reason
     assert not plan.found
 
 

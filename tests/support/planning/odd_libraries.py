@@ -1,5 +1,6 @@
 """Libraries drawn by chance, with everything that a measured one seldom has."""
 
+import itertools
 from math import pi
 
 import numpy as np
@@ -45,7 +46,10 @@ def _error_size(rng: np.random.Generator) -> float:
 
 
 def _rates(rng: np.random.Generator, count: int) -> list[float]:
-    """Returns yaw rates: some 0, some like one before."""
+    """Returns yaw rates: some 0, some like one before; in every third library of one size."""
+    if rng.random() < 0.35:
+        one = float(rng.choice(RATES))
+        return [float(rng.choice([0.0, one, -one], p=[0.45, 0.35, 0.2])) for _ in range(count)]
     rates: list[float] = []
     for _ in range(count):
         kind = rng.random()
@@ -102,11 +106,11 @@ def _errors(rng: np.random.Generator, size: float, count: int) -> list[float]:
 def _edges(rng: np.random.Generator, count: int) -> list[tuple[int, int]]:
     """Returns the pairs of trims that maneuvers join: a path at least, and others by chance."""
     order = [int(one) + 1 for one in rng.permutation(count)]
-    pairs = set(zip(order, order[1:], strict=False))
-    density = float(rng.choice([0.0, 0.2, 0.5, 0.9]))
+    pairs = set(itertools.pairwise(order))
+    density = float(rng.choice([0.0, 0.2, 0.5, 0.9], p=[0.4, 0.2, 0.2, 0.2]))
     for one in range(1, count + 1):
         for two in range(1, count + 1):
-            if rng.random() < (density if one != two else 0.12):
+            if rng.random() < (density if one != two else 0.3 * density + 0.04):
                 pairs.add((one, two))
     return sorted(pairs)
 

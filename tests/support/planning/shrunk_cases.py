@@ -82,7 +82,10 @@ def _simpler_missions(case: OddCase) -> Iterator[OddCase]:
     for digits in (1, 3, 6):
         yield replace(case, mission=replace(mission, tolerance=_rounded(mission.tolerance, digits)))
         yield replace(
-            case, mission=replace(mission, goal=tuple(_rounded(one, digits) for one in mission.goal))
+            case,
+            mission=replace(
+                mission, goal=(_rounded(mission.goal[0], digits), _rounded(mission.goal[1], digits))
+            ),
         )
         if mission.goal_heading is not None:
             yield replace(

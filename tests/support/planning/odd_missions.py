@@ -10,9 +10,13 @@ from flight.mission.mission import Mission
 from flight.se2 import SE2
 
 from .odd_libraries import odd_library
+from .stationary_missions import stationary_case
 
 MOST_WALKS = 60
 """Walks of a mission."""
+
+STATIONARY = 0.35
+"""Share of missions that are built around a plan without a small change that saves time."""
 
 FARTHEST = 9e5
 """Metres north or east, as files allow."""
@@ -48,14 +52,23 @@ def odd_case(seed: int, number: int) -> OddCase:
 
 
 def _case(library: Library, rng: np.random.Generator) -> OddCase:
-    start_trim = int(rng.choice([trim.id for trim in library.trims]))
-    most = _depth(library, start_trim, int(rng.choice([1, 2, 3, 4, 5], p=[0.1, 0.2, 0.35, 0.25, 0.1])))
+    if rng.random() < STATIONARY:
+        built = stationary_case(library, rng)
+        if built is not None and walks_up_to(built[0], built[1].start_trim, built[1].max_trims) <= MOST_WALKS:
+            return OddCase(built[0], built[1], _gamma(rng), *built[2:])
+    wanted = int(rng.choice([1, 2, 3, 4, 5], p=[0.1, 0.15, 0.35, 0.3, 0.1]))
+    trims = [trim.id for trim in library.trims]
+    deepest = max(_reaches(library, trim, wanted) for trim in trims)
+    if rng.random() < 0.7:
+        trims = [trim for trim in trims if _reaches(library, trim, wanted) == deepest]
+    start_trim = int(rng.choice(trims))
+    most = _depth(library, start_trim, wanted)
     walk = _walk(library, start_trim, most, rng)
     times = _times(library, walk, rng)
     start = SE2.identity()
     if rng.random() < 0.6:
         size = max(abs(value) for trim in library.trims for value in (trim.velocity.forward, 1e-4))
-        start = SE2(*(float(one) for one in rng.normal(0, 5 * size, 2)), float(rng.uniform(-7, 7)))
+        start = SE2(float(rng.normal(0, 5 * size)), float(rng.normal(0, 5 * size)), float(rng.uniform(-7, 7)))
     if rng.random() < 0.2:
         times = tuple(float(round(time)) for time in times)
     end = start
@@ -63,34 +76,54 @@ def _case(library: Library, rng: np.random.Generator) -> OddCase:
         if place:
             end = end @ library.maneuver(walk[place - 1], trim).displacement
         end = end @ SE2.exp(library.trim(trim).velocity, time)
-    gamma = float(rng.choice([0.1, 0.5, 1.0])) if rng.random() < 0.7 else float(rng.uniform(0, 1))
+    gamma = _gamma(rng)
     mission = Mission("odd", start, start_trim, end.position, max_trims=most)
     mission = _placed(mission, end, library, walk, rng)
     mission = _headed(mission, end, rng)
-    if rng.random() < 0.25:
+    if rng.random() < 0.3:
         mission = replace(mission, goal_trim=walk[-1])
     elif rng.random() < 0.05:
         mission = replace(mission, goal_trim=int(rng.choice([trim.id for trim in library.trims])))
     return OddCase(library, mission, gamma, walk, times)
 
 
-def _depth(library: Library, start_trim: int, wanted: int) -> int:
-    """Returns the depth wanted, or the largest that has few enough walks."""
+def _reaches(library: Library, start_trim: int, wanted: int) -> int:
+    """Returns the trims in the longest walk from a trim, up to so many."""
+    ends, depth = {start_trim}, 1
+    while depth < wanted:
+        ends = {onward for trim in ends for onward in library.successors(trim)}
+        if not ends:
+            break
+        depth += 1
+    return depth
+
+
+def _gamma(rng: np.random.Generator) -> float:
+    return float(rng.choice([0.1, 0.5, 1.0])) if rng.random() < 0.7 else float(rng.uniform(0, 1))
+
+
+def walks_up_to(library: Library, start_trim: int, depth: int) -> int:
+    """Returns how many walks of at most so many trims there are."""
     ends, walks = {start_trim: 1}, 1
-    for depth in range(1, wanted):
+    for _ in range(1, depth):
         after: dict[int, int] = {}
         for trim, many in ends.items():
             for onward in library.successors(trim):
                 after[onward] = after.get(onward, 0) + many
         ends, walks = after, walks + sum(after.values())
-        if walks > MOST_WALKS:
-            return depth
+    return walks
+
+
+def _depth(library: Library, start_trim: int, wanted: int) -> int:
+    """Returns the depth wanted, or the largest that has few enough walks."""
+    while walks_up_to(library, start_trim, wanted) > MOST_WALKS:
+        wanted -= 1
     return wanted
 
 
 def _walk(library: Library, start_trim: int, most: int, rng: np.random.Generator) -> tuple[int, ...]:
     walk = [start_trim]
-    while len(walk) < most and library.successors(walk[-1]) and rng.random() < 0.9:
+    while len(walk) < most and library.successors(walk[-1]) and rng.random() < 0.94:
         walk.append(int(rng.choice(library.successors(walk[-1]))))
     return tuple(walk)
 
@@ -103,7 +136,7 @@ def _times(library: Library, walk: tuple[int, ...], rng: np.random.Generator) ->
         rate = abs(library.trim(trim).velocity.yaw_rate)
         time = scale * float(rng.exponential())
         full = 2 * pi / rate if rate else inf
-        times.append(0.0 if rng.random() < 0.25 else min(time, 0.97 * full * float(rng.random())))
+        times.append(0.0 if rng.random() < 0.2 else min(time, 0.97 * full * float(rng.random())))
     return tuple(times)
 
 

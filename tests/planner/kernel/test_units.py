@@ -73,7 +73,7 @@ def test_only_faster_times_count() -> None:
 
 
 def test_no_more_times_are_used_than_asked_for() -> None:
-    """The limit counts times, not trims: with as many as it has trims a walk is solved to the end."""
+    """With a limit of as many times as trims a walk is solved exactly."""
     rng = np.random.default_rng(2)
     fewer = 0
     for _ in range(30):
@@ -92,7 +92,7 @@ def test_no_more_times_are_used_than_asked_for() -> None:
 
 
 def least_of_one(walk: WalkProblem, goal: complex) -> float:
-    """Returns the least time to a metre from a goal with one coast alone."""
+    """Returns the least time with one coast, to 1 m."""
     found = [np.inf]
     for place in range(len(walk.rates)):
         velocities = tuple(v if k == place else 0j for k, v in enumerate(walk.velocities))

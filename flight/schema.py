@@ -38,7 +38,7 @@ def schema_named(*known: str) -> AfterValidator:
 
 
 def check_schema_name(schema: str, *known: str) -> str:
-    """Returns the schema name of a file if it is a known one.
+    """Returns the schema name of a file if it is known.
 
     Raises:
         ValueError: it is another; says all.

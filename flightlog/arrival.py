@@ -1,4 +1,4 @@
-"""Arrival verdict of a mission's log: as it was carried, or judged from the log."""
+"""Arrival verdict of a mission's log, carried in it or judged anew."""
 
 import json
 from bisect import bisect_right
@@ -23,7 +23,7 @@ _ON_PLAN = (DecisionKind.ADOPTED, DecisionKind.KEPT)
 
 
 def logged_arrival(log: FlightLog) -> ArrivalVerdict | None:
-    """Returns the arrival verdict of a log; None without a mission or without the true track.
+    """Returns the arrival verdict of a log; None without mission or truth.
 
     A log that carries a verdict is not judged anew: it was judged by `judge_arrival` on every true sample.
 
@@ -72,7 +72,7 @@ def _segments(log: FlightLog) -> list[TrackSegment]:
 
 
 def _is_on_plan(log: FlightLog, time: float) -> bool:
-    """Returns whether the decisions up to a time leave the vehicle on a plan."""
+    """Returns True where the decisions leave the vehicle on a plan."""
     if DECISION.name not in log.series:
         return True
     decisions = log[DECISION]

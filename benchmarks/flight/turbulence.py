@@ -36,9 +36,9 @@ def velocity_error(trim: int, wind: str, seed: int) -> float:
     helicopter = SimulatedHelicopter(FlightSpecification(seed=seed, start_trim=trim, wind=wind), LIBRARY)
     helicopter.coast(HOLD_TIME)
     log = helicopter.log()
-    believed, asked = log[ESTIMATE], log[COMMAND]
-    off = [believed[name] - asked[name] for name in ("forward", "side")]
-    return float((off[0] ** 2 + off[1] ** 2 + believed["descent"] ** 2).mean())
+    estimate, command = log[ESTIMATE], log[COMMAND]
+    off = [estimate[name] - command[name] for name in ("forward", "side")]
+    return float((off[0] ** 2 + off[1] ** 2 + estimate["descent"] ** 2).mean())
 
 
 def innovations(wind: str, seed: int) -> tuple[float, float]:

@@ -15,7 +15,7 @@ from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import PRIMITIVE
 from flightlog.file.reader import read_log
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from identification.segmentation.flight_evidence import (
     FlightEvidence,
     StateJudged,

@@ -117,7 +117,7 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
 
 
 def plan_as_stated(task: MissionTask) -> Plan:
-    """Returns the plan for the mission as stated, as `maneuver plan` makes it: no latency, all its tolerance."""
+    """Returns the plan for the mission as stated, without latency."""
     return _planner(task).plan(task.stated_mission)
 
 

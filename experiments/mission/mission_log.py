@@ -7,7 +7,7 @@ from flight.file_value import FileValue
 from flight.plan.plan import Plan, plan_text, with_mission
 from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
-from flightlog.identity import flight_identity
+from flightlog.identity.flight_identity import flight_identity
 from flightlog.mission_attachments import LoggedPlan, plannings_text
 from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.settings import Settings
@@ -47,7 +47,7 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
 
 @dataclass(frozen=True, slots=True)
 class Asked(FileValue):
-    """What the log of a mission says of its flight beside the mission, in the same object.
+    """Planner and loop settings of a flight, logged beside its mission.
 
     Attributes:
         policy: which planner.
@@ -64,7 +64,7 @@ class Asked(FileValue):
 
 
 def mission_json(task: MissionTask) -> bytes:
-    """Returns what a mission is flown from: mission, planner, and how the loop is closed."""
+    """Returns mission, planner and loop settings as JSON."""
     settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
     asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
     content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)

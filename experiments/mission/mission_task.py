@@ -52,6 +52,6 @@ class MissionTask:
 
     @property
     def stated_mission(self) -> Mission:
-        """Mission with the tolerance that is asked for; its plan's cost is the planned time."""
+        """Mission as stated; the cost of its plan is the planned time."""
         tolerance = self.settings.final_tolerance or self.mission.tolerance
         return replace(self.mission, tolerance=tolerance)

@@ -36,7 +36,7 @@ def planner_of(
     deadline: float = inf,
     horizon: float | None = None,
 ) -> Planner:
-    """Returns the planner of a policy for a library; what the policy does not heed is ignored.
+    """Returns the planner of a policy; parameters of other policies are ignored.
 
     Args:
         policy: its name.

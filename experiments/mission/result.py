@@ -43,7 +43,7 @@ class MissionResult:
 
     Attributes:
         planned_time: seconds of the plan for the mission as stated; None without one.
-        predicted_time: seconds to the goal that the loop predicts at its start, with its latency and aim; None
+        predicted_time: seconds to the goal predicted by the loop at its start, with latency and aim; None
             without a plan.
         planning_times: CPU seconds of each replan; they differ between repetitions.
         performances: deviations of the helicopter's primitives.

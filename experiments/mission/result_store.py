@@ -11,7 +11,7 @@ from flight.automaton.library_file import library_hash
 from flight.errors import BadFileError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import flight_identity, identity_difference
+from flightlog.identity.flight_identity import flight_identity, identity_difference
 from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import check_output_folder, remove_partial_files
 from runtime.code_version import code_version, evaluation_version
@@ -108,12 +108,12 @@ def _digest(result: MissionResult) -> str:
 
 
 def code_identity() -> str:
-    """Returns the versions of the code that flies missions here and that judges them, and how it plans."""
+    """Returns the digests of the code that flies and evaluates missions."""
     return f"{code_version()}, judged by {evaluation_version()}, plans {SEARCH_BACKEND}"
 
 
 def stored_task(task: MissionTask, folder: Path) -> StoredTask:
-    """Returns the flight with the file that keeps it: another flight has another file."""
+    """Returns the flight with the path of its result."""
     code = code_identity()
     content = {
         "code": code,

@@ -13,7 +13,7 @@ from flightlog.log import FlightLog
 
 @dataclass(frozen=True, slots=True)
 class SafeEnvelope(FileValue):
-    """How far a flight may go; twice what sound flights in moderate wind come to, or more.
+    """Limits of a safe flight, at least twice those of fault-free flights.
 
     Attributes:
         tilt: roll or pitch, rad.

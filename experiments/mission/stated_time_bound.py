@@ -23,7 +23,7 @@ PATIENCE = 10.0
 
 
 def stated_time_bounds(name: str, library: Library) -> tuple[TimeBound, ...]:
-    """Returns the time bounds beside a library; none, and a warning, if broken or of another.
+    """Returns the time bounds beside a library; none with a warning.
 
     Args:
         name: name or path of the library.

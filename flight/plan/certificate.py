@@ -1,4 +1,4 @@
-"""Proof of a lower bound, walk by walk: trees of boxes of times.
+"""Proof of a lower bound: trees of boxes of coasting times.
 
 A box is cut in two at one coasting time, again and again; each part that is not cut is refuted by
 multipliers (`docs/planner.md` says how). A tree is written as a line of text, every node before its parts,
@@ -24,7 +24,7 @@ _LONGEST_PLACE = 4
 
 @dataclass(frozen=True, slots=True)
 class BoxSplit:
-    """Split of a box at a coasting time: first the part before it.
+    """Split of a box at a coasting time, first part below it.
 
     Attributes:
         place: of the trim in the walk, from 0.

@@ -182,7 +182,7 @@ def _sources(
         return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
 
     for name, table in tables.items():
-        check_clock(clock(table), sample=f"{name}, message")
+        check_clock(clock(table), sample=f"{name} message")
     sources = list(_pose_sources(pose, clock(pose), axes))
     if not sources:
         raise FlightError(f"{settings.pose} ({pose.schema}): expected a position or orientation, got none")

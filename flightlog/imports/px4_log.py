@@ -60,7 +60,7 @@ def read_px4_log(path: Path) -> FlightLog:
         topics, known, messages = _read(whole.content)
         series = series_of(topics)
         for name in {ESTIMATE.name, TRUTH.name} & series.keys():
-            check_clock(series[name].time, sample=f"{name}, state")
+            check_clock(series[name].time, sample=f"{name} state")
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:

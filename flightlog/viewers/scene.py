@@ -71,7 +71,7 @@ def estimated_pose(log: FlightLog, time: float) -> SE2:
 
 
 def tube_gamma(plan: Plan) -> float:
-    """Returns the uncertainty level up to which a plan's tube is drawn: its own, or 1 for a nominal plan."""
+    """Returns the gamma of a plan's tube; 1 for a nominal plan."""
     return plan.gamma or _TUBE_OF_NOMINAL
 
 
@@ -122,7 +122,7 @@ def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -
 
 
 def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> SceneEntity:
-    """Draws a plan from where the vehicle believed to be when it was made, over its tube."""
+    """Draws a plan from the estimated pose at its time."""
     entity = SceneEntity(frame_id=WORLD, id="plan")
     plan, start = planning.plan, estimated_pose(log, planning.time)
     height = float(-np.interp(planning.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))

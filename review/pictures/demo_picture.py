@@ -113,7 +113,7 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
 
 
 def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[float | None]) -> str:
-    """Returns what the plan predicted and what the flights did, in two lines."""
+    """Returns prediction and results of a plan in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
     predicted = f"predicted {plan.cost:.1f} s"

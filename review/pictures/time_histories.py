@@ -178,7 +178,7 @@ def _finish(axes: Axes, log: FlightLog, title: str, *, least_span: float = 0.0) 
     palette.format_axes(axes)
     palette.draw_headline(axes, title)
     shade_primitives(axes, log)
-    axes.set_xlim(0.0, log.duration)
+    axes.set_xlim(0.0, log.duration or 1.0)
     low, high = axes.get_ylim()
     if high - low < least_span:
         middle = 0.5 * (low + high)

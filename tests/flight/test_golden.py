@@ -16,7 +16,7 @@ from flightlog.attachment_names import PLANS_ATTACHMENT
 from flightlog.channels import CONVENTIONS
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_plannings, plannings_text
 from maneuver.app import run

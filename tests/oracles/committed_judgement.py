@@ -15,7 +15,7 @@ from .least_time import natural_units, worst_of_each
 from .plan_judgement import BLURRED, SLOWER, Judgement, Reference
 
 GAP = 6e-4
-"""Seconds by which committed plans may be slower than the best: 5e-4 is promised."""
+"""Seconds by which committed plans may be slower than the best: 5e-4 is the stated gap."""
 
 WALKS = 3
 """Walks on which committed times are sought, the most promising first."""

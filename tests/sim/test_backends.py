@@ -11,7 +11,7 @@ from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.fault import parse_fault
 from flightlog.channels import TRUTH
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from flightlog.log import FlightLog
 from runtime import compiler as machine_code
 from runtime.compiler import NoMachineCodeError, shared_library

@@ -11,8 +11,8 @@ from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHM
 from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, write_log
+from flightlog.identity.log_diff import count_differing_bytes, differences
 from flightlog.log import FlightLog
-from flightlog.log_diff import count_differing_bytes, differences
 from flightlog.topic import Series
 from maneuver.app import run
 from planner.kernel.build import SEARCH_BACKEND

@@ -31,7 +31,7 @@ COMMITTED_NODES = 1000
 
 @dataclass(slots=True)
 class Tally:
-    """What became of missions.
+    """Counts of planned missions, by outcome.
 
     Attributes:
         missions: how many.

@@ -174,9 +174,7 @@ def environment(tree: Path) -> dict[str, str]:
     )
 
 
-BUILD = (
-    "from planner.kernel import build as b; assert b.__file__.startswith({!r}); assert b.kernel() is not None"
-)
+BUILD = "from planner.kernel import build; assert build.__file__.startswith({!r}); build.load_kernel()"
 
 
 def machine_code(tree: Path) -> bytes | None:

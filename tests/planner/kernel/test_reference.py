@@ -19,7 +19,7 @@ from tests.oracles.coasting_problem import all_walks, coasting_problems
 from tests.oracles.committed_times import CommittedWalk
 from tests.oracles.least_time import least_times
 from tests.oracles.plan_judgement import flown_beyond, judge
-from tests.support.odd_missions import odd_case
+from tests.support.planning.odd_missions import odd_case
 
 EXACT = ManeuverError(0.0, 0.0, 0.0, 0.0)
 HERE = SE2.identity()

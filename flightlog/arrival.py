@@ -10,11 +10,11 @@ from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
 from flight.schema import parse_json
 
 from .attachment_names import ARRIVAL_ATTACHMENT
-from .channels import PRIMITIVE, TRUTH
 from .decision import DECISION, DecisionKind
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_goal_trim
 from .primitives import PrimitiveKind, flown_primitives
+from .topics import PRIMITIVE, TRUTH
 
 OFF_PLAN = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED, DecisionKind.FALLBACK)
 """Decisions after which arrival does not count, until a plan is adopted or kept."""

@@ -14,7 +14,7 @@ import numpy as np
 
 from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
-from flightlog.channels import COMMAND, ESTIMATE
+from flightlog.topics import COMMAND, ESTIMATE
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library

@@ -6,7 +6,7 @@ from dataclasses import asdict
 import numpy as np
 
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
 
 
 def differences(expected: FlightLog, got: FlightLog) -> tuple[str, ...]:

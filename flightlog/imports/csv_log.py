@@ -9,9 +9,9 @@ import pandas as pd
 from jaxtyping import Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.channels import ACTUATORS, MAX_ACTUATORS
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import ACTUATORS, MAX_ACTUATORS
 
 from .axes import Axes, quaternions_from_euler
 from .clock import SECONDS, TimeUnit, check_clock, check_unit

@@ -17,7 +17,7 @@ from mcap.reader import McapReader, make_reader
 from flight.errors import BadFileError, FlightError
 from flightlog.file.writer import LARGEST_LOG
 from flightlog.log import FlightLog
-from flightlog.topic import Topic
+from flightlog.series import Topic
 
 from .axes import Axes, BodyAxes, WorldAxes
 from .clock import ClockError, check_clock

@@ -12,9 +12,9 @@ from jaxtyping import Bool, Float
 
 from flight.errors import BadFileError, FlightError
 from flightlog.autopilot_messages import AutopilotMessage
-from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 
 from .clock import check_clock
 from .imported_log import UNKNOWN, ExternalLog

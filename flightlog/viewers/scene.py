@@ -20,10 +20,10 @@ from flight.plan.plan import Plan
 from flight.plan.planned_track import POINTS, planned_track, planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE, PRIMITIVE
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plans
 from flightlog.primitives import PrimitiveKind, merged_primitives
+from flightlog.topics import ESTIMATE, PRIMITIVE
 from flightlog.trim_labels import trim_palette
 
 from .z_up_frames import WORLD, positions

@@ -5,10 +5,10 @@ from typing import Literal
 
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 
 from .segmentation import Segments, segment
 

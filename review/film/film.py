@@ -15,9 +15,9 @@ from jaxtyping import Float
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter1d
 
-from flightlog.channels import PRIMITIVE
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, merged_primitives
+from flightlog.topics import PRIMITIVE
 from flightlog.trim_labels import trim_label, trim_names
 from runtime.atomic_write import file_target
 

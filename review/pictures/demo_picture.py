@@ -15,8 +15,8 @@ from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.arrival import logged_arrival
-from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 
 from . import palette
 from .automaton_picture import draw_automaton

@@ -8,11 +8,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 from jaxtyping import Float
 
-from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
 from flightlog.imports.clock import SECONDS, ClockError, check_clock, check_unit
 from flightlog.imports.measured_motion import velocity_disagreement
+from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from review.page.spectra import amplitude_density
 from tests.support.motion_log import motion_log

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
 from flight.errors import FlightError
-from flightlog.channels import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog, MissingTopicError
+from flightlog.topics import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND
 from identification.design.schedule import schedule
 from identification.segmentation.motion_matching import MotionModel, TrimGraph, match_walk
 from identification.segmentation.motion_model import TooSlowLogError, sampled_motion

@@ -8,12 +8,12 @@ import pytest
 
 from experiments.mission.repeat import repeat_flight
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
-from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, write_log
 from flightlog.identity.log_diff import count_differing_bytes, differences
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification

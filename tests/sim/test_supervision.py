@@ -21,13 +21,13 @@ from flight.errors import FlightLostError
 from flight.mission.fault import parse_fault
 from flight.se2 import SE2
 from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_from_series
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.decision import DecisionKind
 from flightlog.events import flight_events
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 from maneuver.app import run
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.receding_horizon import fly_closed_loop

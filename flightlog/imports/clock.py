@@ -74,6 +74,11 @@ def check_clock(time: Column, *, sample: str) -> None:
             f"{time[places[at]]:.12g} s; expected gaps of at most {LONGEST_GAP:g} s: correct the times, or "
             "cut the file there"
         )
+    if len(steps) and 0.0 < np.ptp(time[places]) < INTERVALS[0] * len(steps):
+        raise ClockError(
+            f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {len(places)} in "
+            f"{np.ptp(time[places]):.3g} s: the unit of the times is another"
+        )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())
     if lost > LARGEST_LOSS * len(places):

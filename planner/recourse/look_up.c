@@ -14,16 +14,22 @@ static double outside_only(const float *low, const float *high, double u, double
     return all > 0 ? sum / all : reached;
 }
 
+/* The grid of a goal position; the last one beyond all. */
+int level_of(const Table *t, double x, double y)
+{
+    double far = greater(fabs(x), fabs(y)), wide = t->step * t->half;
+    int level = 0;
+    for (; far > wide && level < t->levels - 1; level++) wide *= RATIO;
+    return level;
+}
+
 double look_up(const Table *t, int trim, double x, double y)
 {
     if (t->ends[trim] && x * x + y * y <= t->tolerance * t->tolerance) return 0;
-    double beyond = 0, far = greater(fabs(x), fabs(y)), wide = t->step * t->half, step = t->step;
-    int level = 0;
-    while (far > wide && level < t->levels - 1) {
-        wide *= 2;
-        step *= 2;
-        level++;
-    }
+    double beyond = 0, step = t->step;
+    int level = level_of(t, x, y);
+    for (int k = 0; k < level; k++) step *= RATIO;
+    double far = greater(fabs(x), fabs(y)), wide = step * (level == t->levels - 1 ? t->outer : t->half);
     if (far > wide) {
         double share = wide / far;
         beyond = sqrt(x * x + y * y) * (1 - share) / t->best_speed;

@@ -16,7 +16,7 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
 
-from .grid import NestedGrid
+from .grid import RATIO, NestedGrid
 from .law import CoastDistribution, ManeuverDistribution, TransitionLaw, transition_law
 from .normal_points import normal_points, unit_vector
 
@@ -24,9 +24,11 @@ COASTS = (0.5, 1.0, 2.0, 4.0, 8.0)
 """Seconds of the coasts to choose from."""
 
 STRAIGHT = 1e-2
-"""Radians per second below which a trim flies straight in the asymptote."""
+"""Radians per second, or to the side per metre ahead, below which a trim flies straight."""
 
 _MANEUVER_POINTS, _COAST_POINTS = 48, 8
+# Steps of a grid that a straight coast leads on, at least; on the finest one any will do.
+_FEWEST_STEPS = 10
 # Seconds and radians of a path that one chord stands for, at most.
 _CHORD_TIME, _CHORD_TURN = 0.5, 0.1
 
@@ -59,6 +61,7 @@ class Action:
         duration: seconds, one for each outcome.
         displacement: forward, side, cosine and sine of the heading change, one row for each outcome.
         path: forward and side at equal shares of the duration, start and end included.
+        coarsest: last grid on which it is considered.
         arrives: whether passing through the tolerance on the way ends the flight.
     """
 
@@ -69,6 +72,7 @@ class Action:
     duration: Float[np.ndarray, "n"]
     displacement: Float[np.ndarray, "n 4"]
     path: Float[np.ndarray, "n points 2"]
+    coarsest: int
     arrives: bool
 
 
@@ -105,7 +109,7 @@ def state_problem(
     tolerance: float,
     goal_trim: int | None = None,
     error_scale: float = 1.0,
-    refinement: int = 1,
+    refined: bool = False,
 ) -> ShortestPathProblem:
     """Returns the problem of a library and a goal.
 
@@ -114,7 +118,7 @@ def state_problem(
         tolerance: radius around the goal in metres.
         goal_trim: id of the trim wanted at the goal; None leaves it free.
         error_scale: factor of all standard deviations.
-        refinement: how many times finer the grid is, for studies of its error.
+        refined: whether the grid is three times finer, for studies of its error.
 
     Raises:
         NoToleranceError: the tolerance is 0.
@@ -129,27 +133,30 @@ def state_problem(
     trims = tuple(trim.id for trim in library.trims)
     _check_loops(library, law)
     place = {trim: index for index, trim in enumerate(trims)}
+    longest = max((float(np.hypot(*one.mean[1:3])) for one in law.maneuvers), default=0.0)
+    grid = NestedGrid.around(tolerance, longest=longest, refined=refined)
     actions: list[Action] = []
     for trim, coast in zip(library.trims, law.trims, strict=True):
         arrives = goal_trim in {None, trim.id}
-        actions += [_coast(place[trim.id], coast, time, arrives=arrives) for time in COASTS]
+        actions += [_coast(place[trim.id], coast, time, grid, arrives=arrives) for time in COASTS]
         actions += [
-            _maneuver(place[one.from_trim], place[one.to_trim], one.id, moved, arrives=goal_trim is None)
+            _maneuver(place[one.from_trim], place[one.to_trim], one.id, moved, grid, arrives=goal_trim is None)
             for one, moved in zip(library.maneuvers, law.maneuvers, strict=True)
             if one.from_trim == trim.id
         ]
-    longest = max((float(np.hypot(*one.mean[1:3])) for one in law.maneuvers), default=0.0)
     return ShortestPathProblem(
         trims=trims,
         tolerance=tolerance,
         ends=tuple(goal_trim in {None, trim} for trim in trims),
         actions=tuple(actions),
         best_speed=_best_speed(law),
-        grid=NestedGrid.around(tolerance, longest=longest, refinement=refinement),
+        grid=grid,
     )
 
 
-def _coast(trim: int, law: CoastDistribution, duration: float, *, arrives: bool) -> Action:
+def _coast(
+    trim: int, law: CoastDistribution, duration: float, grid: NestedGrid, *, arrives: bool
+) -> Action:
     velocities = normal_points(law.mean, law.averaged(duration), _COAST_POINTS)
     turn = float(np.abs(velocities[:, 2]).max()) * duration
     pieces = max(ceil(duration / _CHORD_TIME), ceil(turn / _CHORD_TURN))
@@ -165,11 +172,14 @@ def _coast(trim: int, law: CoastDistribution, duration: float, *, arrives: bool)
         duration=np.full(len(velocities), duration),
         displacement=np.column_stack([path[:, -1], cosine, sine]),
         path=path,
+        coarsest=_coarsest(law, duration, grid),
         arrives=arrives,
     )
 
 
-def _maneuver(trim: int, to: int, number: int, law: ManeuverDistribution, *, arrives: bool) -> Action:
+def _maneuver(
+    trim: int, to: int, number: int, law: ManeuverDistribution, grid: NestedGrid, *, arrives: bool
+) -> Action:
     rows = normal_points(law.mean, law.covariance, _MANEUVER_POINTS)
     duration = np.maximum(rows[:, 0], 0.0)
     share = np.linspace(0.0, 1.0, len(law.path))[None, :, None]
@@ -184,15 +194,33 @@ def _maneuver(trim: int, to: int, number: int, law: ManeuverDistribution, *, arr
         duration=duration,
         displacement=np.column_stack([rows[:, 1:3], cosine, sine]),
         path=np.round(path, 10),
+        coarsest=grid.levels - 1,
         arrives=arrives,
     )
 
 
+def _coarsest(law: CoastDistribution, duration: float, grid: NestedGrid) -> int:
+    """Returns the last grid on which a coast is long enough to be considered.
+
+    Each look-up errs by what it interpolates, and the best of many actions is one that errs to the good side:
+    where flight is straight, decisions a few nodes apart would add up such errors.
+    """
+    if duration == COASTS[-1] or not _flies_straight(law):
+        return grid.levels - 1
+    steps = float(np.hypot(*law.mean[:2])) * duration / grid.step
+    return max((level for level in range(grid.levels) if steps >= _FEWEST_STEPS * RATIO**level), default=0)
+
+
+def _flies_straight(law: CoastDistribution) -> bool:
+    forward, side, yaw_rate = law.mean
+    return bool(abs(yaw_rate) < STRAIGHT and abs(side) < STRAIGHT * forward)
+
+
 def _best_speed(law: TransitionLaw) -> float:
     """Returns the speed of the fastest straight trim, or else of the fastest trim."""
-    speeds = [(abs(one.mean[2]) < STRAIGHT, float(np.hypot(*one.mean[:2]))) for one in law.trims]
-    straight = max((speed for flies_straight, speed in speeds if flies_straight), default=0.0)
-    return straight or max(speed for _, speed in speeds) or inf
+    speeds = [float(np.hypot(*one.mean[:2])) for one in law.trims]
+    straight = [speed for speed, one in zip(speeds, law.trims, strict=True) if _flies_straight(one)]
+    return max(straight, default=0.0) or max(speeds) or inf
 
 
 def _check_loops(library: Library, law: TransitionLaw) -> None:

@@ -1,7 +1,6 @@
 """Value iteration, in C, with bounds from both sides."""
 
 import ctypes
-from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from math import inf
@@ -19,12 +18,24 @@ GAP = 0.05
 """Seconds between the bounds of the largest value at which a table is done."""
 
 MOST_SWEEPS = 200
-"""Sweeps over all actions after which a table counts as not solvable."""
+"""Sweeps after which a table counts as not solvable, those over chosen actions not counted."""
+
+FIRST_SWEEPS = 4
+"""Sweeps over all actions before some are left out."""
+
+PERIOD = 4
+"""Of so many sweeps at least one is over all actions: values must not rise with the others left out."""
 
 EVALUATIONS = 4
-"""Sweeps over the chosen actions alone between two over all of them."""
+"""Sweeps over the chosen actions alone after each other one."""
 
-_IMPROVE, _EVALUATE = 0, 1
+MARGIN = 2.0
+"""Seconds by which an action may be slower than the best and is still considered in between."""
+
+PESSIMISM = 30.0
+"""Seconds above those at the best speed to begin with: from above few sweeps suffice."""
+
+_ALL, _LIKELY, _CHOSEN = 0, 1, 2
 # Rows of nodes that one thread takes at a time.
 _ROWS = 16
 
@@ -54,12 +65,12 @@ class Solution:
 
 
 def first_values(problem: ShortestPathProblem) -> Float[np.ndarray, "trims levels side side"]:
-    """Returns the seconds at the best speed, -1 inside the tolerance."""
+    """Returns pessimistic seconds, -1 inside the tolerance."""
     grid = problem.grid
     values = np.empty((len(problem.trims), grid.levels, grid.side, grid.side), dtype=np.float32)
     for level in range(grid.levels):
         distance = np.hypot(*grid.positions(level))
-        values[:, level] = distance / problem.best_speed + 30.0
+        values[:, level] = distance / problem.best_speed + PESSIMISM
         inside = distance <= problem.tolerance
         for trim, ends in enumerate(problem.ends):
             if ends:
@@ -86,15 +97,13 @@ def solve(problem: ShortestPathProblem, *, threads: int = 2) -> Solution:
     values = first_values(problem)
     with ThreadPoolExecutor(threads) as pool:
         work = _Sweeps(problem, structures(problem, values), values, pool)
-        gap = inf
+        gap, sure = inf, True
         for sweep in range(1, MOST_SWEEPS + 1):
-            work.sweep(_IMPROVE)
-            for _ in range(EVALUATIONS):
-                work.sweep(_EVALUATE)
-            if work.settled:
-                gap = work.gap()
-            if gap <= GAP:
+            gap = work.bounds_of_all() if sure else work.improve()
+            if sure and gap <= GAP:
                 return Solution(values, gap, sweep)
+            work.store_and_evaluate()
+            sure = sweep < FIRST_SWEEPS or sweep % PERIOD == 0 or (gap <= GAP and not sure)
     raise NotSolvedError(gap)
 
 
@@ -105,58 +114,56 @@ class _Sweeps:
         self, problem: ShortestPathProblem, data: Structures, values: np.ndarray, pool: ThreadPoolExecutor
     ) -> None:
         self._problem, self._data, self._values, self._pool = problem, data, values, pool
-        self._made = np.empty_like(values)
+        self._made = values.copy()
         self._choice = np.zeros(values.shape, dtype=np.uint8)
-        self._changed = inf
+        self._likely = np.zeros(values.shape, dtype=np.uint64)
         self._code = load_recourse().sweep
+        grid = problem.grid
+        self._blocks = [(trim, level) for level in range(grid.levels) for trim in range(len(problem.trims))]
 
-    @property
-    def settled(self) -> bool:
-        """Whether the last sweep over all actions changed hardly anything."""
-        return self._changed <= GAP
+    def bounds_of_all(self) -> float:
+        """Returns the seconds between the bounds of the values, and prepares the next ones."""
+        return self._gap([self._block(block, _ALL) for block in self._blocks])
 
-    def sweep(self, mode: int) -> None:
-        """Sweeps over trims and grids, each from the values that it finds."""
-        before = self._values.copy() if mode == _IMPROVE else None
-        for trim, level in self._blocks():
-            self._block(trim, level, mode)
-            self._values[trim, level] = self._made[trim, level]
-        if before is not None:
-            self._changed = float(np.abs(self._values - before).max())
+    def improve(self) -> float:
+        """Improves the values by likely actions; returns what `bounds_of_all` may find."""
+        changes = []
+        for block in self._blocks:
+            changes.append(self._block(block, _LIKELY))
+            self._values[block] = self._made[block]
+        return self._gap(changes)
 
-    def gap(self) -> float:
-        """Returns the seconds between the bounds of the largest value."""
-        rise, fall = 0.0, 0.0
-        for trim, level in self._blocks():
-            changes = self._block(trim, level, _IMPROVE)
-            rise, fall = max(rise, changes[0]), max(fall, changes[1])
-        largest = max(float(self._values[:, level][:, used].max()) for level, used in self._used())
+    def store_and_evaluate(self) -> None:
+        """Stores the next values and improves them by the chosen actions."""
+        self._values[...] = self._made
+        for _ in range(EVALUATIONS):
+            for block in self._blocks:
+                self._block(block, _CHOSEN)
+                self._values[block] = self._made[block]
+
+    def _gap(self, changes: list[tuple[float, float]]) -> float:
+        rise, fall = max(one[0] for one in changes), max(one[1] for one in changes)
+        largest = max(
+            float(self._values[:, level][:, self._problem.grid.used(level)].max())
+            for level in range(self._problem.grid.levels)
+        )
         return inf if rise >= 1 else largest * (1 / (1 - rise) - 1 / (1 + fall))
 
-    def _used(self) -> Iterator[tuple[int, np.ndarray]]:
-        grid = self._problem.grid
-        return ((level, grid.used(level)) for level in range(grid.levels))
-
-    def _blocks(self) -> Iterator[tuple[int, int]]:
-        levels, trims = self._problem.grid.levels, len(self._problem.trims)
-        return ((trim, level) for level in range(levels) for trim in range(trims))
-
-    def _block(self, trim: int, level: int, mode: int) -> tuple[float, float]:
+    def _block(self, block: tuple[int, int], mode: int) -> tuple[float, float]:
         side, data = self._problem.grid.side, self._data
-        made, choice = self._made[trim, level].ctypes.data, self._choice[trim, level].ctypes.data
+        pointers = [array[block].ctypes.data for array in (self._made, self._choice, self._likely)]
 
         def rows(begin: int) -> tuple[float, float]:
             change = (ctypes.c_double * 2)(0.0, 0.0)
             self._code(
                 ctypes.byref(data.table),
                 ctypes.byref(data.actions),
-                trim,
-                level,
+                *block,
                 begin,
                 min(begin + _ROWS, side),
                 mode,
-                ctypes.c_void_p(made),
-                ctypes.c_void_p(choice),
+                ctypes.c_double(MARGIN),
+                *map(ctypes.c_void_p, pointers),
                 change,
             )
             return change[0], change[1]

@@ -20,13 +20,12 @@ class CTable(ctypes.Structure):
         ("value", ctypes.c_void_p),
         ("ends", ctypes.c_void_p),
         *((name, ctypes.c_double) for name in ("step", "tolerance", "best_speed")),
-        ("half", ctypes.c_int),
-        ("levels", ctypes.c_int),
+        *((name, ctypes.c_int) for name in ("half", "levels", "outer")),
     )
 
 
 _ARRAYS = (
-    *("first", "to", "outcome", "points", "path", "mean", "circle"),
+    *("first", "to", "outcome", "points", "path", "coarsest", "mean", "circle"),
     *("duration", "displacement", "position"),
 )
 
@@ -57,6 +56,7 @@ def structures(problem: ShortestPathProblem, values: Float[np.ndarray, "trims le
         _starts([len(one.duration) for one in actions]),
         points,
         _starts([one.path.shape[0] * one.path.shape[1] for one in actions]),
+        np.array([one.coarsest for one in actions], dtype=np.intc),
         np.array([max(one.mean, _SHORTEST) for one in actions]),
         np.array([_circle(one.path) for one in actions]),
         np.concatenate([one.duration for one in actions]),
@@ -71,6 +71,7 @@ def structures(problem: ShortestPathProblem, values: Float[np.ndarray, "trims le
         problem.best_speed,
         grid.half,
         grid.levels,
+        grid.outer,
     )
     pointers: list[Any] = [array.ctypes.data for array in arrays]
     return Structures(table, CActions(*pointers), (*arrays, ends, values))

@@ -112,13 +112,13 @@ class ManeuverLaw(FileValue):
     entry: EntryDependence | None = None
 
     def mean_after(self, previous: int | None, coast: float, offset: Row3) -> Row4:
-        """Returns the mean values for one way of entering, or the average over entries."""
+        """Returns the mean values for one way of entering, or for all."""
         return self.mean if self.entry is None else self.entry.mean_after(previous, coast, offset)
 
 
 @dataclass(frozen=True, slots=True)
 class VelocityFluctuation(FileValue):
-    """Fluctuation of a trim's velocity within a coast, forward, side and yaw rate.
+    """Fluctuation of a trim's velocity within a coast.
 
     Attributes:
         standard_deviation: m/s, m/s, rad/s.

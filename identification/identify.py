@@ -10,6 +10,7 @@ from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
+from identification.segmentation.segmentation import SegmentEnd
 from identification.statistics.coast_errors import averaged_hull, duration_bins, instantaneous_hull
 from identification.statistics.deviations import DurationBin, identify_maneuver, identify_trim
 from identification.statistics.samples import maneuver_samples, trim_samples
@@ -214,10 +215,10 @@ def _provenance(
 
 
 def _unsettled_seeds(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
-    """Returns the seeds of flights with unsettled maneuvers, by maneuver id."""
+    """Returns the seeds of flights with timed-out maneuvers, by maneuver id."""
     listed: dict[str, list[int]] = {}
     for flight in flights:
         for segment in flight.segments.maneuvers:
-            if not segment.settled:
+            if segment.end is SegmentEnd.TIMED_OUT:
                 listed.setdefault(str(segment.id), []).append(flight.header.seed)
     return dict(sorted(listed.items(), key=lambda item: int(item[0])))

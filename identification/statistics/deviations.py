@@ -142,6 +142,7 @@ def _statistics(
         confidence=confidence,
         scalars=_scalars(names, samples.rows, box.size),
         discarded=len(samples.discarded),
+        cut=samples.cut,
         support=box.support,
         centre=centre,
     )

@@ -10,7 +10,7 @@ from typing import Annotated
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat
 
-from flight.file_value import FileValue
+from flight.file_value import FileValue, Omittable, Share
 from flight.se2 import Twist
 
 MOST_DEVIATIONS = 64
@@ -64,6 +64,9 @@ class EntryDependence(FileValue):
         velocity: what each value gains per m/s, m/s and rad/s of entry velocity.
         covariance: of the values about this mean.
         deviations: rows of joint deviations from this mean, of the same flights as the law's.
+        bounds: largest absolute deviations from this mean; None where none were identified.
+        coverage: share of future flights inside all bounds at once, at the confidence of the maneuver's
+            statistics; 0 without a claim.
     """
 
     base: Row4
@@ -72,6 +75,8 @@ class EntryDependence(FileValue):
     velocity: tuple[Row3, Row3, Row3, Row3]
     covariance: tuple[Row4, Row4, Row4, Row4]
     deviations: Annotated[tuple[Row4, ...], Field(max_length=MOST_DEVIATIONS)]
+    bounds: Row4 | None = None
+    coverage: Omittable[Share] = 0.0
 
     def mean_after(self, previous: int | None, coast: float, offset: Row3) -> Row4:
         """Returns the mean values for one way of entering.

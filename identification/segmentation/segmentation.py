@@ -132,9 +132,7 @@ def commanded_walk(log: FlightLog) -> ObservedWalk:
     """
     primitives = flown_primitives(log)
     entries = tuple(
-        TrimEntry(
-            primitive.start, primitive.from_trim, primitive.to_trim, primitive.end, primitive.timed_out
-        )
+        TrimEntry(primitive.start, primitive.from_trim, primitive.to_trim, primitive.end, primitive.timed_out)
         for primitive in primitives
         if primitive.kind is PrimitiveKind.MANEUVER
     )

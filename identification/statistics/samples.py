@@ -72,8 +72,8 @@ def trim_samples(
 ) -> Samples:
     """Returns the samples of a trim.
 
-    A flight without the trim is no sample; lost flights are discarded samples, and so are flights in which all
-    maneuvers to the trim timed out.
+    A flight without the trim is no sample; lost flights are discarded samples, and so are flights in which
+    all maneuvers to the trim timed out.
 
     Args:
         flights: one per log.
@@ -95,8 +95,8 @@ def trim_samples(
 def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Samples:
     """Returns the samples of a maneuver: extremes of each flight.
 
-    A flight with a time-out is a discarded sample; so is a lost flight. A flight in which the maneuver was not
-    flown, or always cut, is no sample.
+    A flight with a time-out is a discarded sample; so is a lost flight. A flight in which the maneuver was
+    not flown, or always cut, is no sample.
     """
     hulls, rows, discarded, timeouts, cut = [], [], [], 0, 0
     for flight in flights:

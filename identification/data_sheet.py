@@ -98,10 +98,11 @@ _CLAIM = (
     "confidence of the library's `statistics`. `centre` is the source of the values that deviations are "
     "measured from; values from the same flights as the bounds need twice as many fitted numbers, so their "
     "coverage is lower. A `discarded` sample is outside the bounds: a lost flight, or one in which the "
-    "maneuver did not settle. It is counted and listed, and the coverage accounts for it. Durations and "
-    "displacements end where the true motion has settled; in flight the same rule is applied to the "
-    "estimate. Signs of errors: of trims as their nominal values; of maneuvers, duration negative, forward "
-    "opposite to the motion, heading change with the turn, side against it (thesis, 3.2.6)."
+    "maneuver timed out. It is counted and listed, and the coverage accounts for it. A maneuver ends where "
+    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are of the "
+    "motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their nominal "
+    "values; of maneuvers, duration negative, forward opposite to the motion, heading change with the turn, "
+    "side against it (thesis, 3.2.6)."
 )
 
 
@@ -173,15 +174,22 @@ def _averaged_section(library: Library) -> list[str]:
 
 
 def _outlier_section(library: Library) -> list[str]:
-    """Returns the section on flights outside the bounds, by seed."""
+    """Returns the section on flights outside the bounds and cut maneuvers."""
     lost = library.provenance.get("lost") or []
     unsettled = library.provenance.get("unsettled") or {}
     lines = [f"- lost: seeds {', '.join(map(str, lost))}"] if lost else []
     lines += [
-        f"- maneuver {number} did not settle: seeds {', '.join(map(str, seeds))}"
+        f"- maneuver {number} timed out: seeds {', '.join(map(str, seeds))}"
         for number, seeds in unsettled.items()
     ]
-    return ["Flights outside the bounds:\n\n" + "\n".join(lines)] if lines else []
+    lines += [
+        f"- maneuver {row.id} was cut before its end: {plural(row.statistics.cut, 'time')}"
+        for row in library.maneuvers
+        if row.statistics is not None and row.statistics.cut
+    ]
+    return (
+        ["Flights outside the bounds, and maneuvers without values:\n\n" + "\n".join(lines)] if lines else []
+    )
 
 
 def _interpolated_section(library: Library) -> list[str]:

@@ -9,7 +9,7 @@ from scipy.stats import binom
 from flight.automaton.library import Library
 from flightlog.log import FlightLog
 from flightlog.topics import PRIMITIVE
-from identification.segmentation.segmentation import CoastSegment, ManeuverSegment, segment
+from identification.segmentation.segmentation import CoastSegment, ManeuverSegment, SegmentEnd, segment
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +34,7 @@ class Performance:
 def performances(log: FlightLog) -> tuple[Performance, ...]:
     """Returns the true deviations of a flight's primitives.
 
+    A maneuver that was cut before its end has none.
     Numbers without an error in the library are left out; a flight without a plan has no primitives.
 
     Raises:
@@ -42,7 +43,8 @@ def performances(log: FlightLog) -> tuple[Performance, ...]:
     if PRIMITIVE.name not in log.series:
         return ()
     library, cut = log.library(), segment(log)
-    flown = [_of_maneuver(part, library) for part in cut.maneuvers]
+    whole = [part for part in cut.maneuvers if part.end is not SegmentEnd.CUT]
+    flown = [_of_maneuver(part, library) for part in whole]
     flown += [_of_coast(part, library) for part in cut.coasts]
     return tuple(sorted((one for one in flown if one is not None), key=lambda one: one.time))
 

@@ -9,6 +9,7 @@ from pydantic import Field, NonNegativeFloat
 from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
+from .joint_law import ManeuverLaw
 from .statistics import InterpolationClaim, Statistics
 
 
@@ -52,6 +53,7 @@ class Maneuver:
         statistics: how the errors were found, where they were measured.
         notes: what a reader should know, such as a suspect row of a printed table.
         interpolated: what is claimed of its errors, where they were interpolated between flown maneuvers.
+        law: joint law of its values over flights, where it was identified.
     """
 
     id: int
@@ -63,6 +65,7 @@ class Maneuver:
     statistics: Statistics | None = None
     notes: str = ""
     interpolated: InterpolationClaim | None = None
+    law: ManeuverLaw | None = None
 
     def __post_init__(self) -> None:
         """Refuses a duration that is not a time."""
@@ -103,6 +106,7 @@ class ManeuverRow(FileValue):
     statistics: Statistics | None = None
     notes: Omittable[str] = ""
     interpolated: InterpolationClaim | None = None
+    law: ManeuverLaw | None = None
 
     @classmethod
     def of(cls, maneuver: Maneuver) -> Self:

@@ -27,6 +27,7 @@ def schedule(
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
     wind: str,
+    without_coast: float = 0.0,
 ) -> tuple[Sequence, ...]:
     """Returns one sequence per flight, the independent unit of the statistics.
 
@@ -38,17 +39,46 @@ def schedule(
         library: trims and maneuvers; its values and errors are not used.
         flights: number of flights.
         rng: the campaign's random number generator.
-        coasting_range: shortest and longest coasting time in seconds; times are drawn uniformly between them.
+        coasting_range: shortest and longest coasting time in seconds.
         wind: wind class to fly in.
+        without_coast: share of trims left at once, as `coasting_times` draws them.
 
     Raises:
         NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.
     """
     edges = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
     return tuple(
-        _tour(edges, name=f"flight-{number:04d}", rng=rng, coasting_range=coasting_range, wind=wind)
+        _tour(
+            edges,
+            name=f"flight-{number:04d}",
+            rng=rng,
+            coasting_range=coasting_range,
+            without_coast=without_coast,
+            wind=wind,
+        )
         for number in range(flights)
     )
+
+
+def coasting_times(
+    count: int, coasting_range: tuple[float, float], rng: np.random.Generator, *, without_coast: float = 0.0
+) -> list[float]:
+    """Returns random coasting times in seconds, uniform or as missions fly them.
+
+    Missions coast shortly or not at all. With a share of zeros the others are shortest + range u^2, with u
+    uniform: a quarter of the range holds half of them. Without it they are uniform.
+
+    Args:
+        count: number of times.
+        coasting_range: shortest and longest time.
+        rng: random number generator.
+        without_coast: share of zeros.
+    """
+    if not without_coast:
+        return rng.uniform(*coasting_range, count).tolist()
+    shortest, longest = coasting_range
+    drawn = (rng.uniform(0.0, 1.0, count) - without_coast) / (1.0 - without_coast)
+    return np.where(drawn < 0, 0.0, shortest + (longest - shortest) * drawn**2).tolist()
 
 
 def tour_edges(edges: list[Edge]) -> list[Edge]:
@@ -79,6 +109,7 @@ def _tour(
     name: str,
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
+    without_coast: float,
     wind: str,
 ) -> Sequence:
     # The circuit found depends on the order in which the edges are added.
@@ -92,6 +123,6 @@ def _tour(
         name=name,
         start=SE2(0.0, 0.0, rng.uniform(-pi, pi)),
         trims=trims,
-        coasting_times=tuple(rng.uniform(*coasting_range, len(trims)).tolist()),
+        coasting_times=tuple(coasting_times(len(trims), coasting_range, rng, without_coast=without_coast)),
         wind=wind,
     )

@@ -10,7 +10,7 @@ from flightlog.log import FlightLog
 from flightlog.series import Series
 from flightlog.topics import ESTIMATE, TRUTH
 
-from .segmentation import Segments, segment
+from .segmentation import SegmentEnd, Segments, segment
 
 NOMINAL = "nominal"
 """Kind, in the log's header, of flights that give values of maneuvers, not bounds."""
@@ -55,9 +55,9 @@ class FlightEvidence:
 
     @property
     def never_reached(self) -> frozenset[int]:
-        """Ids of trims with an unsettled maneuver to them."""
-        unsettled = {segment.id for segment in self.segments.maneuvers if not segment.settled}
-        return frozenset(row.to_trim for row in self.library.maneuvers if row.id in unsettled)
+        """Ids of trims with a timed-out maneuver to them."""
+        late = {part.id for part in self.segments.maneuvers if part.end is SegmentEnd.TIMED_OUT}
+        return frozenset(row.to_trim for row in self.library.maneuvers if row.id in late)
 
 
 def extract_evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:

@@ -153,6 +153,7 @@ def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tupl
         altitude=conditions.altitude or DEFAULT_ALTITUDE,
         flights=flights,
         coasting_range=ordered,
+        without_coast=conditions.without_coast,
         maneuver_end={wind: conditions.maneuver_end},
     )
     return specify_campaign(like_before, library, seed=seed, flights=flights, wind=wind, role=TESTING)

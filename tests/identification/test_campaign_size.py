@@ -82,7 +82,7 @@ def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
 
 def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> None:
     """Uses this thread as the worker and flights of equal length."""
-    few = replace(CAMPAIGN, coasting_range=(2.0, 2.1))
+    few = replace(CAMPAIGN, coasting_range=(2.0, 2.1), without_coast=0.0)
     with ThreadPoolExecutor(1) as executor:
         ahead = forecast_with_executor(
             executor, few, wind="gtmax", seed=1, flights=20, workers=1, began=perf_counter()

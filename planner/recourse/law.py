@@ -61,7 +61,7 @@ class CoastDistribution:
 
         Within a coast the velocity is a first-order Gauss-Markov process.
         """
-        memory = np.maximum(self.correlation_time, 1e-9)
+        memory = self.correlation_time
         drift = 2 * self.within**2 * memory * (duration - memory * (1 - np.exp(-duration / memory)))
         return np.asarray(self.covariance + np.diag(drift) / duration**2)
 
@@ -91,16 +91,26 @@ def transition_law(library: Library, *, error_scale: float = 1.0) -> TransitionL
 
 
 def _coast_distribution(trim: Trim, scale: float) -> CoastDistribution:
-    velocity, error = trim.velocity, trim.error
+    velocity, error, law = trim.velocity, trim.error, trim.law
+    if law is not None:
+        return CoastDistribution(
+            np.array([law.mean.forward, law.mean.side, law.mean.yaw_rate]),
+            scale**2 * np.array(law.covariance),
+            scale * np.array(law.within.standard_deviation),
+            np.array(law.within.correlation_time),
+        )
     mean, deviation = _moments(
         trim.statistics, _TRIM, [getattr(velocity, one) for one in _TRIM], [getattr(error, one) for one in _TRIM]
     )
-    return CoastDistribution(mean, np.diag((scale * deviation) ** 2), np.zeros(3), np.zeros(3))
+    return CoastDistribution(mean, np.diag((scale * deviation) ** 2), np.zeros(3), np.ones(3))
 
 
 def _maneuver_distribution(
     one: Maneuver, entry: Float[np.ndarray, "3"], exit_: Float[np.ndarray, "3"], scale: float
 ) -> ManeuverDistribution:
+    if one.law is not None:
+        path = np.array([instant.mean for instant in one.law.path])
+        return ManeuverDistribution(np.array(one.law.mean), scale**2 * np.array(one.law.covariance), path)
     moved = one.displacement
     mean, deviation = _moments(
         one.statistics,

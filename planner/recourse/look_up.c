@@ -1,6 +1,8 @@
 /* Cost-to-go between nodes. */
 #include "recourse.h"
 
+const double NO_SHIFT[5] = {0, 0, 0, 1, 0};
+
 /* The weights of a cell's nodes outside the tolerance, as a flight from outside is never at one inside. */
 static double outside_only(const float *low, const float *high, double u, double v, double reached)
 {
@@ -59,28 +61,30 @@ static double entered(const double *begin, const double *end, double x, double y
     return share <= 1 ? share : 2;
 }
 
-/* Seconds that an action takes, and those that are left after it, on average. */
-double action_cost(const Table *t, const Actions *p, int action, double x, double y)
+/* Seconds that an action takes, and those that are left after it, on average. A shift moves all its outcomes: s, m
+ * forward, m to the right, cosine and sine of the turn; not the path on the way. */
+double action_cost(const Table *t, const Actions *p, int action, const double *shift, double x, double y)
 {
     int begin = p->outcome[action], end = p->outcome[action + 1], points = p->points[action], to = p->to[action];
     const double *circle = p->circle + 3 * action, *path = p->position + 2L * p->path[action];
     double reach = circle[2] + t->tolerance, sum = 0;
     int near = points && (x - circle[0]) * (x - circle[0]) + (y - circle[1]) * (y - circle[1]) <= reach * reach;
     for (int k = begin; k < end; k++) {
-        double share = 2;
+        double share = 2, duration = p->duration[k] + shift[0];
         if (near) {
             const double *point = path + 2L * points * (k - begin);
             for (int n = 0; n < points - 1; n++, point += 2) {
                 share = entered(point, point + 2, x, y, t->tolerance);
                 if (share > 1) continue;
-                sum += p->duration[k] * (n + share) / (points - 1);
+                sum += duration * (n + share) / (points - 1);
                 break;
             }
         }
         if (share <= 1) continue;
         const double *moved = p->displacement + 4L * k;
-        double dx = x - moved[0], dy = y - moved[1];
-        sum += p->duration[k] + look_up(t, to, moved[2] * dx + moved[3] * dy, moved[2] * dy - moved[3] * dx);
+        double dx = x - moved[0] - shift[1], dy = y - moved[1] - shift[2];
+        double cosine = moved[2] * shift[3] - moved[3] * shift[4], sine = moved[3] * shift[3] + moved[2] * shift[4];
+        sum += duration + look_up(t, to, cosine * dx + sine * dy, cosine * dy - sine * dx);
     }
     return sum / (end - begin);
 }

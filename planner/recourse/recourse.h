@@ -35,8 +35,10 @@ typedef struct {
     const double *position;         /* forward, side of each point */
 } Actions;
 
+extern const double NO_SHIFT[5];
+
 int level_of(const Table *table, double x, double y);
 double look_up(const Table *table, int trim, double x, double y);
-double action_cost(const Table *table, const Actions *actions, int action, double x, double y);
+double action_cost(const Table *table, const Actions *actions, int action, const double *shift, double x, double y);
 
 #endif

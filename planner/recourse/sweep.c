@@ -25,14 +25,14 @@ PUBLIC void sweep(const Table *t, const Actions *p, int trim, int level, int fro
             int steps = abs(u) > abs(v) ? abs(u) : abs(v);
             if (steps < inner || steps > outer || old[node] < 0) continue;
             if (mode == CHOSEN) {
-                made[node] = (float)action_cost(t, p, first + choice[node], step * u, step * v);
+                made[node] = (float)action_cost(t, p, first + choice[node], NO_SHIFT, step * u, step * v);
                 continue;
             }
             double best = INFINITY;
             for (int k = 0; k < actions; k++) {
                 cost[k] = INFINITY;
                 if (level > p->coarsest[first + k] || (mode == LIKELY && !(likely[node] >> k & 1))) continue;
-                cost[k] = action_cost(t, p, first + k, step * u, step * v);
+                cost[k] = action_cost(t, p, first + k, NO_SHIFT, step * u, step * v);
                 change[1] = greater(change[1], (old[node] - cost[k]) / p->mean[first + k]);
                 if (!(cost[k] < best)) continue;
                 best = cost[k];
@@ -47,16 +47,18 @@ PUBLIC void sweep(const Table *t, const Actions *p, int trim, int level, int fro
     }
 }
 
-/* The cost of every action from each of several states, one row a state, as long as the most actions of a trim. */
+/* The cost of every action from each of several states, one row a state, as long as the most actions of a trim; so
+ * are the rows of shifts. */
 PUBLIC void action_costs(const Table *t, const Actions *p, int states, const int *trim, const double *position,
-                         int most, double *cost)
+                         const double *shift, int most, double *cost)
 {
     for (int n = 0; n < states; n++) {
         double x = position[2 * n], y = position[2 * n + 1];
         int first = p->first[trim[n]], actions = p->first[trim[n] + 1] - first, level = level_of(t, x, y);
         for (int k = 0; k < most; k++) {
             int considered = k < actions && level <= p->coarsest[first + k];
-            cost[n * most + k] = considered ? action_cost(t, p, first + k, x, y) : INFINITY;
+            cost[n * most + k] =
+                considered ? action_cost(t, p, first + k, shift + 5 * (n * most + k), x, y) : INFINITY;
         }
     }
 }

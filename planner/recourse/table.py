@@ -12,6 +12,10 @@ from .problem import ShortestPathProblem
 from .structures import Structures, structures
 
 
+NO_SHIFT = (0.0, 0.0, 0.0, 1.0, 0.0)
+"""Shift of an action's outcomes that leaves them where they are."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CostTable:
     """Least expected times of a problem, looked up anywhere.
@@ -20,18 +24,19 @@ class CostTable:
         problem: the statement.
         values: seconds at every node, below 0 inside the tolerance.
         gap: seconds between the bounds of the largest value.
+        most_actions: of any trim.
     """
 
     problem: ShortestPathProblem
     values: Float[np.ndarray, "trims levels side side"]
     gap: float
     _data: Structures = field(init=False, repr=False)
-    _most: int = field(init=False, repr=False)
+    most_actions: int = field(init=False)
 
     def __post_init__(self) -> None:
         """Points the C structures to the values."""
         object.__setattr__(self, "_data", structures(self.problem, self.values))
-        object.__setattr__(self, "_most", int(np.diff(self.problem.first).max()))
+        object.__setattr__(self, "most_actions", int(np.diff(self.problem.first).max()))
 
     @property
     def digest(self) -> str:
@@ -57,7 +62,10 @@ class CostTable:
         return cost
 
     def action_costs(
-        self, trims: Int[np.ndarray, "n"], goals: Float[np.ndarray, "n 2"]
+        self,
+        trims: Int[np.ndarray, "n"],
+        goals: Float[np.ndarray, "n 2"],
+        shifts: Float[np.ndarray, "n actions 5"] | None = None,
     ) -> Float[np.ndarray, "n actions"]:
         """Returns the expected seconds of each action of a trim and what follows.
 
@@ -66,16 +74,21 @@ class CostTable:
         Args:
             trims: places of the trims.
             goals: forward and side of the goal as seen from the vehicle, in metres.
+            shifts: of the outcomes of each action: seconds, metres forward, metres to the right, cosine and
+                sine of the turn; none by default.
         """
         trims, goals = np.ascontiguousarray(trims, dtype=np.intc), np.ascontiguousarray(goals, dtype=float)
-        cost = np.empty((len(trims), self._most))
+        cost = np.empty((len(trims), self.most_actions))
+        moved = np.broadcast_to(NO_SHIFT, (*cost.shape, 5)) if shifts is None else shifts
+        moved = np.ascontiguousarray(moved, dtype=float)
         load_recourse().action_costs(
             ctypes.byref(self._data.table),
             ctypes.byref(self._data.actions),
             len(trims),
             ctypes.c_void_p(trims.ctypes.data),
             ctypes.c_void_p(goals.ctypes.data),
-            self._most,
+            ctypes.c_void_p(moved.ctypes.data),
+            self.most_actions,
             ctypes.c_void_p(cost.ctypes.data),
         )
         return cost

@@ -1,5 +1,5 @@
 /* The maneuver automaton at every level, and walks in it. */
-#include "sets.c"
+#include "solve.c"
 
 /* Trims and maneuvers have places, not ids; numbers are laid out level after level. */
 typedef struct {
@@ -109,10 +109,5 @@ static double bound_of(const Row *row)
 {
     Active on;
     choose(row, &on, (1u << row->trims) - 1);
-    if (row->wants_heading && fabs(off_turns(row->heading)) > MAX(row->heading_tolerance, 1e-6)) {
-        int turns = 0;
-        for (int k = 0; k < row->trims; k++) turns |= row->rate[k] != 0;
-        if (!turns) return INFINITY;
-    }
-    return row->fixed + least_time(row, &on, to_cover(row));
+    return row->fixed + MAX(least_time(row, &on, to_cover(row)), least_turning(row, &on));
 }

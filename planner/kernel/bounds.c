@@ -47,6 +47,22 @@ static double least_time(const Row *row, const Active *on, double distance)
     return time;
 }
 
+/* Least seconds in which the given trims turn to the wanted heading, by the right or by the left. */
+static double least_turning(const Row *row, const Active *on)
+{
+    if (!row->wants_heading) return 0;
+    double right = off_turns(row->heading), tolerance = MAX(row->heading_tolerance, 2e-7), fastest = 0, slowest = 0;
+    if (fabs(right) <= tolerance) return 0;
+    if (right < 0) right += 2 * M_PI;
+    for (int i = 0; i < on->count; i++) {
+        fastest = MAX(fastest, row->rate[on->place[i]]);
+        slowest = MIN(slowest, row->rate[on->place[i]]);
+    }
+    double by_right = fastest > 0 ? (right - tolerance) / fastest : INFINITY;
+    double by_left = slowest < 0 ? (2 * M_PI - right - tolerance) / -slowest : INFINITY;
+    return MIN(by_right, by_left) * (1 - 1e-12);
+}
+
 /* No less than the largest cosine of an angle plus anything between two turns: by the series up to the eighth
  * power, which is nowhere below the cosine. */
 static double best_cosine(double angle, double low, double high)

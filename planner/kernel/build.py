@@ -15,9 +15,12 @@ SOURCES = (
     "bounds.c",
     "duality.c",
     "sets.c",
+    "known.c",
+    "solve.c",
     "automaton.c",
     "remaining.c",
     "frontier.c",
+    "levels.c",
     "search.c",
     "each.c",
 )

@@ -8,7 +8,6 @@
  * will be the fastest trim, it is done for some speeds; and once more for seconds alone.
  */
 #include "automaton.c"
-#include <stdlib.h>
 
 #define SPEEDS 10         /* at most; more are put together with the next faster ones */
 

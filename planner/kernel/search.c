@@ -1,108 +1,9 @@
 /* The best walk: walks come one by one, the one with the least bound first. */
-#include "frontier.c"
-#include <time.h>
+#include "levels.c"
+#include <stdio.h>
 
-typedef struct {
-    double cost, bound, least, times[MOST * MOST], costs[MOST];
-    long trims, walk[MOST], nodes, complete;
-} Answer;
-
-#define SHORT 4           /* trims */
-#define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
 #define MOST_WAITING 2000000 /* entries of a frontier; beyond, walks come depth first */
-
-typedef struct {
-    const Task *task;
-    const Automaton *automaton;
-    Answer *answer;
-    double until;             /* s */
-    cplx worth[MOST];         /* s/m; at each level, a multiplier that was good for the walk before */
-    Remaining remaining;
-    Walk best;
-    Frontier frontier;
-    Frontier left;            /* walks that were looked at and not excluded */
-    Frontier ways, stack;     /* ways on from one walk; what waits to be followed depth first */
-} Search;
-
-/* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */
-typedef struct { Walk walk; WalkRow level[MOST]; int order[MOST]; } Levels;
-
-static double clock_now(void)
-{
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
-}
-
-/* Whether the nodes or the seconds allowed are used up. */
-static int over(const Search *s)
-{
-    return s->answer->nodes >= s->task->most_nodes || (s->until < INFINITY && clock_now() >= s->until);
-}
-
-/* Whether some level cannot beat the best so far. */
-static int excluded(Search *s, const Entry *entry, Levels *every)
-{
-    int levels = s->automaton->levels;
-    double bounds[MOST], best = s->answer->cost;
-    read_walk(s->automaton, s->task, entry, &every->walk);
-    for (int level = 0; level < levels; level++) {
-        Row *row = &every->level[level].row;
-        set_sizes(&every->level[level], s->automaton, s->task, &every->walk, level);
-        set_vectors(&every->level[level], s->automaton, &every->walk, level);
-        bounds[level] = bound_of(row);
-        row->best = best;
-        row->worth = s->worth[level];
-    }
-    for (int done = 0; done < levels; done++) {
-        int level = 0;
-        for (int other = 1; other < levels; other++) if (bounds[other] > bounds[level]) level = other;
-        if (bounds[level] >= best) return 1;
-        bounds[level] = -1;
-        every->order[done] = level;
-        Row *row = &every->level[level].row;
-        s->answer->nodes++;
-        if (best == INFINITY) continue;
-        Active all;
-        unsigned mask = (1u << row->trims) - 1;
-        choose(row, &all, mask);
-        if (out_of_reach(row, &all, best - row->fixed)) return 1;
-        int out = refuted(row, mask, ROUNDS, &row->worth);
-        s->worth[level] = row->worth;
-        if (out) return 1;
-    }
-    return 0;
-}
-
-/* Solves a walk at every level; keeps it if its worst level is best. With a limit, no more times are not 0, and the
- * goal is the point where the tolerance is used up best. Returns whether it was kept. */
-static int solved(Search *s, const Levels *every, int most)
-{
-    int levels = s->automaton->levels;
-    double costs[MOST], times[MOST * MOST], worst = 0;
-    for (int done = 0; done < levels; done++) {
-        int level = every->order[done];
-        Row row = every->level[level].row;
-        row.best = s->answer->cost;
-        if (most < MOST) {
-            double aside = MAX(0, NEAR_THE_EDGE * row.tolerance - 4e-7);
-            row.goal += aside / length(row.worth) * row.worth;
-            row.tolerance = 0;
-        }
-        solve(&row, most);
-        if (!(row.best < s->answer->cost)) return 0;
-        costs[level] = row.best;
-        worst = MAX(worst, row.best);
-        memcpy(times + level * MOST, row.times, sizeof(row.times));
-    }
-    s->answer->cost = worst;
-    s->best = every->walk;
-    s->answer->trims = every->walk.length;
-    for (int k = 0; k < every->walk.length; k++) s->answer->walk[k] = every->walk.trim[k];
-    memcpy(s->answer->costs, costs, sizeof(costs));
-    memcpy(s->answer->times, times, sizeof(times));
-    return 1;
-}
+#define MANY 256          /* walks */
 
 /* Stops the search: nothing undercuts the bound given, nor those of the walks that are left. */
 static void stop(Search *s, double bound)
@@ -113,15 +14,18 @@ static void stop(Search *s, double bound)
 }
 
 /* Looks at a walk: with as many times as equations only, which soon gives a plan that excludes most of the others.
- * One that has become the best is solved to the end at once. */
-static void look_at(Search *s, const Entry *walk)
+ * One that has become the best is solved to the end at once. Returns whether there was time for it. */
+static int looked_at(Search *s, const Entry *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
     s->answer->least = MIN(s->answer->least, walk->bound);
-    if (excluded(s, walk, &every)) return;
-    if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
-    else append(&s->left, walk);
+    if (++s->looked == MANY) s->quick.known = &s->tried;
+    if (!excluded(s, walk, &every)) {
+        if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
+        else append(&s->left, walk);
+    }
+    return !late(&s->whole);
 }
 
 /* The bound of a walk at its worst level. */
@@ -203,8 +107,8 @@ static void descend(Search *s, const Entry *first, int fewest, int most)
     while (stack->count) {
         Entry one = stack->entries[--stack->count];
         if (one.bound >= s->answer->cost) continue;
-        if (over(s)) { stop(s, first->bound); return; }
-        if (one.closed) { look_at(s, &one); continue; }
+        if (over(s) || (one.closed && !looked_at(s, &one))) { stop(s, first->bound); return; }
+        if (one.closed) continue;
         find_ways(s, &one, fewest, most);
         qsort(ways->entries, (size_t)ways->count, sizeof(Entry), in_order);
         while (ways->count) append(stack, &ways->entries[--ways->count]);
@@ -221,9 +125,9 @@ static void dive(Search *s, int fewest, int most)
     while (f->count && s->answer->complete) {
         Entry one = pop(f);
         if (one.bound >= s->answer->cost) break;
-        if (over(s)) { stop(s, one.bound); return; }
-        if (one.closed) look_at(s, &one);
-        else if (!has_room(f, s->ways.room)) descend(s, &one, fewest, most);
+        if (over(s) || (one.closed && !looked_at(s, &one))) { stop(s, one.bound); return; }
+        if (one.closed) continue;
+        if (!has_room(f, s->ways.room)) descend(s, &one, fewest, most);
         else {
             find_ways(s, &one, fewest, most);
             for (long i = 0; i < s->ways.count; i++) push(f, &s->ways.entries[i]);
@@ -235,29 +139,14 @@ static void dive(Search *s, int fewest, int most)
 static void finish(Search *s)
 {
     Levels every;
+    if (s->left.count > MANY) s->whole.known = &s->known;
     qsort(s->left.entries, (size_t)s->left.count, sizeof(Entry), in_order);
     for (long i = 0; i < s->left.count; i++) {
         Entry *one = &s->left.entries[i];
         if (one->bound >= s->answer->cost) break;
-        if (over(s)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
-        if (!excluded(s, one, &every)) solved(s, &every, MOST);
-    }
-}
-
-/* The winner once more at the levels that do not decide. */
-static void polish(Search *s)
-{
-    Answer *answer = s->answer;
-    WalkRow one;
-    for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
-        set_sizes(&one, s->automaton, s->task, &s->best, level);
-        set_vectors(&one, s->automaton, &s->best, level);
-        one.row.worth = first_worth(one.row.goal);
-        one.row.best = answer->costs[level];
-        memcpy(one.row.times, answer->times + level * MOST, sizeof(one.row.times));
-        solve(&one.row, MOST);
-        answer->costs[level] = one.row.best;
-        memcpy(answer->times + level * MOST, one.row.times, sizeof(one.row.times));
+        int stopped = over(s);
+        if (!stopped && !excluded(s, one, &every)) solved(s, &every, MOST);
+        if (stopped || late(&s->whole)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
     }
 }
 
@@ -265,19 +154,24 @@ static int make_room(Search *s)
 {
     const Automaton *a = s->automaton;
     int widest = 1;
+    double way = cabs(s->task->goal_north + I * s->task->goal_east) + s->task->tolerance, fastest = 0;
     for (int trim = 0; trim < a->trims; trim++) widest = MAX(widest, a->first[trim + 1] - a->first[trim] + 1);
+    for (int trim = 0; trim < a->levels * a->trims; trim++) fastest = MAX(fastest, a->speed[trim]);
+    for (int m = 0; m < a->levels * a->first[a->trims]; m++) way = MAX(way, a->size[m]);
     s->frontier.most = s->left.most = MOST_WAITING;
     s->ways.most = widest;
     s->stack.most = (long)widest * s->task->max_trims;
+    make_known(&s->tried, SIMILAR, way, fastest);
+    make_known(&s->known, ALIKE, way, fastest);
     return make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
-        && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest);
+        && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest) && s->tried.room && s->known.room;
 }
 
 /* The walk whose worst level is best; 1 where there is no memory. */
 int search(const Task *task, const Automaton *automaton, Answer *answer)
 {
-    Search s = {.task = task, .automaton = automaton, .answer = answer, .until = INFINITY};
-    if (task->seconds < INFINITY) s.until = clock_now() + task->seconds;
+    Search s = {.task = task, .automaton = automaton, .answer = answer};
+    s.whole.until = s.quick.until = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
     answer->cost = answer->least = INFINITY;
     answer->trims = answer->nodes = 0;
     answer->complete = 1;
@@ -288,7 +182,7 @@ int search(const Task *task, const Automaton *automaton, Answer *answer)
         dive(&s, 1, MIN(SHORT, most));
         if (answer->complete && most > SHORT) dive(&s, SHORT + 1, most);
         if (answer->complete) finish(&s);
-        polish(&s);
+        polish(&s); if (getenv("PROF")) fprintf(stderr, "looked %ld left %ld nodes %ld frontier %ld tried %ld known %ld\n", s.looked, s.left.count, answer->nodes, s.frontier.room, s.tried.count, s.known.count);
         if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
     }
     free_remaining(&s.remaining);
@@ -296,5 +190,7 @@ int search(const Task *task, const Automaton *automaton, Answer *answer)
     free(s.left.entries);
     free(s.ways.entries);
     free(s.stack.entries);
+    free(s.tried.sets);
+    free(s.known.sets);
     return !made;
 }

@@ -1,6 +1,5 @@
 /* The best walk: walks come one by one, the one with the least bound first. */
 #include "levels.c"
-#include <stdio.h>
 
 #define MOST_WAITING 2000000 /* entries of a frontier; beyond, walks come depth first */
 #define MANY 256          /* walks */
@@ -182,7 +181,7 @@ int search(const Task *task, const Automaton *automaton, Answer *answer)
         dive(&s, 1, MIN(SHORT, most));
         if (answer->complete && most > SHORT) dive(&s, SHORT + 1, most);
         if (answer->complete) finish(&s);
-        polish(&s); if (getenv("PROF")) fprintf(stderr, "looked %ld left %ld nodes %ld frontier %ld tried %ld known %ld\n", s.looked, s.left.count, answer->nodes, s.frontier.room, s.tried.count, s.known.count);
+        polish(&s);
         if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
     }
     free_remaining(&s.remaining);

@@ -16,6 +16,7 @@ SOURCES = (
     "duality.c",
     "sets.c",
     "known.c",
+    "alike.c",
     "solve.c",
     "automaton.c",
     "remaining.c",

@@ -33,7 +33,7 @@ void each(const Task *task, const Table *table, double *costs, double *times)
         Row row;
         load(&row, task, table, index);
         row.best = INFINITY;
-        solve(&row, MOST, &(Help){0, INFINITY});
+        solve(&row, MOST, &(Help){0, 0, INFINITY});
         costs[index] = row.best;
         if (row.best < INFINITY) memcpy(times + index * row.trims, row.times, sizeof(double) * (size_t)row.trims);
     }

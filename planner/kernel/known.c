@@ -11,10 +11,10 @@
 
 #define ALIKE 1e-12       /* of the way and of the largest speed, and rad: what makes no difference */
 #define SIMILAR 1e-3      /* likewise: what makes little difference */
-#define MOST_KNOWN (1l << 20) /* sets that there is room for: 32 MB */
+#define MOST_KNOWN (1l << 20) /* sets that there is room for: 40 MB */
 
 /* coasting: seconds that the set takes with all of its times 0 or more; inside: with all of them more than 0. */
-typedef struct { uint64_t mark[2]; double coasting, inside; } KnownSet;
+typedef struct { uint64_t mark[2]; double coasting, inside; long numbers; } KnownSet;
 
 typedef struct {
     KnownSet *sets;
@@ -96,14 +96,9 @@ static KnownSet *place_of(Known *known, const Marks *marks, unsigned mask)
     }
 }
 
-/* With what a walk is solved: what is known of others, or nothing, and until when. */
-typedef struct { Known *known; double until; } Help;
-
 static double clock_now(void)
 {
     struct timespec now;
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
-
-static int late(const Help *help) { return help->until < INFINITY && clock_now() >= help->until; }

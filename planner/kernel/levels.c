@@ -15,6 +15,7 @@ typedef struct {
     const Automaton *automaton;
     Answer *answer;
     Known tried, known;       /* sets of times: with as many as equations, tried once; with all */
+    Alike alike;
     long looked;              /* walks that were looked at */
     Help quick, whole;        /* for the times of a walk: with as many as equations only, and with all */
     cplx worth[MOST];         /* s/m; at each level, a multiplier that was good for the walk before */
@@ -104,7 +105,7 @@ static void polish(Search *s)
 {
     Answer *answer = s->answer;
     WalkRow one;
-    Help help = {0, s->whole.until + POLISHING * s->task->seconds};
+    Help help = {0, 0, s->whole.until + POLISHING * s->task->seconds};
     for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
         set_sizes(&one, s->automaton, s->task, &s->best, level);
         set_vectors(&one, s->automaton, &s->best, level);

@@ -138,7 +138,7 @@ static void dive(Search *s, int fewest, int most)
 static void finish(Search *s)
 {
     Levels every;
-    if (s->left.count > MANY) s->whole.known = &s->known;
+    if (s->left.count > MANY) { s->whole.known = &s->known; s->whole.alike = &s->alike; }
     qsort(s->left.entries, (size_t)s->left.count, sizeof(Entry), in_order);
     for (long i = 0; i < s->left.count; i++) {
         Entry *one = &s->left.entries[i];
@@ -162,7 +162,7 @@ static int make_room(Search *s)
     s->stack.most = (long)widest * s->task->max_trims;
     make_known(&s->tried, SIMILAR, way, fastest);
     make_known(&s->known, ALIKE, way, fastest);
-    return make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
+    return make_alike(&s->alike, way, fastest) && make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
         && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest) && s->tried.room && s->known.room;
 }
 
@@ -191,5 +191,7 @@ int search(const Task *task, const Automaton *automaton, Answer *answer)
     free(s.stack.entries);
     free(s.tried.sets);
     free(s.known.sets);
+    free(s.alike.sets.sets);
+    free(s.alike.numbers);
     return !made;
 }

@@ -1,4 +1,4 @@
-/* Candidates of one set of times. */
+/* Which sets of times may be not 0 in a walk, and the best of their candidates. */
 #include "duality.c"
 
 /* Candidates of one set of times, the heading at the end free or bound to a limit. */
@@ -87,4 +87,55 @@ static void both_headings(Row *row, Active *on)
         examine(row, on);
         if (row->heading_tolerance == 0) break;
     }
+}
+
+/* Whether a set of times has more straight coasts than `examine` has equations for: three between two turns (or
+ * before the first), twice two between turns, or more than two stretches between turns with one. */
+static int too_straight(const Row *row, unsigned mask)
+{
+    int here = 0, first = 1, doubled = 0, stretches = 0;
+    for (int k = 0; k < row->trims; k++) {
+        if (!((mask >> k) & 1)) continue;
+        if (fabs(row->rate[k]) > row->straight) { here = 0; first = 0; continue; }
+        here++;
+        if (here > 2) return 1;
+        if (!first) { stretches += here == 1; doubled += here == 2; }
+    }
+    return stretches > 2 || doubled > 1;
+}
+
+/* How slow a turn has to be to be taken as a straight line: it depends on how long it can be held. Returns the
+ * slowest rate there is. */
+static double set_straight(Row *row, double distance)
+{
+    double longest = row->best - row->fixed, shortest = longest, fastest = 0, slowest = INFINITY;
+    for (int k = 0; k < row->trims; k++) {
+        fastest = MAX(fastest, row->speed[k]);
+        if (row->rate[k] != 0) slowest = MIN(slowest, fabs(row->rate[k]));
+    }
+    if (row->best == INFINITY) { longest = LONG; shortest = distance / fastest; }
+    row->straight = ALL_BUT_STRAIGHT / MAX(longest, 1e-3);
+    row->hardly_bent = HARDLY_BENT / MAX(shortest, 1e-3);
+    return slowest;
+}
+
+/* Candidates of one set of times. Turns that hardly bend are taken as turns, then the slowest of them as a straight
+ * line, then the next slowest too: which of them bend enough for the way to show it is not known before. */
+static void both_ways(Row *row, Active *on, unsigned mask)
+{
+    both_headings(row, on);
+    if (!(on->slowest <= row->hardly_bent)) return;
+    double straight = row->straight;
+    for (;;) {
+        double next = INFINITY;
+        for (int i = 0; i < on->count; i++) {
+            double rate = fabs(row->rate[on->place[i]]);
+            if (rate > row->straight && rate <= row->hardly_bent) next = MIN(next, rate);
+        }
+        if (next == INFINITY) break;
+        row->straight = next;
+        choose(row, on, mask);
+        both_headings(row, on);
+    }
+    row->straight = straight;
 }

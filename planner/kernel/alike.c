@@ -9,7 +9,7 @@
  */
 #include "known.c"
 
-#define NEAR 1e-4         /* of the way, and rad: sets that are near each other differ by half of it at most */
+#define NEAR 1e-3         /* of the way, and rad: sets that are near each other differ by half of it at most */
 #define MOST_NUMBERS (6l << 20) /* kept of sets: 48 MB */
 #define AND_MORE 1.02     /* of the seconds that would do */
 

@@ -16,8 +16,9 @@
 typedef struct {
     Known sets;
     double *numbers;          /* of the sets that others are near to */
-    long used;
+    int used;
     double near, aside;       /* m, rad */
+    long asked, helped;       /* sets that were asked for, and excluded */
 } Alike;
 
 static int make_alike(Alike *alike, double way, double speed)
@@ -71,18 +72,17 @@ static void widen(Row *row, const Alike *alike, int held)
 }
 
 /* Seconds that a set takes at least with all of its times more than 0, in every walk near this one; 0 if not known. */
-static double least_inside(const Row *row, Alike *alike, const Marks *marks, unsigned mask)
+static double least_inside(const Row *row, Alike *alike, const Marks *marks, unsigned mask, KnownSet *set)
 {
     double numbers[4 * MOST + 3];
     int held = __builtin_popcount(mask), count = numbers_of(row, marks, mask, numbers);
-    KnownSet *set = place_of(&alike->sets, marks, mask);
-    if (!set) return 0;
     if (!set->numbers) {
         if (alike->used + count > MOST_NUMBERS) return 0;
         memcpy(alike->numbers + alike->used, numbers, sizeof(double) * (size_t)count);
         set->numbers = alike->used;
         alike->used += count;
-        return 0;
+        /* There may be no other like it. */
+        if (2 * alike->helped < alike->asked) return 0;
     }
     if (!are_near(alike, numbers, alike->numbers + set->numbers, held, row->best - row->fixed)) return 0;
     if (set->inside > 0) return set->inside;
@@ -95,7 +95,7 @@ static double least_inside(const Row *row, Alike *alike, const Marks *marks, uns
 }
 
 /* Marks the sets of times that cannot be faster than the best so far, as those near them cannot. */
-static void exclude_alike(const Row *row, unsigned useful, Alike *alike, char *out)
+static void exclude_alike(const Row *row, unsigned useful, Alike *alike, KnownSet **sets, char *out)
 {
     Marks marks;
     set_marks(&marks, row, &alike->sets);
@@ -108,7 +108,12 @@ static void exclude_alike(const Row *row, unsigned useful, Alike *alike, char *o
         least[mask] = INFINITY;
         for (unsigned rest = mask; rest; rest &= rest - 1) least[mask] = MIN(least[mask], least[mask & ~(rest & -rest)]);
         int straight = !row->wants_heading && too_straight(row, mask);
-        if (least[mask] >= seconds && !straight) least[mask] = MIN(least[mask], least_inside(row, alike, &marks, mask));
+        sets[mask] = place_of(&alike->sets, &marks, mask);
+        if (!sets[mask]) least[mask] = 0;
+        else if (least[mask] >= seconds && !straight)
+            least[mask] = MIN(least[mask], least_inside(row, alike, &marks, mask, sets[mask]));
         out[mask] = least[mask] >= seconds;
+        alike->asked++;
+        alike->helped += out[mask];
     }
 }

@@ -13,8 +13,11 @@
 #define SIMILAR 1e-3      /* likewise: what makes little difference */
 #define MOST_KNOWN (1l << 20) /* sets that there is room for: 40 MB */
 
-/* coasting: seconds that the set takes with all of its times 0 or more; inside: with all of them more than 0. */
-typedef struct { uint64_t mark[2]; double coasting, inside; long numbers; } KnownSet;
+typedef struct {
+    uint64_t mark[2];
+    double coasting, inside;  /* s that the set takes: with all of its times 0 or more, with all of them more than 0 */
+    int numbers, unrefuted;   /* place of its numbers; how often a multiplier was sought in vain (alike.c) */
+} KnownSet;
 
 typedef struct {
     KnownSet *sets;

@@ -1,6 +1,8 @@
 /* The best times of one walk. */
 #include "alike.c"
 
+#define IN_VAIN 2         /* sets like one for which no multiplier was found: then none is sought */
+
 /* With what a walk is solved: what is known of others, or nothing, and until when. */
 typedef struct { Known *known; Alike *alike; double until; } Help;
 
@@ -12,22 +14,26 @@ static void exclude(const Row *row, unsigned useful, double distance, const Help
 {
     cplx worth = row->worth;
     double seconds = row->best - row->fixed;
-    if (help->alike) exclude_alike(row, useful, help->alike, out);
+    KnownSet *like[1 << MOST];
+    if (help->alike) exclude_alike(row, useful, help->alike, like, out);
+    else memset(out, 0, (size_t)useful + 1);
     for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
         Active on;
         if (late(help)) return;
-        if (!help->alike) out[mask] = 0;
         for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
             out[mask] = out[mask | (rest & -rest)] == 1;
         if (out[mask]) continue;
         if (!row->wants_heading && too_straight(row, mask)) { out[mask] = 2; continue; }
-        KnownSet *known = place_of(help->known, marks, mask);
+        KnownSet *known = place_of(help->known, marks, mask), *near = help->alike ? like[mask] : 0;
         if (known && known->coasting >= seconds) { out[mask] = 1; continue; }
         if (known && known->inside >= seconds) { out[mask] = 2; continue; }
         choose(row, &on, mask);
         out[mask] = MAX(least_time(row, &on, distance), least_turning(row, &on)) >= seconds
-            || out_of_reach(row, &on, seconds)
-            || refuted(row, mask, ROUNDS / 2, &worth);
+            || out_of_reach(row, &on, seconds);
+        if (!out[mask] && !(near && near->unrefuted >= IN_VAIN)) {
+            out[mask] = refuted(row, mask, ROUNDS / 2, &worth);
+            if (near && !out[mask]) near->unrefuted++;
+        }
         if (out[mask] && known) known->coasting = seconds;
     }
 }

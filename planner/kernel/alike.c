@@ -12,13 +12,14 @@
 #define NEAR 1e-3         /* of the way, and rad: sets that are near each other differ by half of it at most */
 #define MOST_NUMBERS (6l << 20) /* kept of sets: 48 MB */
 #define AND_MORE 1.02     /* of the seconds that would do */
+#define EACH 4            /* sets near each, and more: then even the first is looked at with a wider goal */
 
 typedef struct {
     Known sets;
     double *numbers;          /* of the sets that others are near to */
     int used;
     double near, aside;       /* m, rad */
-    long asked, helped;       /* sets that were asked for, and excluded */
+    long first, near_ones;    /* sets that were asked for: such as none before, and near one */
 } Alike;
 
 static int make_alike(Alike *alike, double way, double speed)
@@ -81,10 +82,11 @@ static double least_inside(const Row *row, Alike *alike, const Marks *marks, uns
         memcpy(alike->numbers + alike->used, numbers, sizeof(double) * (size_t)count);
         set->numbers = alike->used;
         alike->used += count;
-        /* There may be no other like it. */
-        if (2 * alike->helped < alike->asked) return 0;
+        /* Worth a wider look only where others near it will follow. */
+        if (++alike->first * EACH > alike->near_ones) return 0;
     }
     if (!are_near(alike, numbers, alike->numbers + set->numbers, held, row->best - row->fixed)) return 0;
+    alike->near_ones++;
     if (set->inside > 0) return set->inside;
     Row wide = *row;
     Active on;
@@ -113,7 +115,5 @@ static void exclude_alike(const Row *row, unsigned useful, Alike *alike, KnownSe
         else if (least[mask] >= seconds && !straight)
             least[mask] = MIN(least[mask], least_inside(row, alike, &marks, mask, sets[mask]));
         out[mask] = least[mask] >= seconds;
-        alike->asked++;
-        alike->helped += out[mask];
     }
 }

@@ -5,26 +5,27 @@
  * So a look at one set with a wider goal tells what all sets near it take at least.
  *
  * Such a look finds the candidates with all times more than 0. The best plan of a set may have fewer; then it is one of
- * a set with fewer times. The goals of those are wider still, so that they hold for what the larger set leaves of them.
+ * a set with fewer times, whose goal is wider still: by as much as the sets that two looks were at may differ. So what a
+ * set takes at least is the least that it, or any set with fewer of its times, was found to take.
  */
 #include "known.c"
 
 #define NEAR 1e-3         /* of the way, and rad: sets that are near each other differ by half of it at most */
-#define MOST_NUMBERS (6l << 20) /* kept of sets: 48 MB */
+#define MOST_NUMBERS (4 << 20) /* kept of sets: 32 MB */
 #define AND_MORE 1.02     /* of the seconds that would do */
-#define EACH 4            /* sets near each, and more: then even the first is looked at with a wider goal */
+#define EACH 4            /* sets that are near the first of their like */
 
 typedef struct {
     Known sets;
     double *numbers;          /* of the sets that others are near to */
     int used;
     double near, aside;       /* m, rad */
-    long first, near_ones;    /* sets that were asked for: such as none before, and near one */
+    long first, others;       /* sets that were the first of their like, and that were near one */
 } Alike;
 
 static int make_alike(Alike *alike, double way, double speed)
 {
-    make_known(&alike->sets, SIMILAR, way, speed);
+    make_known(&alike->sets, 1 << 19, SIMILAR, way, speed);
     alike->numbers = malloc(sizeof(double) * MOST_NUMBERS);
     alike->used = 1;
     alike->near = NEAR * (way > 0 ? way : 1);
@@ -62,58 +63,70 @@ static int are_near(const Alike *alike, const double *one, const double *other, 
     return 2 * (way + swing * seconds) <= alike->near && 2 * aside <= alike->aside;
 }
 
-/* The problem of a set with a goal that is wider, the wider the fewer its times. */
-static void widen(Row *row, const Alike *alike, int held)
+/* How much wider the goal of a set with so many times is. */
+static double wider(int held) { return MOST + 1.5 - held; }
+
+/* Seconds that a set takes at least with all of its times more than 0, with a wider goal. */
+static double look_wider(const Row *row, const Alike *alike, unsigned mask)
 {
-    double share = MOST + 1.5 - held;
-    row->tolerance += share * alike->near;
-    row->heading_tolerance += share * alike->aside;
-    row->wants_heading &= row->heading_tolerance < M_PI;
-    row->best = row->fixed + AND_MORE * (row->best - row->fixed);
+    Row wide = *row;
+    Active on;
+    int held = __builtin_popcount(mask);
+    wide.tolerance += wider(held) * alike->near;
+    wide.heading_tolerance += wider(held) * alike->aside;
+    wide.wants_heading &= wide.heading_tolerance < M_PI;
+    wide.best = wide.fixed + AND_MORE * (wide.best - wide.fixed);
+    if (wide.wants_heading || !too_straight(&wide, mask)) {
+        choose(&wide, &on, mask);
+        both_ways(&wide, &on, mask);
+    }
+    return MAX(wide.best - wide.fixed, 1e-300);
 }
 
-/* Seconds that a set takes at least with all of its times more than 0, in every walk near this one; 0 if not known. */
-static double least_inside(const Row *row, Alike *alike, const Marks *marks, unsigned mask, KnownSet *set)
+/* Whether a wider goal is reached without coasting. */
+static int is_there(const Row *row, const Alike *alike, const Marks *marks)
+{
+    double away = cabs(marks->before[row->trims - 1] - row->goal) - row->tolerance;
+    double aside = fabs(off_turns(row->heading)) - row->heading_tolerance;
+    return away <= wider(0) * alike->near && (!row->wants_heading || aside <= wider(0) * alike->aside);
+}
+
+/* Whether a set is near the first one like it; it may be the first itself. */
+static int is_near(Alike *alike, const Row *row, const Marks *marks, unsigned mask, KnownSet *set)
 {
     double numbers[4 * MOST + 3];
-    int held = __builtin_popcount(mask), count = numbers_of(row, marks, mask, numbers);
-    if (!set->numbers) {
+    int count = numbers_of(row, marks, mask, numbers), first = !set->numbers;
+    if (first) {
         if (alike->used + count > MOST_NUMBERS) return 0;
         memcpy(alike->numbers + alike->used, numbers, sizeof(double) * (size_t)count);
         set->numbers = alike->used;
         alike->used += count;
-        /* Worth a wider look only where others near it will follow. */
-        if (++alike->first * EACH > alike->near_ones) return 0;
+        alike->first++;
     }
-    if (!are_near(alike, numbers, alike->numbers + set->numbers, held, row->best - row->fixed)) return 0;
-    alike->near_ones++;
-    if (set->inside > 0) return set->inside;
-    Row wide = *row;
-    Active on;
-    widen(&wide, alike, held);
-    choose(&wide, &on, mask);
-    both_ways(&wide, &on, mask);
-    return set->inside = MAX(wide.best - wide.fixed, 1e-300);
+    const double *others = alike->numbers + set->numbers;
+    if (!are_near(alike, numbers, others, __builtin_popcount(mask), row->best - row->fixed)) return 0;
+    alike->others += !first;
+    /* The first is worth a look with a wider goal only where others near it will follow. */
+    return !first || alike->others > EACH * alike->first;
 }
 
 /* Marks the sets of times that cannot be faster than the best so far, as those near them cannot. */
-static void exclude_alike(const Row *row, unsigned useful, Alike *alike, KnownSet **sets, char *out)
+static void exclude_alike(const Row *row, unsigned useful, Alike *alike, double until, KnownSet **sets, char *out)
 {
     Marks marks;
     set_marks(&marks, row, &alike->sets);
     double least[1 << MOST], seconds = row->best - row->fixed;
-    double share = MOST + 1.5, away = cabs(marks.before[row->trims - 1] - row->goal) - row->tolerance;
-    double aside = fabs(off_turns(row->heading)) - row->heading_tolerance;
-    int there = away <= share * alike->near && (!row->wants_heading || aside <= share * alike->aside);
-    least[0] = there ? 0 : INFINITY;
+    least[0] = is_there(row, alike, &marks) ? 0 : INFINITY;
     for (unsigned mask = -useful & useful; mask; mask = (mask - useful) & useful) {
-        least[mask] = INFINITY;
-        for (unsigned rest = mask; rest; rest &= rest - 1) least[mask] = MIN(least[mask], least[mask & ~(rest & -rest)]);
-        int straight = !row->wants_heading && too_straight(row, mask);
-        sets[mask] = place_of(&alike->sets, &marks, mask);
-        if (!sets[mask]) least[mask] = 0;
-        else if (least[mask] >= seconds && !straight)
-            least[mask] = MIN(least[mask], least_inside(row, alike, &marks, mask, sets[mask]));
+        KnownSet *set = sets[mask] = place_of(&alike->sets, &marks, mask);
+        least[mask] = out[mask] = 0;
+        if (!set || late(until) || !is_near(alike, row, &marks, mask, set)) continue;
+        if (set->coasting == 0) {
+            double others = INFINITY;
+            for (unsigned rest = mask; rest; rest &= rest - 1) others = MIN(others, least[mask & ~(rest & -rest)]);
+            if (others >= seconds) set->coasting = MIN(others, look_wider(row, alike, mask));
+        }
+        least[mask] = set->coasting;
         out[mask] = least[mask] >= seconds;
     }
 }

@@ -11,7 +11,6 @@
 
 #define ALIKE 1e-12       /* of the way and of the largest speed, and rad: what makes no difference */
 #define SIMILAR 1e-3      /* likewise: what makes little difference */
-#define MOST_KNOWN (1l << 20) /* sets that there is room for: 40 MB */
 
 typedef struct {
     uint64_t mark[2];
@@ -33,12 +32,12 @@ typedef struct {
     uint64_t end[2];
 } Marks;
 
-/* Room for what is known, where scales are such; none where there is no memory. */
-static void make_known(Known *known, double share, double way, double speed)
+/* Room for a power of 2 of sets, where scales are such; none where there is no memory. */
+static void make_known(Known *known, long room, double share, double way, double speed)
 {
     known->once = share > ALIKE;
-    known->sets = calloc(MOST_KNOWN, sizeof(KnownSet));
-    known->room = known->sets ? MOST_KNOWN : 0;
+    known->sets = calloc((size_t)room, sizeof(KnownSet));
+    known->room = known->sets ? room : 0;
     known->way = share * (way > 0 ? way : 1);
     known->speed = share * (speed > 0 ? speed : 1);
     known->angle = share;
@@ -105,3 +104,5 @@ static double clock_now(void)
     clock_gettime(CLOCK_MONOTONIC, &now);
     return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
 }
+
+static int late(double until) { return until < INFINITY && clock_now() >= until; }

@@ -32,7 +32,7 @@ typedef struct { Walk walk; WalkRow level[MOST]; int order[MOST]; } Levels;
 /* Whether the nodes or the seconds allowed are used up. */
 static int over(const Search *s)
 {
-    return s->answer->nodes >= s->task->most_nodes || late(&s->whole);
+    return s->answer->nodes >= s->task->most_nodes || late(s->whole.until);
 }
 
 /* Whether some level cannot beat the best so far. */

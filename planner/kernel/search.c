@@ -1,8 +1,13 @@
 /* The best walk: walks come one by one, the one with the least bound first. */
 #include "levels.c"
 
-#define MOST_WAITING 2000000 /* entries of a frontier; beyond, walks come depth first */
-#define MANY 256          /* walks */
+/* What there is room for, 140 MB in all: walks and beginnings that wait, beyond which they come depth first; walks that
+ * were looked at, beyond which each is solved at once; and sets of times (with those of alike.c). */
+#define MOST_WAITING 1500000
+#define MOST_LEFT 1000000
+#define TRIED (1 << 17)
+#define KNOWN (1 << 19)
+#define MANY 256          /* walks, from which on it is worth to know their sets of times */
 
 /* Stops the search: nothing undercuts the bound given, nor those of the walks that are left. */
 static void stop(Search *s, double bound)
@@ -24,7 +29,7 @@ static int looked_at(Search *s, const Entry *walk)
         if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
         else append(&s->left, walk);
     }
-    return !late(&s->whole);
+    return !late(s->whole.until);
 }
 
 /* The bound of a walk at its worst level. */
@@ -145,7 +150,7 @@ static void finish(Search *s)
         if (one->bound >= s->answer->cost) break;
         int stopped = over(s);
         if (!stopped && !excluded(s, one, &every)) solved(s, &every, MOST);
-        if (stopped || late(&s->whole)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
+        if (stopped || late(s->whole.until)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
     }
 }
 
@@ -157,11 +162,12 @@ static int make_room(Search *s)
     for (int trim = 0; trim < a->trims; trim++) widest = MAX(widest, a->first[trim + 1] - a->first[trim] + 1);
     for (int trim = 0; trim < a->levels * a->trims; trim++) fastest = MAX(fastest, a->speed[trim]);
     for (int m = 0; m < a->levels * a->first[a->trims]; m++) way = MAX(way, a->size[m]);
-    s->frontier.most = s->left.most = MOST_WAITING;
+    s->frontier.most = MOST_WAITING;
+    s->left.most = MOST_LEFT;
     s->ways.most = widest;
     s->stack.most = (long)widest * s->task->max_trims;
-    make_known(&s->tried, SIMILAR, way, fastest);
-    make_known(&s->known, ALIKE, way, fastest);
+    make_known(&s->tried, TRIED, SIMILAR, way, fastest);
+    make_known(&s->known, KNOWN, ALIKE, way, fastest);
     return make_alike(&s->alike, way, fastest) && make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
         && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest) && s->tried.room && s->known.room;
 }

@@ -6,8 +6,6 @@
 /* With what a walk is solved: what is known of others, or nothing, and until when. */
 typedef struct { Known *known; Alike *alike; double until; } Help;
 
-static int late(const Help *help) { return help->until < INFINITY && clock_now() >= help->until; }
-
 /* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
  * left of them without one of the times; 2 for those with too many straight coasts, and those looked at before. */
 static void exclude(const Row *row, unsigned useful, double distance, const Help *help, const Marks *marks, char *out)
@@ -15,11 +13,11 @@ static void exclude(const Row *row, unsigned useful, double distance, const Help
     cplx worth = row->worth;
     double seconds = row->best - row->fixed;
     KnownSet *like[1 << MOST];
-    if (help->alike) exclude_alike(row, useful, help->alike, like, out);
+    if (help->alike) exclude_alike(row, useful, help->alike, help->until, like, out);
     else memset(out, 0, (size_t)useful + 1);
     for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
         Active on;
-        if (late(help)) return;
+        if (late(help->until)) return;
         for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
             out[mask] = out[mask | (rest & -rest)] == 1;
         if (out[mask]) continue;
@@ -68,7 +66,7 @@ static void solve(Row *row, int most, const Help *help)
     for (int size = 1; size <= most && size <= row->trims; size++)
         for (unsigned mask = 1; mask < 1u << row->trims; mask++) {
             if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
-            if (late(help)) return;
+            if (late(help->until)) return;
             KnownSet *set = place_of(now.known, &marks, mask);
             if (set && set->inside >= row->best - row->fixed) continue;
             Active on;

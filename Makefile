@@ -3,7 +3,6 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
-SOURCES := benchmarks experiments flight flightlog identification libraries maneuver models planner review runtime scenarios sim tests tools
 
 # One BLAS thread: the thread count changes the last bits of results.
 export OPENBLAS_NUM_THREADS := 1
@@ -19,11 +18,14 @@ help:
 
 install: $(VENV)/installed
 
-$(VENV)/installed: requirements.txt pyproject.toml
+# The search for plans is C: a compiler comes along where the machine has none.
+$(VENV)/installed: requirements.txt requirements-compiler.txt pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit(None if sys.version_info >= (3, 11) else "Python >= 3.11 is needed, this is " + sys.version)'
 	$(PYTHON) -m venv $(VENV)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.txt
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	@command -v cc >/dev/null || command -v gcc >/dev/null || command -v clang >/dev/null || \
+		$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-compiler.txt
 	touch $@
 
 # Rerun's converter, half a gigabyte; without it the tests that ask it are skipped.
@@ -37,8 +39,8 @@ test: install
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
 check: install
-	$(BIN)/ruff format --check $(SOURCES)
-	$(BIN)/ruff check $(SOURCES)
+	$(BIN)/ruff format --check
+	$(BIN)/ruff check
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
@@ -46,8 +48,8 @@ gallery: install
 	$(BIN)/python -m tools.gallery $(ULOG)
 
 format: install
-	$(BIN)/ruff format $(SOURCES)
-	$(BIN)/ruff check --fix $(SOURCES)
+	$(BIN)/ruff format
+	$(BIN)/ruff check --fix
 
 # Needs pip-tools; writes names, versions and hashes, and no address.
 lock:
@@ -56,6 +58,9 @@ lock:
 	$(PYTHON) -m piptools compile --quiet --strip-extras --allow-unsafe --extra dev --extra viewers --generate-hashes \
 		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --no-header --constraint requirements.txt \
 		--output-file requirements-viewers.txt pyproject.toml
+	$(PYTHON) -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["project"]["optional-dependencies"]["compiler"])' | \
+		$(PYTHON) -m piptools compile --quiet --strip-extras --allow-unsafe --generate-hashes \
+		--no-emit-index-url --no-emit-trusted-host --no-emit-find-links --no-header --output-file requirements-compiler.txt -
 
 clean:
 	rm -rf $(VENV) demo

@@ -1,15 +1,15 @@
-"""How often something may go wrong that was seen to go wrong so seldom."""
+"""Upper confidence limit of a failure rate."""
 
 from scipy.stats import beta
 
 
 def upper_limit(failures: int, trials: int, confidence: float = 0.95) -> float:
-    """Returns the share of failures that is not exceeded, with one-sided confidence (Clopper, Pearson).
+    """Returns the one-sided upper confidence limit of failures (Clopper, Pearson).
 
     Args:
-        failures: seen.
+        failures: observed.
         trials: made, independent of one another; without any the limit is 1.
-        confidence: of the limit.
+        confidence: level of the limit.
 
     Raises:
         ValueError: there are more failures than trials.

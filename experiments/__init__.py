@@ -1,1 +1,1 @@
-"""Closed loops and campaigns: flown, judged and compared. The stages meet here."""
+"""Campaigns and closed-loop flights: execution, evaluation, comparison."""

@@ -1,1 +1,1 @@
-"""Vocabulary of the project: units, planar motion, and the automaton, mission and plan."""
+"""Vocabulary: units, planar motion, maneuver automaton, mission, plan."""

@@ -1,4 +1,4 @@
-"""Failures that a caller may handle, each a sentence: what was expected, what came, what exists."""
+"""Errors that callers may handle, each a one-line sentence."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -8,14 +8,14 @@ from jaxtyping import Float
 
 
 class FlightError(Exception):
-    """Base of every failure that this program raises on purpose; its text is one line for the user."""
+    """Base class of all errors raised on purpose; one line of text."""
 
     def __reduce__(self) -> tuple[object, ...]:
-        """Travels between processes by its text: subclasses build that from arguments of their own."""
-        return _restored, (type(self), str(self))
+        """Pickles an error by its text; subclasses build that from own arguments."""
+        return _rebuild_error, (type(self), str(self))
 
 
-def _restored(kind: type[FlightError], text: str) -> FlightError:
+def _rebuild_error(kind: type[FlightError], text: str) -> FlightError:
     error = kind.__new__(kind)
     Exception.__init__(error, text)
     return error
@@ -39,7 +39,7 @@ class NoManeuverError(FlightError):
 
 
 class BadFileError(FlightError):
-    """A file is not what it should be; names the file, the place in it and what was expected there."""
+    """Invalid file: its name, the place in it, the value expected there."""
 
     def __init__(self, path: Path | str, problem: str) -> None:
         super().__init__(f"{path}: {problem}")
@@ -75,7 +75,7 @@ class FlightLostError(FlightError):
 
 
 class NoManeuverEndError(FlightError):
-    """A library was to be flown that does not say when a maneuver has ended."""
+    """Library to be flown without a maneuver-end rule."""
 
     def __init__(self, library: str) -> None:
         super().__init__(

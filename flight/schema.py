@@ -1,21 +1,25 @@
-"""The boundary between files and values: strict models, and errors that name the place in one line."""
+"""Strict parsing of files, with one-line errors that name the place."""
 
 import json
 import tomllib
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import cache
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
+from pydantic import AfterValidator, BaseModel, ConfigDict, TypeAdapter, ValidationError
+from pydantic.config import ExtraValues
 
 from .errors import BadFileError, FlightError
 
 LARGEST_FILE = 16 * 1024 * 1024
 """Bytes; far above any library or mission, far below what would fill the memory."""
 
-Model = TypeVar("Model", bound="FileModel")
 Value = TypeVar("Value")
+
+
+_adapter: Callable[[Any], TypeAdapter[Any]] = cache(TypeAdapter)
 
 
 class RepeatedKeyError(ValueError):
@@ -23,88 +27,116 @@ class RepeatedKeyError(ValueError):
 
 
 class FileModel(BaseModel):
-    """Base of what stands in files: no unknown keys, no silent conversions, immutable."""
+    """Base class of file models: no unknown keys, no conversions, immutable."""
 
     model_config = ConfigDict(extra="forbid", strict=True, frozen=True, allow_inf_nan=False)
 
 
-def schema_named(known: str) -> AfterValidator:
-    """Returns what refuses every schema but one, by name."""
-    return AfterValidator(partial(refuse_other_schema, known=known))
+def schema_named(*known: str) -> AfterValidator:
+    """Returns what refuses every schema but the known ones, by name."""
+    return AfterValidator(lambda schema: check_schema_name(schema, *known))
 
 
-def refuse_other_schema(schema: str, known: str) -> str:
-    """Returns the name of a file's schema, if it is the one that is known.
+def check_schema_name(schema: str, *known: str) -> str:
+    """Returns the schema name of a file if it is known.
 
     Raises:
-        ValueError: it is another; says both.
+        ValueError: it is another; says all.
     """
-    if schema != known:
-        newer = schema.partition("/")[0] == known.partition("/")[0]
+    if schema not in known:
+        newer = schema.partition("/")[0] == known[0].partition("/")[0]
         instead = "; another version may read it" if newer else ""
-        raise ValueError(f"this program reads {known}, the file is {schema:.60}{instead}")
+        raise ValueError(f"this program reads {' and '.join(known)}, the file is {schema:.60}{instead}")
     return schema
 
 
-def read_toml(path: Path, model: type[Model], build: Callable[[Model], Value]) -> Value:
-    """Reads a TOML file into a model, and builds a value from the model.
+def read_toml(path: Path, kind: type[Value]) -> Value:
+    """Reads a TOML file into a `FileValue` or a `FileModel`.
 
     Raises:
         BadFileError: names the file and the first place in it that is wrong.
     """
+    # What is strict takes arrays for tuples, and tables for values, only from JSON.
+    return parse_json(json.dumps(toml_table(path)), path, kind)
+
+
+def toml_table(path: Path) -> dict[str, Any]:
+    """Reads a TOML file into plain JSON values.
+
+    Raises:
+        BadFileError: names the file, and where it is no TOML.
+    """
     text = read_text(path)
     try:
-        # A strict model takes arrays for tuples only from JSON.
-        as_json = json.dumps(tomllib.loads(text))
-    except tomllib.TOMLDecodeError as error:
+        table = tomllib.loads(text)
+        json.dumps(table)
+    except ValueError as error:
+        # Numbers of thousands of digits are refused by another error than TOML's own.
         raise BadFileError(path, f"is not TOML: {error}") from None
     except TypeError:
         raise BadFileError(path, "expected numbers, texts and arrays, got a date or time") from None
     except RecursionError:
         raise BadFileError(path, "is nested too deeply") from None
-    return parse_json(as_json, path, model, build)
-
-
-def read_json(path: Path, model: type[Model], build: Callable[[Model], Value]) -> Value:
-    """Reads a JSON file into a model, and builds a value from the model.
-
-    Raises:
-        BadFileError: names the file and the first place in it that is wrong.
-    """
-    return parse_json(read_text(path), path, model, build)
+    return table
 
 
 def parse_json(
-    text: str | bytes, source: Path | str, model: type[Model], build: Callable[[Model], Value]
+    text: str | bytes, source: Path | str, kind: type[Value], *, extra: ExtraValues | None = None
 ) -> Value:
-    """Parses JSON text into a model, and builds a value from the model.
+    """Parses JSON text into a value.
 
     Args:
         text: the document.
         source: what to call it in an error.
-        model: what its content must look like.
-        build: makes the value; a `ValueError` or `FlightError` of its own names the place.
+        kind: of the value: a `FileValue`, a `FileModel`, or a tuple of such.
+        extra: what becomes of unknown keys, where that is not for the kind to say.
 
     Raises:
         BadFileError: names the source and the first place in it that is wrong.
     """
+    with refusing(source):
+        check_unique_keys(text)
+        value: Value = _adapter(kind).validate_json(text, extra=extra)
+        return value
+
+
+def json_content(value: object, *, exclude_none: bool = True) -> Any:
+    """Returns a `FileValue` as JSON values, in the order of its fields."""
+    return _adapter(type(value)).dump_python(value, mode="json", by_alias=True, exclude_none=exclude_none)
+
+
+def json_schema(kind: type) -> dict[str, Any]:
+    """Returns the JSON Schema of a value's type, described by docstrings."""
+    schema = _adapter(kind).json_schema()
+    for part in (schema, *schema["$defs"].values()):
+        if "description" in part:
+            part["description"] = part["description"].partition("\n\n")[0]
+    return schema
+
+
+@contextmanager
+def refusing(source: Path | str) -> Iterator[None]:
+    """Says in one line what is wrong with a file's content.
+
+    Raises:
+        BadFileError: names the source, and the first place in it that is wrong.
+    """
     try:
-        refuse_repeated_keys(text)
-        return build(model.model_validate_json(text))
+        yield
     except ValidationError as error:
         raise BadFileError(source, first_problem(error)) from None
     except (ValueError, FlightError) as error:
         raise BadFileError(source, str(error)) from None
 
 
-def refuse_repeated_keys(text: str | bytes) -> None:
-    """Refuses JSON text with a key twice in one object: readers differ in which of the two they take.
+def check_unique_keys(text: str | bytes) -> None:
+    """Checks that JSON text has no key twice in one object.
 
     Raises:
         RepeatedKeyError: there is one; says which.
     """
     try:
-        json.loads(text, object_pairs_hook=_Keys)
+        json.loads(text, object_pairs_hook=_UncheckedObject)
     except RepeatedKeyError:
         raise
     except (ValueError, RecursionError):
@@ -112,7 +144,7 @@ def refuse_repeated_keys(text: str | bytes) -> None:
         return
 
 
-class _Keys:
+class _UncheckedObject:
     """Stands for an object of which only the keys were looked at."""
 
     def __init__(self, pairs: list[tuple[str, object]]) -> None:
@@ -143,14 +175,19 @@ def read_text(path: Path) -> str:
 
 
 def first_problem(error: ValidationError) -> str:
-    """Returns the first of a model's complaints as one line: place, what is wrong, what came."""
+    """Returns a model's first complaint in one line: place, problem, value."""
     details = error.errors(include_url=False)
     first = details[0]
+    if first["type"] == "json_invalid":
+        return f"is not JSON: {first['msg'].removeprefix('Invalid JSON: ')}"
+    message = _WORDS.get(first["type"]) or first["msg"].removeprefix("Value error, ")
+    if first["type"] == "value_error" and not first["loc"]:
+        return message
     place = "".join(f"[{part}]" if isinstance(part, int) else f".{part}" for part in first["loc"]).lstrip(".")
-    message = "is missing" if first["type"] == "missing" else first["msg"].removeprefix("Value error, ")
-    came = (
-        "" if first["type"] in {"missing", "value_error", "json_invalid"} else f", got {first['input']!r:.60}"
-    )
+    came = "" if first["type"] in {"missing", "value_error"} else f", got {first['input']!r:.60}"
     # Of a file of another kind, nothing but that is worth saying.
     more = f" (and {len(details) - 1} more)" if len(details) > 1 and first["loc"] != ("schema",) else ""
     return f"{place or 'document'}: {message}{came}{more}"
+
+
+_WORDS = {"missing": "is missing", "unexpected_keyword_argument": "Extra inputs are not permitted"}

@@ -6,7 +6,11 @@ yaw rate is a right turn. Body axes are forward and to the right.
 
 from dataclasses import dataclass
 from math import cos, hypot, isfinite, pi, remainder, sin
-from typing import Self
+from typing import Annotated, Self
+
+from pydantic import Field
+
+from .file_value import FileValue
 
 
 def wrap_angle(angle: float) -> float:
@@ -15,18 +19,18 @@ def wrap_angle(angle: float) -> float:
 
 
 def rotate(x: float, y: float, heading: float) -> tuple[float, float]:
-    """Returns the body-frame vector (x, y) in world axes, for a body with this heading."""
+    """Returns a body-frame vector in world axes, for a given heading."""
     c, s = cos(heading), sin(heading)
     return c * x - s * y, s * x + c * y
 
 
 @dataclass(frozen=True, slots=True)
-class Twist:
-    """A constant body velocity: forward and side in metres per second, yaw rate in radians per second."""
+class Twist(FileValue):
+    """Constant body velocity: m/s forward, m/s right, rad/s."""
 
-    forward: float
-    side: float
-    yaw_rate: float
+    forward: Annotated[float, Field(description="metres per second")]
+    side: Annotated[float, Field(description="metres per second, to the right")]
+    yaw_rate: Annotated[float, Field(description="radians per second, right turns positive")]
 
     def __post_init__(self) -> None:
         """Refuses non-finite components."""
@@ -34,7 +38,7 @@ class Twist:
             raise ValueError(f"a twist has finite components, got {self}")
 
     def scaled_error(self, error: "Twist", gamma: float) -> "Twist":
-        """Returns this velocity with gamma times the signed error added (thesis, eq. 8a)."""
+        """Returns this velocity plus gamma times the error (thesis, eq. 8a)."""
         return Twist(
             self.forward + gamma * error.forward,
             self.side + gamma * error.side,
@@ -48,8 +52,8 @@ class Twist:
 
 
 @dataclass(frozen=True, slots=True)
-class SE2:
-    """A planar pose, or the displacement between two poses: metres, metres, radians (not wrapped).
+class SE2(FileValue):
+    """Planar pose or displacement: metres, metres, radians (not wrapped).
 
     `pose_world_b = pose_world_a @ displacement_a_b`.
     """
@@ -70,7 +74,7 @@ class SE2:
 
     @classmethod
     def exp(cls, twist: Twist, duration: float) -> Self:
-        """Returns the displacement after holding a body velocity for a time (thesis, eq. 17-18).
+        """Returns the displacement after holding a velocity (thesis, eq. 17-18).
 
         Exact for every yaw rate: with sin(x) / x in place of (1 - cos x) / x nothing is lost near zero.
 
@@ -106,11 +110,11 @@ class SE2:
 
 
 def arc(yaw_rate: float, duration: float) -> tuple[float, float]:
-    """Returns the integrals of cos(r t) and sin(r t) from 0 to the duration, in seconds."""
+    """Returns the integrals of cos(r t) and sin(r t), in seconds."""
     half = 0.5 * yaw_rate * duration
     return duration * _sinc(2.0 * half), duration * sin(half) * _sinc(half)
 
 
 def _sinc(angle: float) -> float:
-    """Returns sin(x) / x: exact to the last bit however small the angle is, so only 0 itself is apart."""
+    """Returns sin(x) / x, exact for every angle above 0."""
     return sin(angle) / angle if angle else 1.0

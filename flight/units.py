@@ -1,4 +1,4 @@
-"""Units that are not SI, as they stand in sources and are converted where they enter."""
+"""Units of sources that are not SI, converted on entry."""
 
 FOOT = 0.3048
 """International foot in metres, exact by definition."""

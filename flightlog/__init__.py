@@ -1,1 +1,1 @@
-"""The flight log: topics, attachments, decisions, events, and their files."""
+"""Flight log: topics, attachments, decisions, events and files."""

@@ -1,4 +1,4 @@
-"""What a vehicle says of itself when something is wrong: alarms, a topic of the flight log."""
+"""Alarms of the supervised vehicle, a topic of the flight log."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from .topic import Field, Series, Topic
 
 
 class AlarmKind(IntEnum):
-    """Values of `/alarm` `kind`: what was watched."""
+    """Values of `/alarm` `kind`."""
 
     NO_NUMBER = 0
     TILT = 1
@@ -34,47 +34,47 @@ class AlarmKind(IntEnum):
 
 
 ADVICE = frozenset({AlarmKind.TURBULENCE})
-"""Alarms that do not end a mission: the vehicle is well, but outside what its library was identified in."""
+"""Alarms that do not end a mission: no defect, but conditions outside those of the library's data."""
 
 
 MEANINGS: dict[AlarmKind, tuple[str, str]] = {
-    AlarmKind.NO_NUMBER: ("the estimate is no number", "-"),
+    AlarmKind.NO_NUMBER: ("estimate not finite", "-"),
     AlarmKind.TILT: ("roll or pitch", "rad"),
-    AlarmKind.HEIGHT: ("height off the one held", "m"),
-    AlarmKind.VELOCITY: ("horizontal velocity off the one asked for, root mean square", "m/s"),
+    AlarmKind.HEIGHT: ("height error", "m"),
+    AlarmKind.VELOCITY: ("horizontal velocity error, root mean square", "m/s"),
     AlarmKind.DESCENT: ("vertical velocity, root mean square", "m/s"),
-    AlarmKind.YAW_RATE: ("yaw rate off the one asked for, root mean square", "rad/s"),
-    AlarmKind.FIXES_AMISS: ("fixes off the estimate, mean in standard deviations", "-"),
-    AlarmKind.HEADING_AMISS: ("heading read off the estimate, mean in standard deviations", "-"),
-    AlarmKind.ALTIMETER_AMISS: ("height read off the estimate, mean in standard deviations", "-"),
-    AlarmKind.FIXES_SILENT: ("no fix", "s"),
-    AlarmKind.HEADING_SILENT: ("no heading read", "s"),
-    AlarmKind.ALTIMETER_SILENT: ("no height read", "s"),
-    AlarmKind.GYRO_STUCK: ("gyro reads the same to the bit", "s"),
-    AlarmKind.ACCELEROMETER_STUCK: ("accelerometer reads the same to the bit", "s"),
-    AlarmKind.FIXES_STUCK: ("fixes are the same to the bit", "s"),
-    AlarmKind.HEADING_STUCK: ("heading reads the same to the bit", "s"),
-    AlarmKind.ALTIMETER_STUCK: ("altimeter reads the same to the bit", "s"),
-    AlarmKind.POSITION_UNKNOWN: ("standard deviation of the position, as the filter claims it", "m"),
-    AlarmKind.TURBULENCE: ("wind at 20 ft, as the turbulence shows it", "m/s"),
+    AlarmKind.YAW_RATE: ("yaw rate error, root mean square", "rad/s"),
+    AlarmKind.FIXES_AMISS: ("innovation of the fixes, mean in standard deviations", "-"),
+    AlarmKind.HEADING_AMISS: ("innovation of the heading, mean in standard deviations", "-"),
+    AlarmKind.ALTIMETER_AMISS: ("innovation of the altimeter, mean in standard deviations", "-"),
+    AlarmKind.FIXES_SILENT: ("time without a fix", "s"),
+    AlarmKind.HEADING_SILENT: ("time without a heading reading", "s"),
+    AlarmKind.ALTIMETER_SILENT: ("time without an altimeter reading", "s"),
+    AlarmKind.GYRO_STUCK: ("gyro reading bitwise unchanged", "s"),
+    AlarmKind.ACCELEROMETER_STUCK: ("accelerometer reading bitwise unchanged", "s"),
+    AlarmKind.FIXES_STUCK: ("fixes bitwise unchanged", "s"),
+    AlarmKind.HEADING_STUCK: ("heading reading bitwise unchanged", "s"),
+    AlarmKind.ALTIMETER_STUCK: ("altimeter reading bitwise unchanged", "s"),
+    AlarmKind.POSITION_UNKNOWN: ("claimed standard deviation of the position", "m"),
+    AlarmKind.TURBULENCE: ("wind at 20 ft, estimated from turbulence", "m/s"),
 }
-"""What is watched, and its unit."""
+"""Monitored quantity of each kind, and its unit."""
 
 ALARM = Topic(
     "/alarm",
     "maneuver.Alarm",
-    "one message where the vehicle first finds something wrong with itself, of each kind; absent without one",
+    "one message at the first alarm of each kind; absent without alarms",
     (
         Field("kind", "-", "; ".join(f"{kind.value} {words}" for kind, (words, _) in MEANINGS.items())),
-        Field("value", "as its kind", "what was found"),
-        Field("limit", "as its kind", "what is allowed"),
+        Field("value", "as its kind", "monitored value"),
+        Field("limit", "as its kind", "largest value allowed"),
     ),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Alarm:
-    """One alarm: seconds since the start, what is wrong, and by how much, beside what is allowed."""
+    """One alarm: time in seconds, kind, value and its limit."""
 
     time: float
     kind: AlarmKind
@@ -83,20 +83,20 @@ class Alarm:
 
     @property
     def sentence(self) -> str:
-        """What is wrong, for people."""
+        """Monitored quantity, value and limit as text."""
         words, unit = MEANINGS[self.kind]
         unit = f" {unit}".removesuffix(" -")
-        return f"{words}: {self.value:.3g}{unit}, allowed {self.limit:g}{unit}"
+        return f"{words}: {self.value:.3g}{unit}, limit {self.limit:g}{unit}"
 
 
 def alarm_series(alarms: Sequence[Alarm]) -> Series:
-    """Returns alarms as a topic's messages; they come in the order of their times."""
+    """Returns alarms, in the order of their times, as messages."""
     rows = [(float(a.kind), a.value, a.limit) for a in alarms]
     values = np.array(rows, dtype=np.float64).reshape(len(rows), len(ALARM.fields))
     return Series(ALARM, np.array([a.time for a in alarms], dtype=np.float64), values)
 
 
-def alarms_of(series: Series) -> tuple[Alarm, ...]:
+def alarms_from_series(series: Series) -> tuple[Alarm, ...]:
     """Returns the alarms of a log's topic."""
     rows = zip(series.time.tolist(), series.values.tolist(), strict=True)
     return tuple(Alarm(time, AlarmKind(int(row[0])), row[1], row[2]) for time, row in rows)

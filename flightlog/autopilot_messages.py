@@ -1,52 +1,37 @@
-"""What an autopilot of another kind told while it flew: its own messages, in the log that was made of its."""
+"""Status messages of an imported log's autopilot."""
 
-import json
 from dataclasses import dataclass
 
-from pydantic import BaseModel, ConfigDict, FiniteFloat, TypeAdapter, ValidationError
-
-from flight.errors import BadFileError
-from flight.schema import first_problem
+from flight.schema import FileModel, parse_json
 
 from .attachment_names import IMPORT_ATTACHMENT
 from .log import FlightLog
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
-    """One message: seconds since the log's start (below 0 before it), `INFO`, `WARNING` or `ERROR`, words."""
+class AutopilotMessage:
+    """Autopilot message: time, level and text.
+
+    Attributes:
+        time: seconds since the log's start; negative before it.
+        level: `INFO`, `WARNING` or `ERROR`.
+        text: the message.
+    """
 
     time: float
     level: str
     text: str
 
 
-class _Message(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True, allow_inf_nan=False)
-
-    time: FiniteFloat
-    level: str
-    text: str
+class _Import(FileModel):
+    messages: tuple[AutopilotMessage, ...] = ()
 
 
-class _Import(BaseModel):
-    model_config = ConfigDict(extra="ignore", frozen=True)
-
-    messages: tuple[_Message, ...] = ()
-
-
-def messages_told(log: FlightLog) -> tuple[Told, ...]:
-    """Returns the autopilot's messages; none in a log that was not imported.
+def autopilot_messages(log: FlightLog) -> tuple[AutopilotMessage, ...]:
+    """Returns the autopilot's messages; none unless the log was imported.
 
     Raises:
-        BadFileError: the attachment is there, but broken.
+        BadFileError: the attachment is invalid.
     """
-    if IMPORT_ATTACHMENT not in log.attachments:
-        return ()
-    try:
-        content = TypeAdapter(_Import).validate_python(json.loads(log.attachments[IMPORT_ATTACHMENT]))
-    except ValidationError as error:
-        raise BadFileError(IMPORT_ATTACHMENT, first_problem(error)) from None
-    except ValueError as error:
-        raise BadFileError(IMPORT_ATTACHMENT, f"is not JSON: {error}") from None
-    return tuple(Told(one.time, one.level, one.text) for one in content.messages)
+    text = log.attachments.get(IMPORT_ATTACHMENT)
+    return () if text is None else parse_json(text, IMPORT_ATTACHMENT, _Import, extra="ignore").messages

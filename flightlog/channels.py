@@ -1,9 +1,9 @@
-"""Controls of a vehicle whose rotors and surfaces are not the helicopter's: numbered, as they were logged."""
+"""Topics of a flight log: fields, units, meanings and conventions."""
 
 from .topic import Field, Topic
 
 SCHEMA = "maneuver-flight-log/1"
-"""Version of this contract; a log that names none is of this one."""
+"""Version of this contract, assumed for logs that name none."""
 
 CONVENTIONS = {
     "schema": SCHEMA,
@@ -13,7 +13,7 @@ CONVENTIONS = {
     "time": "nanoseconds since the start of the flight, simulated; log and publish time are equal",
     "viewer": "topics in /viewer_z_up: x east, y north, z up; vehicle x forward, y left, z up",
 }
-"""What a metadata record of this name says, for who has the file alone."""
+"""Metadata record of a log file that states its conventions."""
 
 _STATE = (
     Field("north", "m", "position in the world"),
@@ -34,7 +34,7 @@ _STATE = (
 COMMAND = Topic(
     "/command",
     "maneuver.Command",
-    "what the maneuver generator asks of the controller",
+    "reference of the maneuver generator for the controller",
     (
         Field("forward", "m/s", "velocity along the heading"),
         Field("side", "m/s", "velocity to the right of the heading"),
@@ -43,14 +43,14 @@ COMMAND = Topic(
     ),
 )
 
-ESTIMATE = Topic("/estimate", "maneuver.State", "what the vehicle believes", _STATE)
+ESTIMATE = Topic("/estimate", "maneuver.State", "estimated state", _STATE)
 
-TRUTH = Topic("/truth", "maneuver.State", "what is so", _STATE)
+TRUTH = Topic("/truth", "maneuver.State", "true state", _STATE)
 
 NAVIGATION = Topic(
     "/navigation",
     "maneuver.Spread",
-    "what the vehicle believes of the estimate's errors: one standard deviation of each",
+    "standard deviations of the estimate's errors, as the filter claims them",
     (
         Field("north", "m", "position in the world"),
         Field("east", "m", "position in the world"),
@@ -67,7 +67,7 @@ NAVIGATION = Topic(
 MOTION = Topic(
     "/motion",
     "maneuver.PlanarMotion",
-    "what is known of the motion of a vehicle that keeps no other log",
+    "planar motion of a vehicle without any other log",
     tuple(
         field for field in _STATE if field.name in {"north", "east", "heading", "forward", "side", "yaw_rate"}
     ),
@@ -76,7 +76,7 @@ MOTION = Topic(
 WIND = Topic(
     "/wind",
     "maneuver.Wind",
-    "the air's motion at the vehicle, held over a control period",
+    "motion of the air at the vehicle, held over a control period",
     (
         Field("north", "m/s", "velocity of the air over the ground, mean wind and gust"),
         Field("east", "m/s", "velocity of the air over the ground, mean wind and gust"),
@@ -90,7 +90,7 @@ WIND = Topic(
 CONTROLS = Topic(
     "/controls",
     "maneuver.Controls",
-    "servo commands, held over a control period, and where the servos are when they are given",
+    "servo commands, held over a control period, and servo positions at its start",
     (
         Field("collective_command", "rad", "main rotor collective pitch"),
         Field("longitudinal_command", "rad", "longitudinal cyclic pitch, nose up positive"),
@@ -111,35 +111,36 @@ PRIMITIVE = Topic(
         Field("kind", "-", "0 coast, 1 maneuver"),
         Field("id", "-", "id of the trim held, or of the maneuver"),
         Field("from_trim", "-", "id of the trim left; of the trim held in a coast"),
-        Field("to_trim", "-", "id of the trim led to; of the trim held in a coast"),
+        Field("to_trim", "-", "id of the trim reached; of the trim held in a coast"),
         Field("forward", "m/s", "nominal velocity of that trim"),
         Field("side", "m/s", "nominal velocity of that trim"),
         Field("yaw_rate", "rad/s", "nominal yaw rate of that trim"),
-        Field("timed_out", "-", "1 where the primitive before ended by time-out"),
+        Field("timed_out", "-", "1 if the previous primitive ended by time-out"),
     ),
 )
 
 
-MOST_ACTUATORS = 12
+MAX_ACTUATORS = 12
+"""Controls of an imported log that are kept."""
 
 ACTUATORS = Topic(
     "/actuators",
     "maneuver.Actuators",
-    "controls of a vehicle of another kind; only those that its log has",
+    "actuators or controls of an imported log, as numbered there",
     tuple(
         Field(f"control_{number}", "as logged", f"actuator or control {number} of its autopilot")
-        for number in range(1, MOST_ACTUATORS + 1)
+        for number in range(1, MAX_ACTUATORS + 1)
     ),
 )
 
 FAULT = Topic(
     "/fault",
     "maneuver.Fault",
-    "one message at the start and one at the end of every fault; absent where none was asked for",
+    "one message at the start and one at the end of every injected fault; absent without faults",
     (
         Field("number", "-", "place in `faults.json`, from 1"),
-        Field("active", "-", "1 where it starts, 0 where it ends"),
-        Field("size_1", "as its kind", "by how much, as the kind of fault counts it; 0 where it does not"),
+        Field("active", "-", "1 at its start, 0 at its end"),
+        Field("size_1", "as its kind", "size, defined by the kind of fault; 0 if not used"),
         Field("size_2", "as its kind", "likewise"),
         Field("size_3", "as its kind", "likewise"),
     ),
@@ -148,10 +149,10 @@ FAULT = Topic(
 FAULT_EFFECT = Topic(
     "/fault_effect",
     "maneuver.FaultEffect",
-    "what shows that a fault acted, for every control period of its; absent where none was asked for",
+    "effect of an injected fault at every control period of it; absent without faults",
     (
         Field("number", "-", "place in `faults.json`, from 1"),
-        Field("effect", "as its kind", "how far it takes the flight from one without it; 0 where not at all"),
+        Field("effect", "as its kind", "difference to the fault-free signal; 0 without effect"),
     ),
 )
 

@@ -1,4 +1,4 @@
-"""The way that velocities make, for logs that do not say where the vehicle was."""
+"""Dead reckoning for logs without positions."""
 
 from dataclasses import replace
 
@@ -7,30 +7,36 @@ from jaxtyping import Float
 
 from .topic import Field, Series
 
-_PLACES = (
-    Field("north", "m", "way made from the first sample on"),
-    Field("east", "m", "way made from the first sample on"),
+_POSITION_FIELDS = (
+    Field("north", "m", "dead-reckoned from the first sample"),
+    Field("east", "m", "dead-reckoned from the first sample"),
 )
 
 
-def with_places(motion: Series) -> Series:
-    """Returns a motion with positions: its own, or the way made from its start by its velocities.
+def with_dead_reckoning(motion: Series) -> Series:
+    """Returns a motion with positions, dead-reckoned if it has none.
 
-    A displacement over seconds comes out as well as the velocities are known; a position on a map does not,
-    which is why no log is given one.
+    Displacements over seconds are as accurate as the velocities; positions drift, so the result is never
+    written to a log.
 
     Raises:
         MissingFieldError: it has neither positions nor velocities and headings.
     """
-    if motion.holds("north", "east"):
+    if motion.has_fields("north", "east"):
         return motion
     c, s = np.cos(motion["heading"]), np.sin(motion["heading"])
     forward, side = motion["forward"], motion["side"]
-    ways = [_way(motion.time, velocity) for velocity in (c * forward - s * side, s * forward + c * side)]
-    kept = [field for field in motion.topic.fields if field.name not in {"north", "east"}]
-    topic = replace(motion.topic, fields=(*kept, *_PLACES), numbers=())
-    return Series(topic, motion.time, np.column_stack([*(motion[field.name] for field in kept), *ways]))
+    integrated = [
+        _integrate_velocity(motion.time, velocity)
+        for velocity in (c * forward - s * side, s * forward + c * side)
+    ]
+    others = [field for field in motion.topic.fields if field.name not in {"north", "east"}]
+    topic = replace(motion.topic, fields=(*others, *_POSITION_FIELDS), numbers=())
+    columns = [*(motion[field.name] for field in others), *integrated]
+    return Series(topic, motion.time, np.column_stack(columns))
 
 
-def _way(time: Float[np.ndarray, "n"], velocity: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+def _integrate_velocity(
+    time: Float[np.ndarray, "n"], velocity: Float[np.ndarray, "n"]
+) -> Float[np.ndarray, "n"]:
     return np.concatenate([[0.0], np.cumsum(0.5 * (velocity[1:] + velocity[:-1]) * np.diff(time))])

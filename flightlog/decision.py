@@ -1,4 +1,4 @@
-"""What the receding horizon decided, and when: a topic of the flight log."""
+"""Decisions of the receding horizon, a topic of the flight log."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -31,22 +31,21 @@ DECISION = Topic(
         Field(
             "kind",
             "-",
-            "0 plan adopted, 1 plan under way kept, 2 planning found no plan, 3 plan too late, 4 plan failed "
-            "its check, 5 way to rest begun, 6 goal reached as far as the vehicle knows, 7 mission given up "
-            "for an alarm",
+            "0 plan adopted, 1 current plan kept, 2 no plan found, 3 plan too late, 4 plan failed its check, "
+            "5 safe stop begun, 6 arrival declared by the vehicle, 7 mission ended by an alarm",
         ),
-        Field("activation", "-", "number of the planning, from 1"),
-        Field("cost", "s", "promised by the plan from where it begins; 0 without one"),
-        Field("latency", "s", "charged to the vehicle for thinking"),
-        Field("tolerance", "m", "around the goal, that the planner was handed"),
-        Field("level", "-", "uncertainty level whose coasting times are flown"),
+        Field("activation", "-", "number of the replan, from 1"),
+        Field("cost", "s", "predicted time of the plan from its start; 0 without a plan"),
+        Field("latency", "s", "planning time charged to the flight"),
+        Field("tolerance", "m", "goal tolerance given to the planner"),
+        Field("level", "-", "gamma of the coasting times flown"),
     ),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """One decision: seconds since the start, what kind, and the numbers of `/decision`."""
+    """One decision: time in seconds, kind, and the numbers of `/decision`."""
 
     time: float
     kind: DecisionKind
@@ -58,7 +57,7 @@ class Decision:
 
 
 def decision_series(decisions: Sequence[Decision]) -> Series:
-    """Returns the decisions as a topic's messages; they come in the order of their times."""
+    """Returns decisions, in the order of their times, as messages."""
     rows = [
         (d.kind, d.activation, d.cost if isfinite(d.cost) else 0.0, d.latency, d.tolerance, d.level)
         for d in decisions

@@ -1,25 +1,23 @@
-"""What happened in a flight, in the order it happened: primitives, plannings, the goal, the end."""
+"""Events of a flight by time: primitives, replans, goal and end."""
 
 from dataclasses import dataclass
 from enum import IntEnum
 
-import numpy as np
-
 from flight.errors import FlightError
-from flight.mission.goal import first_arrival
 
-from .alarm import ADVICE, ALARM, alarms_of
-from .attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
-from .autopilot_messages import messages_told
-from .channels import PRIMITIVE, TRUTH
-from .fault_record import faults_flown
+from .alarm import ADVICE, ALARM, alarms_from_series
+from .arrival import logged_arrival
+from .autopilot_messages import autopilot_messages
+from .channels import PRIMITIVE
+from .fault_record import fault_occurrences
 from .log import FlightLog
-from .primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from .mission_attachments import logged_goal, logged_plannings
+from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from .trim_labels import trim_label, trim_names
 
 
 class Level(IntEnum):
-    """How serious an event is; names and values are those of `foxglove.Log`."""
+    """Severity of an event, named and numbered as in `foxglove.Log`."""
 
     INFO = 2
     WARNING = 3
@@ -28,13 +26,13 @@ class Level(IntEnum):
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing that happened.
+    """One event of a flight.
 
     Attributes:
         time: seconds since the flight's start.
-        level: how serious it is.
-        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight`, `autopilot` of another kind.
-        text: one sentence.
+        level: severity.
+        source: `primitive`, `plan`, `fault`, `alarm`, `goal`, `log`, `flight` or `autopilot` (imported logs).
+        text: one line.
     """
 
     time: float
@@ -43,10 +41,10 @@ class Event:
     text: str
 
 
-def events_of_flight(log: FlightLog) -> tuple[Event, ...]:
-    """Returns the events of a flight, by time; an attachment that is broken is an event too."""
+def flight_events(log: FlightLog) -> tuple[Event, ...]:
+    """Returns the events of a flight by time, with its broken attachments."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _alarms, _told, _arrival):
+    for part in (_primitives, _plannings, _faults, _alarms, _autopilot_messages, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -60,7 +58,7 @@ def _primitives(log: FlightLog) -> list[Event]:
     if PRIMITIVE.name not in log.series:
         return []
     names, events = trim_names(log), []
-    for part in stretches_flown(log):
+    for part in merged_primitives(log):
         events.append(Event(part.start, Level.INFO, "primitive", _sentence(part, names)))
         if part.timed_out:
             text = f"maneuver {part.id} ended by time-out after {part.end - part.start:.2f} s"
@@ -68,7 +66,7 @@ def _primitives(log: FlightLog) -> list[Event]:
     return events
 
 
-def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
+def _sentence(part: FlownPrimitive, names: dict[int, str]) -> str:
     if part.kind is PrimitiveKind.COAST:
         return f"hold {trim_label(part.id, names)}"
     return f"maneuver {part.id}: {trim_label(part.from_trim, names)} to {trim_label(part.to_trim, names)}"
@@ -76,37 +74,40 @@ def _sentence(part: PrimitiveFlown, names: dict[int, str]) -> str:
 
 def _plannings(log: FlightLog) -> list[Event]:
     events = []
-    for number, plan in enumerate(plannings_of_flight(log), start=1):
-        if isinstance(plan, PlanOfFlight):
-            how = ", ".join(word for word in (plan.policy, plan.status) if word)
+    for number, planning in enumerate(logged_plannings(log), start=1):
+        plan = planning.plan
+        if plan.found:
             walk = " ".join(map(str, plan.sequence))
-            text = f"plan {number}: {plan.cost:.2f} s through trims {walk}{f' ({how})' if how else ''}"
-            events.append(Event(plan.time, Level.INFO, "plan", text))
+            how = f"({plan.policy}, {plan.status})"
+            text = f"plan {number}: {plan.cost:.2f} s through trims {walk} {how}"
+            events.append(Event(planning.time, Level.INFO, "plan", text))
         else:
-            events.append(Event(plan.time, Level.WARNING, "plan", f"plan {number}: none; {plan.reason}"))
+            why = plan.reason or "no reason given"
+            events.append(Event(planning.time, Level.WARNING, "plan", f"plan {number}: none; {why}"))
     return events
 
 
 def _faults(log: FlightLog) -> list[Event]:
     return [
-        Event(flown.start, Level.WARNING, "fault", f"fault {number}: {flown.sentence}")
-        for number, flown in faults_flown(log).items()
+        Event(occurrence.start, Level.WARNING, "fault", f"fault {number}: {occurrence.sentence}")
+        for number, occurrence in fault_occurrences(log).items()
     ]
 
 
-def _told(log: FlightLog) -> list[Event]:
+def _autopilot_messages(log: FlightLog) -> list[Event]:
     events = []
-    for one in messages_told(log):
-        level = Level[one.level] if one.level in Level.__members__ else Level.INFO
-        earlier = f"{-one.time:.1f} s before: " if one.time < 0.0 else ""
-        events.append(Event(min(max(one.time, 0.0), log.duration), level, "autopilot", earlier + one.text))
+    for message in autopilot_messages(log):
+        level = Level[message.level] if message.level in Level.__members__ else Level.INFO
+        earlier = f"{-message.time:.1f} s before the start: " if message.time < 0.0 else ""
+        time = min(max(message.time, 0.0), log.duration)
+        events.append(Event(time, level, "autopilot", earlier + message.text))
     return events
 
 
 def _alarms(log: FlightLog) -> list[Event]:
     if ALARM.name not in log.series:
         return []
-    found = alarms_of(log[ALARM])
+    alarms = alarms_from_series(log[ALARM])
     return [
         Event(
             alarm.time,
@@ -114,18 +115,14 @@ def _alarms(log: FlightLog) -> list[Event]:
             "alarm",
             alarm.sentence,
         )
-        for alarm in found
+        for alarm in alarms
     ]
 
 
 def _arrival(log: FlightLog) -> list[Event]:
-    goal = goal_of_flight(log)
-    if goal is None or TRUTH.name not in log.series:
+    goal, met = logged_goal(log), logged_arrival(log)
+    if goal is None or met is None:
         return []
-    truth = log[TRUTH]
-    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
-    met = first_arrival([track], goal)
     if met.time is None:
-        text = f"goal not reached; {met.closest:.2f} m from it at the closest"
-        return [Event(log.duration, Level.WARNING, "goal", text)]
+        return [Event(log.duration, Level.WARNING, "goal", f"goal not reached: {met.reason}")]
     return [Event(met.time, Level.INFO, "goal", f"goal reached, within {goal.tolerance:.3g} m")]

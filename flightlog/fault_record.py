@@ -1,14 +1,14 @@
-"""What a flight log tells of faults: which were asked for, which began, how far they went."""
+"""Faults in a flight log: injected faults, occurrences and effects."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from pydantic import TypeAdapter, ValidationError
+from pydantic import TypeAdapter
 
 from flight.errors import BadFileError
 from flight.mission.fault import Fault
-from flight.schema import first_problem
+from flight.schema import parse_json
 
 from .attachment_names import FAULTS_ATTACHMENT
 from .channels import FAULT, FAULT_EFFECT
@@ -18,34 +18,29 @@ _FAULTS = TypeAdapter(tuple[Fault, ...])
 
 
 def faults_text(faults: Sequence[Fault]) -> bytes:
-    """Returns the faults of a flight as its log carries them."""
+    """Returns faults as the log's attachment."""
     return _FAULTS.dump_json(tuple(faults), indent=1)
 
 
-def faults_of(log: FlightLog) -> tuple[Fault, ...]:
-    """Returns the faults of a logged flight; none where the log says nothing of them.
+def logged_faults(log: FlightLog) -> tuple[Fault, ...]:
+    """Returns the faults injected into a logged flight.
 
     Raises:
-        BadFileError: the log says something else of them.
+        BadFileError: the attachment is invalid.
     """
     text = log.attachments.get(FAULTS_ATTACHMENT)
-    if text is None:
-        return ()
-    try:
-        return _FAULTS.validate_json(text)
-    except ValidationError as error:
-        raise BadFileError(FAULTS_ATTACHMENT, first_problem(error)) from None
+    return () if text is None else parse_json(text, FAULTS_ATTACHMENT, tuple[Fault, ...])
 
 
 @dataclass(frozen=True, slots=True)
-class FaultFlown:
-    """What became of a fault: when it acted, in seconds, and how far it went.
+class FaultOccurrence:
+    """Occurrence of a fault: its times in seconds and largest effect.
 
     Attributes:
-        fault: as asked for.
-        start: of what the log holds of it.
-        end: likewise; the log's end where it lasted.
-        effect: the largest, in the unit of its kind.
+        fault: the injected fault.
+        start: logged start.
+        end: logged end; the end of the log if the fault lasted.
+        effect: largest effect, in the unit of the kind.
     """
 
     fault: Fault
@@ -55,7 +50,7 @@ class FaultFlown:
 
     @property
     def sentence(self) -> str:
-        """What happened, for people."""
+        """Kind, sizes, end and effect as text."""
         kind = self.fault.kind
         sizes = " ".join(
             f"{value:g} {size.unit}".removesuffix(" -")
@@ -66,21 +61,21 @@ class FaultFlown:
         return f"{kind.where} {kind.what}{by} until {self.end:.2f} s; {kind.effect}: {self.effect:.3g}{unit}"
 
 
-def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
-    """Returns the faults that began in a flight, by their numbers.
+def fault_occurrences(log: FlightLog) -> dict[int, FaultOccurrence]:
+    """Returns the faults that began in a flight, by number.
 
     Raises:
-        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+        BadFileError: the log's list of faults is invalid or lacks a fault that began.
     """
     if FAULT.name not in log.series:
         return {}
-    faults, rows, found = faults_of(log), log[FAULT], {}
+    faults, rows, found = logged_faults(log), log[FAULT], {}
     numbers, active = rows["number"], rows["active"] > 0.0
     for start, number in zip(rows.time[active].tolist(), numbers[active].astype(int).tolist(), strict=True):
         if not 1 <= number <= len(faults):
             raise BadFileError(FAULTS_ATTACHMENT, f"expected fault {number}, got {len(faults)} faults")
         ends = rows.time[~active & (numbers == number)].tolist()
-        found[number] = FaultFlown(
+        found[number] = FaultOccurrence(
             fault=faults[number - 1],
             start=start,
             end=ends[0] if ends else log.duration,
@@ -90,14 +85,15 @@ def faults_flown(log: FlightLog) -> dict[int, FaultFlown]:
 
 
 def fault_effects(log: FlightLog) -> tuple[float, ...]:
-    """Returns the largest effect of each fault asked for; 0 where one did not begin.
+    """Returns each fault's largest effect; 0 if it did not begin.
 
     Raises:
-        BadFileError: the log's list of faults is broken, or does not have a fault that began.
+        BadFileError: the log's list of faults is invalid or lacks a fault that began.
     """
-    flown = faults_flown(log)
+    occurrences = fault_occurrences(log)
     return tuple(
-        flown[number].effect if number in flown else 0.0 for number, _ in enumerate(faults_of(log), start=1)
+        occurrences[number].effect if number in occurrences else 0.0
+        for number, _ in enumerate(logged_faults(log), start=1)
     )
 
 

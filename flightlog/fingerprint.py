@@ -1,4 +1,4 @@
-"""A flight's fingerprint: what was flown, without what cannot change it."""
+"""Fingerprint of a flight: the hash of its content."""
 
 import json
 from dataclasses import asdict
@@ -8,12 +8,11 @@ from .log import FlightLog
 
 
 def fingerprint(log: FlightLog) -> str:
-    """Returns the SHA-256, in hexadecimal, of all that a log holds but for how it was computed.
+    """Returns the SHA-256 of a log's content, independent of computation.
 
-    Machine code is used only where it gives the bits of the interpreter (`sim.loop.backend`), so that a
-    flight has
-    one fingerprint with a compiler and without; a change of code that changes no flight changes none either,
-    nor does how the file is packed.
+    Compiled and interpreted back-ends give the same bits (`sim.loop.backend`), so a flight has one
+    fingerprint with and without a compiler. Changes of code that change no flight, and the packing of the
+    file, do not change it.
     """
     header = asdict(log.header)
     header |= {"backend": log.header.arithmetic, "code_version": log.header.release}

@@ -1,26 +1,28 @@
-"""The header of a flight log: what was flown, by what, and what came of it."""
+"""Header of a flight log: inputs, code and outcome."""
 
 from dataclasses import dataclass, replace
 
-# Between the two parts of a header's back-end.
+# Separates the two parts of a header's back-end.
 _PLANS = ", plans "
 
 
 @dataclass(frozen=True, slots=True)
 class FlightHeader:
-    """What was flown, by what: enough, with the attachments, to repeat the flight.
+    """Inputs, code and outcome of a flight.
+
+    With the attachments it suffices to repeat the flight.
 
     Attributes:
         kind: `sequence`, `campaign`, `mission` or `import`.
-        name: of the sequence, campaign or mission.
-        vehicle: what flew.
+        name: name of the sequence, campaign or mission.
+        vehicle: name of the vehicle.
         model_hash: SHA-256 of the vehicle's parameters and model.
-        seed: of every random number of the flight.
+        seed: seed of all random numbers of the flight.
         wind: wind class.
-        code_version: version of this program; after a `+`, of its code (`runtime.code_version`).
-        backend: what evaluated the vehicle's expressions, and how: `casadi-3.8.2 compiled`; where it was
-            planned in flight, how plans were searched for too: `casadi-3.8.2 compiled, plans compiled`.
-        outcome: `completed`, or what went wrong.
+        code_version: version of the program and, after a `+`, digest of its code (`runtime.code_version`).
+        backend: numeric back-end of the vehicle, such as `casadi-3.8.2 compiled`; with planning in flight
+            also that of the search: `casadi-3.8.2 compiled, plans compiled`.
+        outcome: `completed`, or the reason of the failure.
     """
 
     kind: str
@@ -35,24 +37,24 @@ class FlightHeader:
 
     @property
     def release(self) -> str:
-        """Version of the program, without that of its code."""
+        """Version of the program without the digest of its code."""
         return self.code_version.partition("+")[0]
 
     @property
     def vehicle_backend(self) -> str:
-        """What evaluated the vehicle's expressions, and how."""
+        """Numeric back-end of the vehicle."""
         return self.backend.partition(_PLANS)[0]
 
     @property
     def search_backend(self) -> str:
-        """How plans were searched for; empty where none were."""
+        """Back-end of the plan search; empty without planning."""
         return self.backend.partition(_PLANS)[2]
 
-    def planned_by(self, search: str) -> "FlightHeader":
-        """Returns the header of a flight that was planned as it flew."""
+    def with_search_backend(self, search: str) -> "FlightHeader":
+        """Returns the header with the back-end of the plan search."""
         return replace(self, backend=f"{self.vehicle_backend}{_PLANS}{search}")
 
     @property
     def arithmetic(self) -> str:
-        """What evaluated the expressions; interpreted or compiled it gives the same bits."""
+        """Numeric library; its bits are the same interpreted or compiled."""
         return self.backend.partition(" ")[0]

@@ -1,4 +1,4 @@
-"""Which flight a log is of: all of it that is known before the flight, so that a log says whose it is."""
+"""Identity of a flight: its inputs and their hashes."""
 
 from collections.abc import Mapping
 from dataclasses import asdict
@@ -22,11 +22,11 @@ _INPUTS = (
 )
 
 
-def identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str, str]:
-    """Returns what makes a flight this one: names and digests, the telling ones first.
+def flight_identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str, str]:
+    """Returns a flight's inputs and their hashes, most informative first.
 
-    Whether the vehicle's expressions were compiled is no part of it, because both ways give the same bits;
-    nor is what came of it.
+    Compilation of the vehicle's expressions is not part of it, because it does not change the bits; nor is
+    the outcome.
     """
     known = {name: str(value) for name, value in asdict(header).items() if name not in {"outcome", "backend"}}
     known |= {"arithmetic": header.arithmetic, "search": header.search_backend}
@@ -34,8 +34,8 @@ def identity(header: FlightHeader, attachments: Mapping[str, bytes]) -> dict[str
     return {**known, **digests}
 
 
-def difference(expected: Mapping[str, str], found: Mapping[str, str]) -> str | None:
-    """Returns the first thing in which two flights differ, in words; None where they are the same."""
+def identity_difference(expected: Mapping[str, str], found: Mapping[str, str]) -> str | None:
+    """Returns the first difference of two identities; None if equal."""
     for name in dict.fromkeys((*expected, *found)):
         wanted, got = expected.get(name, "none"), found.get(name, "none")
         if wanted != got:

@@ -1,11 +1,9 @@
-"""The flight log: what was commanded, believed and true, on one time axis.
+"""Flight log: commanded, estimated and true motion on one time axis.
 
-This module is the contract of the channels that programs read: topics, fields, units, frames; those that
-viewers draw are made from them by `flightlog.viewers.channels`, and never read back. World axes are north,
-east,
-down. Velocities are given in the heading frame, the level body frame: forward along the heading, side to the
-right, down. Angles are clockwise seen along the axis; headings are not wrapped. Times are seconds since the
-flight's start.
+`flightlog.channels` defines the topics: fields, units and frames. Channels for viewers are derived from them
+by `flightlog.viewers.viewer_channels` and never read back. World axes are north, east, down. Velocities are
+given in the heading frame, the level body frame: forward along the heading, side to the right, down. Angles
+are clockwise seen along the axis; headings are not wrapped. Times are seconds since the flight's start.
 """
 
 from collections.abc import Mapping
@@ -22,7 +20,7 @@ from .topic import Series, Topic
 
 
 class MissingTopicError(FlightError):
-    """A log lacks a topic that is needed; absent is not zero."""
+    """Missing topic of a log."""
 
     def __init__(self, topic: Topic, present: Mapping[str, object]) -> None:
         super().__init__(f"the log has no {topic.name}; it has {sorted(present)}")
@@ -30,7 +28,7 @@ class MissingTopicError(FlightError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FlightLog:
-    """One flight: header, series by topic name, attachments by file name."""
+    """One flight: header, series by topic, attachments by file name."""
 
     header: FlightHeader
     series: Mapping[str, Series]
@@ -40,7 +38,7 @@ class FlightLog:
         """Returns the series of a topic.
 
         Raises:
-            MissingTopicError: the log has none.
+            MissingTopicError: the log lacks the topic.
         """
         try:
             return self.series[topic.name]
@@ -49,20 +47,20 @@ class FlightLog:
 
     @property
     def motion(self) -> Series:
-        """The true motion; where it is not known, what was believed of it, or what else there is."""
+        """True motion if logged, else the estimate, else planar motion."""
         known = (topic for topic in (TRUTH, ESTIMATE, MOTION) if topic.name in self.series)
         return self[next(known, TRUTH)]
 
     @property
     def duration(self) -> float:
-        """Seconds from the start to the last state."""
+        """Time from the start to the last state, seconds."""
         return float(self.motion.time[-1])
 
     def library(self) -> Library:
         """Returns the library flown with.
 
         Raises:
-            FlightError: the log carries none, or a broken one.
+            FlightError: the library is missing or invalid.
         """
         try:
             text = self.attachments[LIBRARY_ATTACHMENT]

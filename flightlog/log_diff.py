@@ -1,4 +1,4 @@
-"""In what two flight logs differ, in words: attachments, the header, and topics from a time on."""
+"""Differences of two flight logs in words."""
 
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -10,12 +10,12 @@ from .topic import Series
 
 
 def differences(expected: FlightLog, got: FlightLog) -> tuple[str, ...]:
-    """Returns each thing in which a log differs from another; empty where a reader sees none."""
+    """Returns the differences of two logs; empty if none."""
     return tuple(_header(expected, got)) + tuple(_attachments(expected, got)) + tuple(_topics(expected, got))
 
 
-def bytes_that_differ(one: bytes, other: bytes) -> int:
-    """Returns how many bytes differ, place by place; those that only one has differ too."""
+def count_differing_bytes(one: bytes, other: bytes) -> int:
+    """Returns the number of differing bytes, extra ones included."""
     shared = min(len(one), len(other))
     first, second = (np.frombuffer(content, np.uint8, shared) for content in (one, other))
     return int((first != second).sum()) + abs(len(one) - len(other))
@@ -37,14 +37,14 @@ def _attachments(expected: FlightLog, got: FlightLog) -> Iterator[str]:
 def _topics(expected: FlightLog, got: FlightLog) -> Iterator[str]:
     for name in sorted(expected.series.keys() | got.series.keys()):
         if name not in expected.series or name not in got.series:
-            yield f"only one has {name}"
-        elif told := _first_difference(expected.series[name], got.series[name]):
-            yield f"{name} {told}"
+            yield f"only one log has {name}"
+        elif difference := _first_difference(expected.series[name], got.series[name]):
+            yield f"{name} {difference}"
 
 
 def _first_difference(expected: Series, got: Series) -> str:
     shared = min(len(expected), len(got))
-    # Bits, not numbers: -0.0 is another number than 0.0, and a broken one equals itself.
+    # Bits, not numbers: -0.0 differs from 0.0, and not-a-number equals itself.
     bits = [series.values[:shared].view(np.uint64) for series in (expected, got)]
     rows = (bits[0] != bits[1]).any(axis=1) | (_nanoseconds(expected)[:shared] != _nanoseconds(got)[:shared])
     if rows.any():
@@ -54,5 +54,5 @@ def _first_difference(expected: Series, got: Series) -> str:
 
 
 def _nanoseconds(series: Series) -> np.ndarray:
-    """Returns times as files hold them."""
+    """Returns times as stored in files."""
     return np.rint(series.time * 1e9)

@@ -1,4 +1,4 @@
-"""A flight as a reader sees it: a trim held through several plannings is held once."""
+"""Primitives of a flight, with consecutive coasts in one trim merged."""
 
 from dataclasses import dataclass, replace
 from enum import IntEnum
@@ -17,18 +17,18 @@ class PrimitiveKind(IntEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class PrimitiveFlown:
+class FlownPrimitive:
     """One row of `/primitive` as a value.
 
     Attributes:
         kind: coast or maneuver.
         id: id of the trim held, or of the maneuver.
         from_trim: id of the trim left; of the trim held in a coast.
-        to_trim: id of the trim led to; of the trim held in a coast.
+        to_trim: id of the trim reached; of the trim held in a coast.
         target: nominal velocity of that trim.
-        start: seconds.
-        end: seconds; the start of the next primitive, or the end of the log.
-        timed_out: whether the executor ended it by time-out.
+        start: start, seconds.
+        end: start of the next primitive or end of the log, seconds.
+        timed_out: whether it ended by time-out.
     """
 
     kind: PrimitiveKind
@@ -41,13 +41,13 @@ class PrimitiveFlown:
     timed_out: bool
 
 
-def primitives_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
+def flown_primitives(log: FlightLog) -> tuple[FlownPrimitive, ...]:
     """Returns the primitives of a log in the order flown."""
     series = log[PRIMITIVE]
     ends = [*series.time[1:].tolist(), log.duration]
     timed_out = [*series["timed_out"][1:].tolist(), 0.0]
     return tuple(
-        PrimitiveFlown(
+        FlownPrimitive(
             kind=PrimitiveKind(int(row[0])),
             id=int(row[1]),
             from_trim=int(row[2]),
@@ -63,20 +63,20 @@ def primitives_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
     )
 
 
-def stretches_flown(log: FlightLog) -> tuple[PrimitiveFlown, ...]:
-    """Returns the primitives of a log; coasts in one trim that follow one another are one, empty ones none.
+def merged_primitives(log: FlightLog) -> tuple[FlownPrimitive, ...]:
+    """Returns the primitives with consecutive coasts in one trim merged.
 
-    A log that another program wrote has none.
+    Empty coasts are dropped; an imported log has no primitives.
     """
     if PRIMITIVE.name not in log.series:
         return ()
-    stretches: list[PrimitiveFlown] = []
-    for part in primitives_flown(log):
+    merged: list[FlownPrimitive] = []
+    for part in flown_primitives(log):
         coast = part.kind is PrimitiveKind.COAST
         if coast and part.end <= part.start:
             continue
-        if coast and stretches and stretches[-1].kind is part.kind and stretches[-1].id == part.id:
-            stretches[-1] = replace(stretches[-1], end=part.end)
+        if coast and merged and merged[-1].kind is part.kind and merged[-1].id == part.id:
+            merged[-1] = replace(merged[-1], end=part.end)
         else:
-            stretches.append(part)
-    return tuple(stretches)
+            merged.append(part)
+    return tuple(merged)

@@ -1,4 +1,4 @@
-"""Topics and their messages: named, with units, as columns over time."""
+"""Topics and their messages as columns over time."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from flight.errors import FlightError
 
 
 class MissingFieldError(FlightError):
-    """A series lacks a number that is needed; absent is not zero."""
+    """Missing field of a series."""
 
     def __init__(self, topic: "Topic", field: str) -> None:
         super().__init__(f"the log's {topic.name} has no {field}; it has {list(topic.field_names)}")
@@ -18,7 +18,7 @@ class MissingFieldError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class Field:
-    """One number of a topic: its name, its unit, and what it means."""
+    """Field of a topic: name, unit and meaning."""
 
     name: str
     unit: str
@@ -27,14 +27,14 @@ class Field:
 
 @dataclass(frozen=True, slots=True)
 class Topic:
-    """A channel of the log: every message holds all fields, as doubles, in this order.
+    """Channel of the log whose messages hold all fields as doubles.
 
     Attributes:
-        name: of the channel.
+        name: name of the channel.
         message: name of its schema.
-        meaning: in words.
-        fields: what a message holds.
-        numbers: of the fields on the wire, rising; from 1 on unless some of the contract's fields are absent.
+        meaning: meaning in words.
+        fields: fields of a message, in order.
+        numbers: increasing field numbers on the wire; from 1 unless some of the contract's fields are absent.
     """
 
     name: str
@@ -44,7 +44,7 @@ class Topic:
     numbers: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        """Keeps the wire layout fixed: field numbers above 15 would take a second tag byte."""
+        """Checks the wire layout: field numbers up to 15."""
         if not self.numbers:
             object.__setattr__(self, "numbers", tuple(range(1, len(self.fields) + 1)))
         assert len(self.numbers) == len(self.fields), self.name
@@ -52,25 +52,25 @@ class Topic:
 
     @property
     def field_names(self) -> tuple[str, ...]:
-        """Names of the fields, in their order."""
+        """Names of the fields in order."""
         return tuple(field.name for field in self.fields)
 
     def only(self, names: Iterable[str]) -> "Topic":
-        """Returns the topic of a log that knows no more than some of its fields; they keep their numbers."""
-        wanted = set(names)
-        kept = [pair for pair in zip(self.fields, self.numbers, strict=True) if pair[0].name in wanted]
-        fields, numbers = zip(*kept, strict=True)
+        """Returns the topic with some of its fields, numbers unchanged."""
+        selected = set(names)
+        pairs = [pair for pair in zip(self.fields, self.numbers, strict=True) if pair[0].name in selected]
+        fields, numbers = zip(*pairs, strict=True)
         return replace(self, fields=fields, numbers=numbers)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """The messages of one topic.
+    """Messages of one topic.
 
     Attributes:
-        topic: what the columns are.
+        topic: topic of the columns.
         time: seconds since the flight's start, not decreasing.
-        values: a row for each time, a column for each field.
+        values: one row for each time, one column for each field.
     """
 
     topic: Topic
@@ -78,10 +78,10 @@ class Series:
     values: Float[np.ndarray, "n fields"]
 
     def __post_init__(self) -> None:
-        """Holds the shape to the topic."""
+        """Checks the shape against the topic."""
         if self.values.shape != (len(self.time), len(self.topic.fields)):
             raise ValueError(
-                f"{self.topic.name}: values must be ({len(self.time)}, {len(self.topic.fields)}), "
+                f"{self.topic.name}: expected values of shape ({len(self.time)}, {len(self.topic.fields)}), "
                 f"got {self.values.shape}"
             )
 
@@ -89,14 +89,14 @@ class Series:
         """Returns the column of a field.
 
         Raises:
-            MissingFieldError: the log does not know it.
+            MissingFieldError: the series lacks the field.
         """
-        if not self.holds(field):
+        if not self.has_fields(field):
             raise MissingFieldError(self.topic, field)
         return np.asarray(self.values[:, self.topic.field_names.index(field)])
 
-    def holds(self, *fields: str) -> bool:
-        """Whether the log knows all these fields; one of another vehicle may lack some."""
+    def has_fields(self, *fields: str) -> bool:
+        """Returns True if the series has all these fields."""
         return set(fields) <= set(self.topic.field_names)
 
     def __len__(self) -> int:

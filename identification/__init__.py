@@ -1,1 +1,1 @@
-"""From flight logs to a motion-primitive library with uncertainties."""
+"""Identification of motion-primitive libraries with errors from flight logs."""

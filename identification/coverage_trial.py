@@ -1,4 +1,4 @@
-"""Whether a library keeps its promise: new flights against the coverage that each primitive claims."""
+"""Test of a library's coverage claims with new flights."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -22,28 +22,28 @@ INTERVAL_CONFIDENCE = 0.95
 
 
 class NoClaimError(FlightError):
-    """A library says of no primitive on how many flights it rests and what it covers."""
+    """No primitive of the library has statistics."""
 
     def __init__(self, library: str) -> None:
-        super().__init__(f"library {library}: no primitive has statistics, so there is no claim to test")
+        super().__init__(f"library {library}: expected statistics to test, no primitive has statistics")
 
 
 @dataclass(frozen=True, slots=True)
-class Trial:
-    """The claim of one primitive beside what new flights did.
+class CoverageTrial:
+    """Coverage claim of one primitive and its result in new flights.
 
     Attributes:
-        kind: of the primitive.
-        id: of the trim or maneuver.
-        claimed: share of future flights that all its bounds hold at once.
-        flights: new flights that show it, lost and unsettled ones included.
+        kind: trim or maneuver.
+        id: id of the trim or maneuver.
+        claimed: claimed share of future flights inside all bounds at once.
+        flights: new flights with this primitive, lost and unsettled ones included.
         inside: flights in which all numbers stayed inside the bounds.
         unsettled: flights in which it did not settle or that were lost; they count as outside.
         low: lower end of the exact (Clopper-Pearson) 95 % interval of the share inside; 0 without a flight.
         high: upper end; 1 without a flight.
-        doubt: probability of so few inside if the claim were true, after Holm's correction for the number
-            of primitives; 1 without a flight.
-        refuted: whether that is too improbable.
+        p_value: probability of at most this many inside if the claim is true, after Holm's correction for the
+            number of primitives; 1 without a flight.
+        refuted: True if the p-value is below the level of the test.
     """
 
     kind: Literal["trim", "maneuver"]
@@ -54,29 +54,29 @@ class Trial:
     unsettled: int
     low: float
     high: float
-    doubt: float
+    p_value: float
     refuted: bool
 
 
-def promise_trials(
+def coverage_trials(
     library: Library, flights: Sequence[FlightEvidence], *, level: float = 0.05
-) -> tuple[Trial, ...]:
-    """Returns a trial for each primitive that claims a coverage, in the library's order.
+) -> tuple[CoverageTrial, ...]:
+    """Tests the coverage claim of each primitive, in the library's order.
 
-    All claims together are wrongly refuted with a probability of at most `level` (Holm, Scand. J. Statist. 6,
-    1979), if all are true; a claim with a confidence of 95 % is itself untrue for one primitive in twenty.
+    If all claims are true, the probability that any is refuted is at most `level` (Holm, Scand. J. Statist.
+    6, 1979); a claim with 95 % confidence is itself false for one primitive in twenty.
 
     Args:
-        library: whose claims are tested.
-        flights: new ones, judged by the library's rule and by the state that its errors are of.
-        level: of the test.
+        library: library with the claims.
+        flights: new flights, segmented by the library's rule, with the state that its errors refer to.
+        level: level of the test.
 
     Raises:
         NoClaimError: no primitive has statistics.
-        InconsistentLogsError: a flight is one of those that the library was found from, or was flown with
-            other trims, maneuvers or another rule.
+        InconsistentLogsError: the library was identified from a flight, or a flight has other trims,
+            maneuvers or another rule.
     """
-    refuse_inconsistent(library, flights)
+    check_consistency(library, flights)
     claims = [
         (kind, part, part.statistics.coverage)
         for kind, parts in (("trim", library.trims), ("maneuver", library.maneuvers))
@@ -86,35 +86,37 @@ def promise_trials(
     if not claims:
         raise NoClaimError(library.name)
     counted = [(kind, part.id, claim, *count_inside(library, part, flights)) for kind, part, claim in claims]
-    doubts = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
+    p_values = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
     return tuple(
-        Trial(
+        CoverageTrial(
             kind="trim" if kind == "trim" else "maneuver",
             id=number,
             claimed=claim,
             flights=count,
             inside=inside,
             unsettled=unsettled,
-            **interval(inside, count),
-            doubt=doubt,
-            refuted=doubt < level,
+            **clopper_pearson_interval(inside, count),
+            p_value=p_value,
+            refuted=p_value < level,
         )
-        for (kind, number, claim, count, inside, unsettled), doubt in zip(counted, holm(doubts), strict=True)
+        for (kind, number, claim, count, inside, unsettled), p_value in zip(
+            counted, adjust_p_values(p_values), strict=True
+        )
     )
 
 
-def holm(doubts: Sequence[float]) -> list[float]:
-    """Returns p-values corrected for their number (Holm 1979): compare them with the level for all."""
-    corrected = [0.0] * len(doubts)
+def adjust_p_values(p_values: Sequence[float]) -> list[float]:
+    """Returns p-values corrected for multiple tests (Holm 1979)."""
+    corrected = [0.0] * len(p_values)
     largest = 0.0
-    for rank, place in enumerate(np.argsort(doubts, kind="stable").tolist()):
-        largest = max(largest, min(1.0, (len(doubts) - rank) * doubts[place]))
+    for rank, place in enumerate(np.argsort(p_values, kind="stable").tolist()):
+        largest = max(largest, min(1.0, (len(p_values) - rank) * p_values[place]))
         corrected[place] = largest
     return corrected
 
 
 def trim_box(trim: Trim) -> Box:
-    """Returns what a trim's bounds hold: forward, side, yaw rate."""
+    """Returns the box of a trim's bounds: forward, side, yaw rate."""
     velocity, error = trim.velocity, trim.error
     centre = np.array([velocity.forward, velocity.side, velocity.yaw_rate])
     size = np.abs([error.forward, error.side, error.yaw_rate])
@@ -122,7 +124,7 @@ def trim_box(trim: Trim) -> Box:
 
 
 def maneuver_box(row: Maneuver) -> Box:
-    """Returns what a maneuver's bounds hold: duration, forward, side, heading change."""
+    """Returns the box of a maneuver's bounds: duration and displacement."""
     moved, error = row.displacement, row.error
     centre = np.array([row.duration, moved.x, moved.y, moved.heading])
     size = np.abs([error.duration, error.forward, error.side, error.heading_change])
@@ -132,55 +134,59 @@ def maneuver_box(row: Maneuver) -> Box:
 def count_inside(
     library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]
 ) -> tuple[int, int, int]:
-    """Returns how many flights show a primitive, in how many it stayed inside, in how many it was lost."""
-    box, samples = _boxed(library, part, flights)
-    return samples.count, int(box.holds(samples.low, samples.high).sum()), len(samples.discarded)
+    """Returns a primitive's flights: all, inside the bounds, discarded."""
+    box, samples = _box_and_samples(library, part, flights)
+    return samples.count, int(box.contains(samples.low, samples.high).sum()), len(samples.discarded)
 
 
-def _boxed(library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]) -> tuple[Box, Samples]:
+def _box_and_samples(
+    library: Library, part: Trim | Maneuver, flights: Sequence[FlightEvidence]
+) -> tuple[Box, Samples]:
     if isinstance(part, Maneuver):
         return maneuver_box(part), maneuver_samples(flights, part.id)
     bins = [trim.averaged[0].shortest for trim in library.trims if trim.averaged]
     averaged = library.conditions.trim_error_kind == "averaged" and bins
-    # A grown trim has no bins of its own; the shortest coast flown is the library's.
+    # An interpolated trim has no bins; the shortest coast flown is that of the library.
     hull = averaged_hull(min(bins)) if averaged else instantaneous_hull
     return trim_box(part), trim_samples(flights, part.id, hull=hull)
 
 
-def interval(inside: int, count: int) -> dict[str, float]:
-    """Returns the ends, `low` and `high`, of the exact (Clopper-Pearson) 95 % interval of a share."""
+def clopper_pearson_interval(inside: int, count: int) -> dict[str, float]:
+    """Returns `low` and `high` of a share's exact 95 % interval."""
     if not count:
         return {"low": 0.0, "high": 1.0}
     found = binomtest(inside, count).proportion_ci(INTERVAL_CONFIDENCE, method="exact")
     return {"low": float(found.low), "high": float(found.high)}
 
 
-def refuse_inconsistent(library: Library, flights: Sequence[FlightEvidence]) -> None:
-    """Refuses flights that cannot judge a library.
+def check_consistency(library: Library, flights: Sequence[FlightEvidence]) -> None:
+    """Checks that flights can test a library.
 
     Raises:
-        InconsistentLogsError: a flight is one of those that the library was found from, comes twice, or was
-            flown with other trims, maneuvers or another rule.
+        InconsistentLogsError: the library was identified from a flight, a flight comes twice, or a flight has
+            other trims, maneuvers or another rule.
     """
     known = set(library.provenance.get("logs_by_seed", {}).values())
     seen: dict[str, str] = {}
     for flight in flights:
         if flight.sha256 in known:
             raise InconsistentLogsError(
-                f"{flight.name}: expected new flights; {library.name} was identified from this one"
+                f"{flight.name}: expected a new flight, got one from which {library.name} was identified"
             )
         if flight.sha256 in seen:
-            raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
+            raise InconsistentLogsError(
+                f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
+            )
         seen[flight.sha256] = flight.name
         if _automaton(flight.library) != _automaton(library):
             raise InconsistentLogsError(
                 f"{flight.name}: expected the trims, maneuvers and maneuver-end rule of {library.name}, "
-                f"it was flown with others, of {flight.library.name}"
+                f"got those of {flight.library.name}"
             )
 
 
 def _automaton(library: Library) -> object:
-    """Returns what a flight must share with a library to be judged by it."""
+    """Returns trims, edges and rule, which flights and library must share."""
     trims = [(trim.id, trim.velocity) for trim in library.trims]
     edges = [(row.id, row.from_trim, row.to_trim) for row in library.maneuvers]
     return trims, edges, library.conditions.maneuver_end

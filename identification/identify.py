@@ -1,4 +1,4 @@
-"""From flight logs to a motion-primitive library; reads nothing but the logs."""
+"""Identification of a motion-primitive library from flight logs alone."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
@@ -11,14 +11,18 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
 from identification.statistics.coast_errors import averaged_hull, duration_bins, instantaneous_hull
-from identification.statistics.deviations import DurationBin, identified_maneuver, identified_trim
+from identification.statistics.deviations import DurationBin, identify_maneuver, identify_trim
 from identification.statistics.samples import maneuver_samples, trim_samples
 
 TrimErrors = Literal["instantaneous", "averaged"]
 
 
 class InconsistentLogsError(FlightError):
-    """Logs that were not flown alike cannot make one library."""
+    """Logs of different conditions or automata cannot make one library."""
+
+
+class NoAutomatonError(FlightError):
+    """Fewer than two trims, or no maneuver, cannot be planned with."""
 
 
 def identify(
@@ -30,31 +34,33 @@ def identify(
     trim_errors: TrimErrors = "instantaneous",
     campaign: Mapping[str, Any] | None = None,
 ) -> Library:
-    """Returns the library that the flights show.
+    """Identifies the library of a set of flights.
 
     The value of a trim is its command; the value of a maneuver is its mean over the nominal flights, or the
-    middle of its extremes where there are none. Errors are the largest deviations over the other flights,
-    signed by the convention (thesis, 3.2.6). The order of the flights does not matter.
+    middle of its extremes without nominal flights. Errors are the largest deviations over the other flights,
+    signed by the convention (thesis, 3.2.6). The result does not depend on the order of the flights.
 
     Args:
-        flights: those that give the bounds, one for each log.
-        name: of the library.
-        nominal: those that give the values of maneuvers.
-        confidence: of the coverage that is claimed for each primitive.
-        trim_errors: whether a trim's error is its largest deviation at any instant, or averaged over a coast
-            of any duration flown: then the largest of all its bins, which the planner may use for each.
-        campaign: what is known of how the flights were ordered, for the provenance; plain JSON values.
+        flights: flights for the bounds, one per log.
+        name: name of the library.
+        nominal: flights for the values of maneuvers.
+        confidence: confidence of each primitive's coverage.
+        trim_errors: definition of a trim's error: its largest deviation at any instant, or of the average
+            over a coast of any duration flown (the largest of all bins, each of which the planner may use).
+        campaign: specification of the campaign for the provenance; plain JSON values.
 
     Raises:
-        InconsistentLogsError: there are none, or they differ in vehicle, wind or what was to be flown.
-        NeverFlownError: a trim or maneuver of the automaton occurs in no log.
+        InconsistentLogsError: there are none, or they differ in vehicle, wind or automaton.
+        NoAutomatonError: the automaton has fewer than two trims or no maneuver.
+        NeverFlownError: no log has some trim or maneuver of the automaton.
     """
-    bounding, centring = _ordered(flights), _ordered(nominal)
-    _refuse_inconsistent([*bounding, *centring])
+    bounding, centring = _sort_flights(flights), _sort_flights(nominal)
+    _check_consistency([*bounding, *centring])
     if not bounding:
         raise InconsistentLogsError("expected flight logs that give the bounds, got nominal flights alone")
     first = bounding[0]
     flown, header = first.library, first.header
+    _check_automaton(flown)
     trims = _trims(bounding, trim_errors, confidence)
     maneuvers = tuple(_maneuver(row, flown, bounding, centring, confidence) for row in flown.maneuvers)
     beside = f" (values from {len(centring)} others)" if centring else ""
@@ -80,7 +86,7 @@ def identify(
     )
 
 
-def _ordered(flights: Iterable[FlightEvidence]) -> list[FlightEvidence]:
+def _sort_flights(flights: Iterable[FlightEvidence]) -> list[FlightEvidence]:
     return sorted(flights, key=lambda flight: (flight.header.seed, flight.sha256))
 
 
@@ -90,9 +96,9 @@ def _trims(flights: Sequence[FlightEvidence], kind: TrimErrors, confidence: floa
     bins = duration_bins(durations, flown.conditions.coasting_range) if durations else []
     hull = instantaneous_hull if kind == "instantaneous" or not bins else averaged_hull(bins[0][0])
     return tuple(
-        identified_trim(
+        identify_trim(
             trim,
-            trim_samples(flights, trim.id, hull=hull).required(f"trim {trim.id} is held"),
+            trim_samples(flights, trim.id, hull=hull).require(f"trim {trim.id}"),
             confidence,
             commanded=flights[0].trims_commanded,
             averaged=tuple(_bins_of(trim.id, flights, bins)),
@@ -106,7 +112,7 @@ def _bins_of(
 ) -> Iterable[DurationBin]:
     for shortest, longest in bins:
         samples = trim_samples(flights, trim, hull=averaged_hull(shortest, longest))
-        # Where no coast in this trim was that long, nothing is said of it.
+        # A bin without a coast in this trim has no error.
         if len(samples.low):
             yield DurationBin(shortest, longest, samples)
 
@@ -118,11 +124,11 @@ def _maneuver(
     centring: Sequence[FlightEvidence],
     confidence: float,
 ) -> Maneuver:
-    seen = f"maneuver {row.id} is performed to its end"
-    nominal = maneuver_samples(centring, row.id).required(seen) if centring else None
-    return identified_maneuver(
+    required = f"maneuver {row.id}, flown to its end"
+    nominal = maneuver_samples(centring, row.id).require(required) if centring else None
+    return identify_maneuver(
         row,
-        maneuver_samples(bounding, row.id).required(seen),
+        maneuver_samples(bounding, row.id).require(required),
         nominal=nominal,
         left=flown.trim(row.from_trim),
         reached=flown.trim(row.to_trim),
@@ -130,27 +136,43 @@ def _maneuver(
     )
 
 
-def _refuse_inconsistent(flights: Sequence[FlightEvidence]) -> None:
+def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
     if not flights:
         raise InconsistentLogsError("expected flight logs, got none")
     first = flights[0]
     seen: dict[str, str] = {}
     for flight in flights:
         if flight.sha256 in seen:
-            raise InconsistentLogsError(f"{flight.name} is the same flight as {seen[flight.sha256]}")
+            raise InconsistentLogsError(
+                f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
+            )
         seen[flight.sha256] = flight.name
-        for what in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
-            expected, got = getattr(first.header, what), getattr(flight.header, what)
+        for field in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
+            expected, got = getattr(first.header, field), getattr(flight.header, field)
             if got != expected:
                 raise InconsistentLogsError(
-                    f"{flight.name}: {what} is {got}, in {first.name} it is {expected}"
+                    f"{flight.name}: expected {field} {expected} as in {first.name}, got {got}"
                 )
-        for what in ("found_by", "judged"):
-            expected, got = getattr(first, what), getattr(flight, what)
+        for field, label in (("found_by", "maneuvers by"), ("judged", "deviations of the motion")):
+            expected, got = getattr(first, field), getattr(flight, field)
             if got != expected:
-                raise InconsistentLogsError(f"{flight.name}: {got}, in {first.name} it is {expected}")
+                raise InconsistentLogsError(
+                    f"{flight.name}: expected {label} {expected} as in {first.name}, got {got}"
+                )
         if library_text(flight.library) != library_text(first.library):
-            raise InconsistentLogsError(f"{flight.name}: was flown with another library than {first.name}")
+            raise InconsistentLogsError(
+                f"{flight.name}: expected the library of {first.name}, {first.library.name}, got another "
+                f"({flight.library.name})"
+            )
+
+
+def _check_automaton(library: Library) -> None:
+    """Refuses trims and maneuvers that no plan can use."""
+    if len(library.trims) < 2 or not library.maneuvers:
+        raise NoAutomatonError(
+            f"expected at least two trims and a maneuver to identify, got {len(library.trims)} and "
+            f"{len(library.maneuvers)} in library {library.name!r}"
+        )
 
 
 def _coasting_range(flights: Sequence[FlightEvidence]) -> tuple[float, float]:
@@ -171,7 +193,7 @@ def _provenance(
 ) -> dict[str, Any]:
     first = bounding[0]
     header, flown = first.header, first.library
-    everyone = _ordered([*bounding, *centring])
+    everyone = _sort_flights([*bounding, *centring])
     ordered = flown.conditions.coasting_range
     return {
         "method": (
@@ -186,13 +208,13 @@ def _provenance(
         **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),
         "nominal": [flight.header.seed for flight in centring],
         "lost": [flight.header.seed for flight in everyone if flight.lost],
-        "unsettled": _unsettled(everyone),
+        "unsettled": _unsettled_seeds(everyone),
         "logs_by_seed": {str(flight.header.seed): flight.sha256 for flight in everyone},
     }
 
 
-def _unsettled(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
-    """Returns the seeds of the flights in which a maneuver did not settle, by the maneuver's id."""
+def _unsettled_seeds(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
+    """Returns the seeds of flights with unsettled maneuvers, by maneuver id."""
     listed: dict[str, list[int]] = {}
     for flight in flights:
         for segment in flight.segments.maneuvers:

@@ -1,4 +1,4 @@
-"""Trends over speed and yaw rate, as in the thesis (3.3, Figures 7 to 9), read off a flown library."""
+"""Trends over speed and yaw rate (thesis, 3.3, Figures 7 to 9)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -7,7 +7,7 @@ from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 
-# What differs by less than this is the same step, in m/s and rad/s.
+# Tolerance of equal steps, m/s and rad/s.
 SAME = 1e-3
 
 
@@ -18,8 +18,8 @@ class SpeedError:
     Attributes:
         speed: m/s.
         error: largest deviation, m/s.
-        percent: of the speed; None in hover.
-        samples: flights that it is from.
+        percent: error in percent of the speed; None in hover.
+        samples: number of flights.
     """
 
     speed: float
@@ -40,7 +40,7 @@ class SpeedStep:
         percent: of the displacement.
         duration: s.
         duration_percent: largest deviation of the duration in percent of it.
-        samples: flights that it is from.
+        samples: number of flights.
     """
 
     entry_speed: float
@@ -65,7 +65,7 @@ class TurnStep:
         heading_error: largest deviation of it, rad.
         duration: s.
         duration_percent: largest deviation of the duration in percent of it.
-        samples: flights that it is from.
+        samples: number of flights.
     """
 
     speed: float
@@ -80,7 +80,7 @@ class TurnStep:
 
 @dataclass(frozen=True, slots=True)
 class Trends:
-    """The three figures; each empty where the library has nothing for it."""
+    """Data of the three figures; empty where the library has none."""
 
     speed_errors: tuple[SpeedError, ...]
     speed_steps: tuple[SpeedStep, ...]
@@ -88,42 +88,44 @@ class Trends:
 
 
 def trends(library: Library, *, speed_step: float, rate_step: float) -> Trends:
-    """Returns the trends that a library shows; primitives without statistics were not flown and do not count.
+    """Returns the trends of a library's flown primitives.
+
+    Primitives without statistics were not flown and are ignored.
 
     Args:
-        library: flown.
+        library: flown library.
         speed_step: size of the changes of speed, m/s.
         rate_step: size of the changes of yaw rate, rad/s.
     """
-    straight = [trim for trim in library.trims if trim.statistics and _straight(trim)]
+    straight = [trim for trim in library.trims if trim.statistics and _is_straight(trim)]
     steps = [row for row in library.maneuvers if row.statistics]
     return Trends(
         speed_errors=tuple(sorted((_speed_error(trim) for trim in straight), key=lambda row: row.speed)),
         speed_steps=tuple(
             _speed_step(library, row)
-            for row in _ordered(library, steps, lambda trim: trim.velocity.forward)
+            for row in _sort_rows(library, steps, lambda trim: trim.velocity.forward)
             if _is_speed_step(library, row, speed_step)
         ),
         turn_steps=tuple(
             _turn_step(library, row)
-            for row in _ordered(library, steps, lambda trim: trim.velocity.yaw_rate)
+            for row in _sort_rows(library, steps, lambda trim: trim.velocity.yaw_rate)
             if _is_turn_step(library, row, rate_step)
         ),
     )
 
 
-def _ordered(library: Library, rows: list[Maneuver], key: Callable[[Trim], float]) -> list[Maneuver]:
+def _sort_rows(library: Library, rows: list[Maneuver], key: Callable[[Trim], float]) -> list[Maneuver]:
     return sorted(rows, key=lambda row: (key(library.trim(row.from_trim)), key(library.trim(row.to_trim))))
 
 
-def _straight(trim: Trim) -> bool:
+def _is_straight(trim: Trim) -> bool:
     return abs(trim.velocity.side) < SAME and abs(trim.velocity.yaw_rate) < SAME
 
 
 def _is_speed_step(library: Library, row: Maneuver, size: float) -> bool:
     left, reached = library.trim(row.from_trim), library.trim(row.to_trim)
     change = abs(reached.velocity.forward - left.velocity.forward)
-    return _straight(left) and _straight(reached) and abs(change - size) < SAME
+    return _is_straight(left) and _is_straight(reached) and abs(change - size) < SAME
 
 
 def _is_turn_step(library: Library, row: Maneuver, size: float) -> bool:

@@ -1,4 +1,4 @@
-"""Where the shipped libraries are."""
+"""Folder of the shipped libraries."""
 
 from pathlib import Path
 

@@ -1,1 +1,1 @@
-"""The command line: a file a verb; the only folder that joins the stages."""
+"""Command line: one file a verb."""

@@ -1,4 +1,4 @@
-"""The command line: which verbs there are, and how every failure ends in one line."""
+"""Application: the verbs, and one line for every failure."""
 
 import os
 import signal
@@ -13,11 +13,11 @@ from rich.console import Console
 from flight.errors import FlightError
 from runtime.version import VERSION
 
-WHOLE = "files that are there are whole"
-RESUME = f"{WHOLE}, and the same command goes on from there"
+WHOLE = "all files written are complete"
+RESUME = f"{WHOLE}; the same command resumes"
 
 RESUMING = {"regenerate": "", "fly": "--campaign", "validate": "--out", "faults": "--out"}
-"""Verbs that keep each flight when it is flown, and fly only what is missing; where, with this option."""
+"""Verbs that resume from the flights on disk, and the option that this needs."""
 
 WORKER_DIED = 1
 BAD_INPUT = 2
@@ -38,14 +38,20 @@ VERBS = {
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
     "plan": ("maneuver.plan.plan:app", "A mission in, a plan out; `plan check` checks one."),
     "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
-    "faults": ("maneuver.faults:faults", "Flies faults in closed loop: safe, lost and said so, or wrong."),
+    "faults": (
+        "maneuver.faults:faults",
+        "Flies faults in closed loop: safe, detected loss or undetected failure.",
+    ),
     "import": ("maneuver.import_log:import_log", "A log of PX4 in, a flight log out."),
     "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
     "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
     "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
     "replay": ("maneuver.replay:replay", "Logged flights flown again from their logs, compared to the byte."),
     "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
-    "library": ("maneuver.library.show:app", "Shows, checks, tests, compares, grows and makes libraries."),
+    "library": (
+        "maneuver.library.show:app",
+        "Shows, checks, tests, compares, interpolates and makes libraries.",
+    ),
 }
 
 
@@ -90,35 +96,35 @@ def run(arguments: Sequence[str] | None = None) -> int:
     0 yes; 1 the honest no; 2 bad input or usage, one line on stderr.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
-    left = RESUME if _resumes(words) else WHOLE
+    left = RESUME if _is_resumable(words) else WHOLE
     try:
         app = build(overview=not words or words[0] in {"--help", "-h"})
         code = app(words, result_action="return_value")
         sys.stdout.flush()
     except FlightError as error:
-        return _say(str(error), BAD_INPUT)
+        return _print_error(str(error), BAD_INPUT)
     except BrokenProcessPool:
-        return _say(f"a worker process died: killed, or out of memory; {left}", WORKER_DIED)
+        return _print_error(f"a worker process died: killed, or out of memory; {left}", WORKER_DIED)
     except KeyboardInterrupt as stop:
         number = stop.number if isinstance(stop, _Stopped) else signal.SIGINT
-        return _say(f"{STOPPING[number]}; {left}", 128 + number)
+        return _print_error(f"{STOPPING[number]}; {left}", 128 + number)
     except BrokenPipeError:
         # Whoever read the output has gone; keep the interpreter from complaining when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _say(f"the system says no: {error}", BAD_INPUT)
+        return _print_error(f"the system says no: {error}", BAD_INPUT)
     return code if isinstance(code, int) else 0
 
 
-def _resumes(words: Sequence[str]) -> bool:
-    """Returns whether a command that was stopped goes on where it was."""
+def _is_resumable(words: Sequence[str]) -> bool:
+    """Returns True if the command resumes after a stop."""
     options = {"", *(word.partition("=")[0] for word in words)}
     return any(words[:1] == [verb] and option in options for verb, option in RESUMING.items())
 
 
-def _say(line: str, code: int) -> int:
+def _print_error(line: str, code: int) -> int:
     print(f"maneuver: {line}", file=sys.stderr)
     return code
 

@@ -11,26 +11,26 @@ from typing import Annotated
 from cyclopts import Parameter
 from rich.console import Console
 
-from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
 from experiments.campaign.evidence import gather_evidence
-from experiments.mission.fly import fly_mission, mission_seed, planner_of
-from experiments.mission.policies import COMPARED
+from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from experiments.mission.fly import fly_mission, mission_seed
+from experiments.mission.mission_task import MissionTask
+from experiments.mission.policies import COMPARED_POLICIES, planner_of
 from experiments.mission.result import MissionResult
-from experiments.mission.task import MissionTask
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.file.reader import read_log
-from identification.data_sheet import worth
+from identification.data_sheet import describe_sample_size
 from identification.identify import identify
 from maneuver.library.publish import publish_library
 from maneuver.options.numbers import Count, Seed
-from review.pictures.demo_picture import PlanFlown, demo_picture
-from review.pictures.flight_picture import publish_picture, write_pictures
+from review.pictures.demo_picture import FlownPlan, demo_picture
+from review.pictures.flight_picture import write_picture, write_pictures
 from review.pictures.library_picture import library_picture
-from runtime.atomic_write import refuse_folder
-from runtime.executor import Means, default_workers, worker_pool
-from runtime.progress import shown
+from runtime.atomic_write import check_output_folder
+from runtime.executor import JobExecutor, default_workers, worker_pool
+from runtime.progress import show_progress
 from scenarios.find import find_campaign, find_mission
 
 CAMPAIGN = "gtmax"
@@ -47,7 +47,7 @@ def demo(
     workers: Count | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Goes the whole way in about a minute: fly, identify, plan, fly the plans, review.
+    """Flies, identifies, plans, flies the plans and reviews, in about a minute.
 
     A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
     plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.
@@ -66,30 +66,32 @@ def demo(
         workers: processes; one for each processor by default.
         force: write into a folder that has something in it.
     """
-    refuse_folder(out, force=force)
+    check_output_folder(out, force=force)
     console = Console(highlight=False)
     mission = find_mission(MISSION)
     with worker_pool(workers or default_workers()) as executor:
-        way = _Way(out, seed, force, executor)
-        with _step(console, f"fly       {flights} flights of the campaign {CAMPAIGN}, in its wind"):
+        way = _Demo(out, seed, force, executor)
+        with _report_step(console, f"fly       {flights} flights of the campaign {CAMPAIGN}, in its wind"):
             logs = way.fly(flights)
-        with _step(console, "identify  a library with uncertainties from their logs"):
+        with _report_step(console, "identify  a library with uncertainties from their logs"):
             library = way.identify(logs)
-        with _step(console, f"plan      mission {MISSION}, nominal and for the worst case"):
-            plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in COMPARED]
-        with _step(console, f"fly       each plan {repeats} times, re-planned on the way"):
+        with _report_step(console, f"plan      mission {MISSION}, nominal and for the worst case"):
+            plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in COMPARED_POLICIES]
+        with _report_step(console, f"fly       each plan {repeats} times, re-planned on the way"):
             results = way.fly_plans(mission, library, repeats)
-        with _step(console, "review    the flights as pictures"):
+        with _report_step(console, "review    the flights as pictures"):
             pictures = way.review(mission, library, plans, results)
-    console.print(f"library     {worth(library)}", soft_wrap=True)
+    console.print(f"library     {describe_sample_size(library)}", soft_wrap=True)
     for plan in plans:
-        console.print(_outcome(plan, [row for row in results if row.policy == plan.policy]), soft_wrap=True)
+        console.print(
+            _describe_outcome(plan, [row for row in results if row.policy == plan.policy]), soft_wrap=True
+        )
     for path, meaning in pictures.items():
         console.print(f"{path}  {meaning}", soft_wrap=True)
     return 0
 
 
-def _outcome(plan: Plan, flights: list[MissionResult]) -> str:
+def _describe_outcome(plan: Plan, flights: list[MissionResult]) -> str:
     """Says what a policy promised and what its flights did."""
     promised = f"planned {plan.cost:.1f} s" if plan.found else f"no plan: {plan.reason}"
     times = sorted(flight.flown_time for flight in flights if flight.reached)
@@ -98,14 +100,14 @@ def _outcome(plan: Plan, flights: list[MissionResult]) -> str:
 
 
 @contextmanager
-def _step(console: Console, what: str) -> Iterator[None]:
+def _report_step(console: Console, what: str) -> Iterator[None]:
     began = perf_counter()
     yield
     console.print(f"{what:<62} {perf_counter() - began:5.1f} s", soft_wrap=True)
 
 
 @dataclass(frozen=True, slots=True)
-class _Way:
+class _Demo:
     """The stages of the demo, and what they share."""
 
     out: Path
@@ -116,8 +118,8 @@ class _Way:
     def fly(self, flights: int) -> list[Path]:
         campaign = find_campaign(CAMPAIGN)
         order = CampaignOrder(campaign, seed=self.seed, flights=flights, wind=campaign.wind)
-        means = Means(self.executor)
-        flown = fly_whole_campaign(order, self.out / "flights", means=means, force=self.force)
+        job_executor = JobExecutor(self.executor)
+        flown = fly_campaign(order, self.out / "flights", job_executor=job_executor, force=self.force)
         return [flight.path for flight in flown.flights]
 
     def identify(self, logs: list[Path]) -> Library:
@@ -137,10 +139,12 @@ class _Way:
                 log=self.out / "missions" / f"{policy}-{number}.mcap",
                 force=self.force,
             )
-            for policy in COMPARED
+            for policy in COMPARED_POLICIES
             for number in range(repeats)
         ]
-        return list(shown(self.executor.map(fly_mission, tasks), total=len(tasks), what="flying plans"))
+        return list(
+            show_progress(self.executor.map(fly_mission, tasks), total=len(tasks), what="flying plans")
+        )
 
     def review(
         self, mission: Mission, library: Library, plans: list[Plan], results: list[MissionResult]
@@ -149,13 +153,13 @@ class _Way:
         outcomes = []
         for plan in plans:
             paths = [row.log for row in results if row.policy == plan.policy and row.log is not None]
-            outcomes.append(PlanFlown(plan, tuple(read_log(path) for path in paths)))
+            outcomes.append(FlownPlan(plan, tuple(read_log(path) for path in paths)))
         whole, primitives, folder = self.out / "demo.png", self.out / "library.png", self.out / "flight"
-        publish_picture(demo_picture(library, mission, outcomes), whole, force=self.force)
-        publish_picture(library_picture(library), primitives, force=self.force)
+        write_picture(demo_picture(library, mission, outcomes), whole, force=self.force)
+        write_picture(library_picture(library), primitives, force=self.force)
         write_pictures(outcomes[-1].flights[0], folder, force=self.force)
         return {
             whole: "the whole way: library, plans, flights",
             primitives: "the library that was identified",
-            folder / "flight.png": "one of the flights, commanded, believed and true",
+            folder / "flight.png": "one of the flights: command, estimate and truth",
         }

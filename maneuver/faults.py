@@ -1,4 +1,4 @@
-"""`maneuver faults`: every fault of a matrix flown in closed loop, with protection and without."""
+"""`maneuver faults`: faults flown in closed loop, with protection and without."""
 
 import json as json_module
 import sys
@@ -10,24 +10,31 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from experiments.faults.fault_matrix import FaultCase, FaultMatrix, find_fault_matrix
-from experiments.faults.report import FaultCard, Outcomes, fault_csv, fault_markdown, outcomes, together
+from experiments.faults.fault_report import (
+    FaultReport,
+    Outcomes,
+    count_outcomes,
+    fault_csv,
+    fault_markdown,
+    merge_outcomes,
+)
 from experiments.mission.fly import mission_seed
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.random_missions import random_missions
 from experiments.mission.result import MissionResult
-from experiments.mission.result_store import fly_all
-from experiments.mission.task import MissionTask
+from experiments.mission.result_store import fly_tasks
 from flight.automaton.library import Library
 from flight.mission.fault import Fault
 from flight.mission.mission import Mission
-from maneuver.options.executor import HERE, MeansAsked, lend_means
+from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.numbers import Count, Seed
 from planner.closed_loop.settings import Settings
-from runtime.atomic_write import publish_bytes
+from runtime.atomic_write import write_atomically
 from scenarios.find import find_library
-from sim.loop.specification import Departure
+from sim.loop.specification import FlightOptions
 
-NOT_KEPT = 1
+NOT_ACCEPTABLE = 1
 
 WAIT = 10.0
 """Seconds for which a vehicle that has given up must stay safe."""
@@ -43,11 +50,11 @@ def faults(
     seed: Seed = 1,
     bare: bool = True,
     out: Path | None = None,
-    means: MeansAsked = HERE,
+    job_executor: ExecutorArgument = THIS_MACHINE,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies every fault of a matrix on missions drawn by chance, and counts what was safe, lost and wrong.
+    """Flies a fault matrix on random missions and counts the outcomes.
 
     Each fault is flown on the same missions in the same air, with the vehicle's protection and without it:
     alarms, on which it gives up its mission and goes to rest, and a margin before it takes itself to be at
@@ -72,33 +79,35 @@ def faults(
         seed: of all chance.
         bare: fly without protection too.
         out: folder for flights and tables; none by default.
-        means: who flies.
+        job_executor: who flies.
         force: write into a folder that has something else in it.
         json: print one JSON document.
     """
     what, flown_with = find_fault_matrix(matrix), find_library(library)
     missions = random_missions(flown_with, count=flights, seed=seed, gamma=1.0)
-    flying = _Flying(what, flown_with, policy, wind or flown_with.conditions.wind, seed, missions)
+    flying = _MatrixFlights(what, flown_with, policy, wind or flown_with.conditions.wind, seed, missions)
     cases = [case.fault for case in what.cases]
     orders: list[tuple[Fault | None, bool]] = [(None, True), *((fault, True) for fault in cases)]
     orders += [(fault, False) for fault in cases] if bare else []
     tasks = [task for fault, protected in orders for task in flying.tasks(fault, protected=protected)]
-    with lend_means(means) as lent:
-        results = fly_all(tasks, folder=out, logs=None, means=lent, force=force)
-    card = _card(what, [results[place : place + flights] for place in range(0, len(results), flights)])
+    with open_executor(job_executor) as lent:
+        results = fly_tasks(tasks, folder=out, logs=None, job_executor=lent, force=force)
+    card = _fault_report(
+        what, [results[place : place + flights] for place in range(0, len(results), flights)]
+    )
     if out is not None:
         for name, text in (("md", fault_markdown(card)), ("csv", fault_csv(card))):
-            publish_bytes(text.encode(), out / f"fault-matrix.{name}", force=True)
+            write_atomically(text.encode(), out / f"fault-matrix.{name}", force=True)
     if json:
         print(json_module.dumps(_content(card)))
     else:
-        _show(card)
-    return 0 if card.kept else NOT_KEPT
+        _print_report(card)
+    return 0 if card.acceptable else NOT_ACCEPTABLE
 
 
 @dataclass(frozen=True, slots=True)
-class _Flying:
-    """What all flights of a matrix have in common."""
+class _MatrixFlights:
+    """Settings that all flights of a fault matrix share."""
 
     matrix: FaultMatrix
     library: Library
@@ -110,7 +119,7 @@ class _Flying:
     def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
         """Returns a flight of every mission, with a fault or without."""
         settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, certainty=0.0)
-        departure = Departure(faults=() if fault is None else (fault,), supervised=protected)
+        flight_options = FlightOptions(faults=() if fault is None else (fault,), supervised=protected)
         return [
             MissionTask(
                 mission=mission,
@@ -120,30 +129,31 @@ class _Flying:
                 wind=self.wind,
                 seed=mission_seed(self.seed, mission.name, 0),
                 settings=settings,
-                departure=departure,
+                flight_options=flight_options,
                 envelope=self.matrix.envelope,
             )
             for mission in self.missions
         ]
 
 
-def _card(matrix: FaultMatrix, flown: Sequence[Sequence[MissionResult]]) -> FaultCard:
+def _fault_report(matrix: FaultMatrix, flown: Sequence[Sequence[MissionResult]]) -> FaultReport:
     sound, *rest = flown
     count = len(matrix.cases)
     nothing = FaultCase(matrix.cases[0].fault, contract=True, expected="")
-    return FaultCard(
+    return FaultReport(
         command=" ".join(["maneuver", *sys.argv[1:]]),
         matrix=matrix,
-        protected=tuple(map(outcomes, matrix.cases, rest[:count])),
-        bare=tuple(map(outcomes, matrix.cases, rest[count:])),
-        sound=outcomes(nothing, sound),
+        protected=tuple(map(count_outcomes, matrix.cases, rest[:count])),
+        bare=tuple(map(count_outcomes, matrix.cases, rest[count:])),
+        sound=count_outcomes(nothing, sound),
     )
 
 
-def _content(card: FaultCard) -> dict[str, object]:
+def _content(card: FaultReport) -> dict[str, object]:
     def plain(found: Outcomes) -> dict[str, object]:
         alarms = {kind.name.lower(): count for kind, count in found.alarms}
-        return {**asdict(found), "alarms": alarms, "wrong_at_most": found.wrong_at_most}
+        limit = found.undetected_failure_at_most
+        return {**asdict(found), "alarms": alarms, "undetected_failure_at_most": limit}
 
     rows = [
         {
@@ -158,23 +168,26 @@ def _content(card: FaultCard) -> dict[str, object]:
     return {"matrix": card.matrix.name, "sound": plain(card.sound), "faults": rows}
 
 
-def _show(card: FaultCard) -> None:
+def _print_report(card: FaultReport) -> None:
     """Prints a line for each fault, and all together."""
-    print(f"{'fault':<45} passed  safe  lost  wrong   bare: safe  wrong")
+    print(f"{'fault':<45} passed  safe  detected  undetected   bare: safe  undetected")
     parts: list[tuple[str, Outcomes, Outcomes | None]] = [("nothing", card.sound, None)]
     parts += [
         (case.fault.words, card.protected[place], card.bare[place] if card.bare else None)
         for place, case in enumerate(card.matrix.cases)
     ]
-    parts.append(("all faults", together(card.protected), together(card.bare) if card.bare else None))
+    parts.append(
+        ("all faults", merge_outcomes(card.protected), merge_outcomes(card.bare) if card.bare else None)
+    )
     for words, found, bare in parts:
         passed = "-" if found.passed is None else str(found.passed)
-        without = "" if bare is None else f"{bare.safe:>13}{bare.wrong:>7}"
-        print(f"{words:<45}{passed:>7}{found.safe:>6}{found.lost:>6}{found.wrong:>7}{without}")
+        without = "" if bare is None else f"{bare.safe:>13}{bare.undetected_failure:>12}"
+        failed = f"{found.detected_loss:>10}{found.undetected_failure:>12}"
+        print(f"{words:<45}{passed:>7}{found.safe:>6}{failed}{without}")
         if found.acted < found.flights and words != "nothing":
             print(f"  seen to act in {found.acted} of {found.flights} flights only")
-    whole = together(card.protected)
+    whole = merge_outcomes(card.protected)
     print(
-        f"wrong with protection: {whole.wrong} of {whole.flights}; with 95 % confidence at most "
-        f"{whole.wrong_at_most:.3%}"
+        f"undetected failures with protection: {whole.undetected_failure} of {whole.flights}; at most "
+        f"{whole.undetected_failure_at_most:.3%} (95 % confidence)"
     )

@@ -1,4 +1,4 @@
-"""`maneuver fly`: a sequence, a mission or a whole campaign, flown by the simulated helicopter."""
+"""`maneuver fly`: sequences, missions and campaigns flown by the simulated helicopter."""
 
 import json as json_module
 from collections.abc import Mapping
@@ -10,24 +10,24 @@ from cyclopts import Parameter
 from cyclopts.validators import Number
 
 from experiments.mission.fly import fly_mission
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.policies import FlownPolicy
-from experiments.mission.result import walk_flown
-from experiments.mission.task import MissionTask
+from experiments.mission.result import flown_walk
 from flight.errors import FlightError
 from flight.mission.fault import parse_fault
 from flight.mission.wind_change import parse_wind_change
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_walk, warn_of_walks
-from maneuver.options.executor import HERE, MeansAsked
-from maneuver.options.films import make_film, refuse_film
-from maneuver.options.folder_status import show_status
+from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument
+from maneuver.options.films import check_film_target, make_film
+from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
-from runtime.atomic_write import refuse_files
-from runtime.job_store import survey
+from runtime.atomic_write import check_output_files
+from runtime.job_store import inspect_jobs
 from scenarios.find import (
     find_library,
     find_mission,
@@ -37,29 +37,28 @@ from scenarios.find import (
     sequence_path,
 )
 from sim.campaign_flight import fly_specification
-from sim.loop.specification import Departure, specify_sequence
+from sim.loop.specification import FlightOptions, specify_sequence
 
-from .fly_campaign import fly_a_campaign, order_campaign
+from .fly_campaign import fly_ordered_campaign, order_campaign
 
 LOST = 1
 
 # How results are said to people, where their names alone would not do.
-WORDS = {
+LABELS = {
     "flown_time": "flown",
-    "predicted_time": "planned",
-    "closest": "nearest to goal",
-    "activations": "plannings",
-    "failures": "without a plan",
-    "fallbacks": "ways to rest",
+    "planned_time": "planned",
+    "closest": "least distance to goal",
+    "failures": "failed replans",
+    "safe_stops": "safe stops",
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }
 # What a result holds for scorecards and pictures.
-NOT_SAID = {
-    *("gamma", "plant", "planning_times", "performances", "legs"),
+NOT_PRINTED = {
+    *("gamma", "plant", "predicted_time", "planning_times", "performances", "legs"),
     *("claimed", "alarms", "left", "effects", "left_tube"),
 }
-UNITS = {"flown_time": " s", "predicted_time": " s", "closest": " m", "duration": " s"}
+UNITS = {"flown_time": " s", "planned_time": " s", "closest": " m", "duration": " s"}
 
 
 def fly(
@@ -81,13 +80,13 @@ def fly(
     flights: Count | None = None,
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     out: Path | None = None,
-    means: MeansAsked = HERE,
+    job_executor: ExecutorArgument = THIS_MACHINE,
     status: Annotated[bool, Parameter(negative="")] = False,
     video: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies the simulated helicopter and writes flight logs; give one of --sequence, --mission, --campaign.
+    """Flies a sequence, a mission or a campaign and writes flight logs.
 
     A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
     maneuver of its automaton once a flight; stopped in whatever way and started again, the same command flies
@@ -109,7 +108,7 @@ def fly(
 
         maneuver fly --sequence slow-walk --fault "gps dropout 10 2" --fault "pedal slow 20 5 0.1"
 
-        maneuver fly --mission gtmax-2 --policy calibrated --wind-change "5 light"
+        maneuver fly --mission gtmax-2 --policy adaptive-gamma --wind-change "5 light"
 
         maneuver fly --sequence slow-walk --wind calm --ideal-sensors --no-adaptation
 
@@ -124,7 +123,7 @@ def fly(
             longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         ideal_sensors: the vehicle believes the truth, at once.
-        adaptation: whether the controller's adaptive element learns.
+        adaptation: whether the controller's adaptive element adapts.
         fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
             exists stands in docs/helicopter.md, and in the answer to one that does not.
         wind_change: time in s and the wind class that it changes to, such as `20 light`; may be repeated.
@@ -134,27 +133,29 @@ def fly(
         nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
             none where only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
-        means: who flies a campaign.
+        job_executor: who flies a campaign.
         status: fly nothing; say which flights of the campaign are there. The exit code is 1 where one is not.
         video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
         force: overwrite OUT and VIDEO; of a campaign, replace logs of other flights.
         json: print what was flown as JSON.
     """
-    departure = Departure(
+    flight_options = FlightOptions(
         ideal_navigation=ideal_sensors,
         adaptive=adaptation,
         faults=tuple(map(parse_fault, fault)),
         supervised=supervision and mission is not None,
         wind_changes=tuple(map(parse_wind_change, wind_change)),
     )
-    order = _Order(library, wind, departure, seed, out, video, force)
+    order = _SharedOptions(library, wind, flight_options, seed, out, video, force)
     if video is not None:
-        _refuse_video(video, campaign, force=force)
+        _check_video(video, campaign, force=force)
     if mission is None:
-        _refuse_options("a mission: give --mission", policy=policy, gamma=gamma, latency=latency)
+        _check_options("a mission: give --mission", policy=policy, gamma=gamma, latency=latency)
     if campaign is None:
-        told = {name: value for name, value in asdict(means).items() if value} | {"status": status or None}
-        _refuse_options(
+        told = {name: value for name, value in asdict(job_executor).items() if value} | {
+            "status": status or None
+        }
+        _check_options(
             "a campaign: give --campaign", flights=flights, nominal_flights=nominal_flights, **told
         )
     match sequence, mission, campaign:
@@ -174,12 +175,12 @@ def fly(
                 counts=(flights, nominal_flights),
                 wind=wind,
                 seed=seed,
-                departure=departure,
+                flight_options=flight_options,
             )
             folder = out or Path(wanted.campaign.name)
             if status:
-                return show_status(survey(wanted.works(folder), folder), as_json=json)
-            code, result = fly_a_campaign(wanted, folder, means=means, force=force)
+                return print_status(inspect_jobs(wanted.jobs(folder), folder), as_json=json)
+            code, result = fly_ordered_campaign(wanted, folder, job_executor=job_executor, force=force)
         case _:
             given = sum(kind is not None for kind in (sequence, mission, campaign))
             raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
@@ -192,18 +193,18 @@ def fly(
 
 def _lines(result: Mapping[str, object]) -> str:
     return "\n".join(
-        f"{WORDS.get(key, key):<18} {_text(value)}{UNITS.get(key, '') if value is not None else ''}"
+        f"{LABELS.get(key, key):<18} {_text(value)}{UNITS.get(key, '') if value is not None else ''}"
         for key, value in result.items()
     )
 
 
-def _refuse_video(path: Path, campaign: str | None, *, force: bool) -> None:
+def _check_video(path: Path, campaign: str | None, *, force: bool) -> None:
     if campaign is not None:
         raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
-    refuse_film(path, force=force)
+    check_film_target(path, force=force)
 
 
-def _refuse_options(owner: str, **options: object) -> None:
+def _check_options(owner: str, **options: object) -> None:
     """Refuses options that were given without what they belong to."""
     given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value is not None]
     if given:
@@ -225,46 +226,46 @@ def _text(value: object) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class _Order:
-    """What all kinds of flight are told."""
+class _SharedOptions:
+    """Options of every kind of flight."""
 
     library: str
     wind: str | None
-    departure: Departure
+    flight_options: FlightOptions
     seed: int
     out: Path | None
     video: Path | None
     force: bool
 
-    def refuse(self, path: Path, asked: Path) -> None:
-        """Refuses a log, or a film beside it, that cannot be written, before any flying."""
-        refuse_files(path, self.video, force=self.force, inputs=[asked, library_path(self.library)])
+    def check_targets(self, path: Path, asked: Path) -> None:
+        """Checks that log and film can be written, before flying."""
+        check_output_files(path, self.video, force=self.force, inputs=[asked, library_path(self.library)])
 
 
-def _fly_sequence(name: str, order: _Order) -> tuple[int, dict[str, object]]:
+def _fly_sequence(name: str, order: _SharedOptions) -> tuple[int, dict[str, object]]:
     walk = find_sequence(name)
     walk = replace(walk, wind=order.wind or walk.wind)
     library = find_library(order.library)
     library.maneuvers_along(walk.trims)
     path = order.out or Path(f"{walk.name}.mcap")
-    order.refuse(path, sequence_path(name))
-    specification = specify_sequence(walk, seed=order.seed).depart(order.departure)
+    order.check_targets(path, sequence_path(name))
+    specification = specify_sequence(walk, seed=order.seed).with_options(order.flight_options)
     warn_of_flight(library, wind=walk.wind, altitude=specification.altitude)
     warn_of_walk(library, walk.trims, walk.coasting_times)
     log = fly_specification(specification, library)
-    publish_log(log, path, force=order.force)
+    write_log(log, path, force=order.force)
     outcome = log.header.outcome
     result = {"sequence": walk.name, "outcome": outcome, "duration": round(log.duration, 2), "log": str(path)}
     return (0 if outcome == "completed" else LOST), result
 
 
 def _fly_mission(
-    name: str, order: _Order, policy: FlownPolicy, gamma: float, latency: Latency
+    name: str, order: _SharedOptions, policy: FlownPolicy, gamma: float, latency: Latency
 ) -> tuple[int, dict[str, object]]:
     library = find_library(order.library)
     mission = find_mission(name, library)
     path = order.out or Path(f"{mission.name}.mcap")
-    order.refuse(path, mission_path(name))
+    order.check_targets(path, mission_path(name))
     task = MissionTask(
         mission=mission,
         library=library,
@@ -273,14 +274,14 @@ def _fly_mission(
         wind=order.wind or library.conditions.wind,
         seed=order.seed,
         settings=Settings(latency=latency),
-        departure=order.departure,
+        flight_options=order.flight_options,
         log=path,
         force=order.force,
     )
     warn_of_flight(library, wind=task.wind)
     done = fly_mission(task)
     if done.legs:
-        warn_of_walks(library, [walk_flown(done.legs)])
+        warn_of_walks(library, [flown_walk(done.legs)])
     flown = asdict(done)
-    result = {key: value for key, value in flown.items() if key not in NOT_SAID}
+    result = {key: value for key, value in flown.items() if key not in NOT_PRINTED}
     return (0 if flown["reached"] else LOST), {**result, "log": str(path)}

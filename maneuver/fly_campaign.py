@@ -2,11 +2,11 @@
 
 from pathlib import Path
 
-from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
-from experiments.campaign.size import campaign_size
-from maneuver.options.executor import MeansOptions, lend_means
+from experiments.campaign.campaign_size import campaign_size
+from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from maneuver.options.executor_options import ExecutorOptions, open_executor
 from scenarios.find import find_campaign
-from sim.loop.specification import Departure
+from sim.loop.specification import FlightOptions
 
 LOST = 1
 
@@ -17,7 +17,7 @@ def order_campaign(
     counts: tuple[int | None, int | None],
     wind: str | None,
     seed: int,
-    departure: Departure,
+    flight_options: FlightOptions,
 ) -> CampaignOrder:
     """Returns what is flown of a campaign.
 
@@ -26,7 +26,7 @@ def order_campaign(
         counts: flights for the bounds and for the values; None for the campaign's.
         wind: wind class; None for the campaign's.
         seed: of all chance.
-        departure: how the flights differ from plain ones.
+        flight_options: how the flights differ from plain ones.
 
     Raises:
         FlightError: there is no such campaign, or it is broken.
@@ -41,20 +41,20 @@ def order_campaign(
         flights=size.bounding,
         nominal_flights=size.nominal,
         wind=wind or campaign.wind,
-        departure=departure,
+        flight_options=flight_options,
     )
 
 
-def fly_a_campaign(
-    order: CampaignOrder, folder: Path, *, means: MeansOptions, force: bool
+def fly_ordered_campaign(
+    order: CampaignOrder, folder: Path, *, job_executor: ExecutorOptions, force: bool
 ) -> tuple[int, dict[str, object]]:
-    """Flies what is missing of a campaign, and returns the exit code and what is said of it.
+    """Flies the missing flights of a campaign; returns exit code and report.
 
     Raises:
         FlightError: the campaign cannot be flown as asked, or the folder holds something else.
     """
-    with lend_means(means) as lent:
-        flown = fly_whole_campaign(order, folder, means=lent, force=force)
+    with open_executor(job_executor) as lent:
+        flown = fly_campaign(order, folder, job_executor=lent, force=force)
     lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
     result: dict[str, object] = {
         "campaign": order.campaign.name,

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from experiments.campaign.claims_report import CLAIMS_LESS, split_by_kind, weaker_claims
+from experiments.campaign.coverage_report import COVERAGE_TOO_LOW, split_by_kind, weaker_claims
 from experiments.campaign.evidence import gather_evidence, gather_motion_evidence, has_commands, log_paths
 from flight.automaton.library_file import library_text
 from flight.errors import FlightError
@@ -15,7 +15,7 @@ from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
 from identification.segmentation.flight_evidence import StateJudged
 from identification.segmentation.trim_discovery import Resolution
-from maneuver.library.publish import publish_library, refuse_library, report
+from maneuver.library.publish import check_library_target, library_report, publish_library
 from maneuver.options.numbers import Count
 from runtime.executor import default_workers, worker_pool
 from scenarios.find import find_library
@@ -82,7 +82,7 @@ def identify(
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
     paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
-    refuse_library(out, force=force, inputs=[*paths, *apart])
+    check_library_target(out, force=force, inputs=[*paths, *apart])
     if by == "commands" and (trims or resolution):
         raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
     by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
@@ -106,10 +106,10 @@ def identify(
     )
     weak = weaker_claims(library, coverage)
     publish_library(library, out, force=force)
-    sys.stdout.write(library_text(library) if json else report(library, out))
+    sys.stdout.write(library_text(library) if json else library_report(library, out))
     for line in weak:
         print(line, file=sys.stderr)
-    return CLAIMS_LESS if weak else 0
+    return COVERAGE_TOO_LOW if weak else 0
 
 
 def _resolution(numbers: tuple[float, float, float]) -> Resolution:

@@ -12,14 +12,15 @@ from cyclopts import Parameter
 from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ESTIMATE, FAULT, FAULT_EFFECT, MOTION, TOPICS, TRUTH
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.imports.axes import Axes, BodyAxes, WorldAxes
-from flightlog.imports.csv_log import TimeUnit, read_foreign_csv
-from flightlog.imports.mcap_log import Stated, VelocityAxes, read_foreign_mcap
-from flightlog.imports.measured_motion import disagreement
+from flightlog.imports.clock import TimeUnit
+from flightlog.imports.csv_log import read_external_csv
+from flightlog.imports.mcap_log import McapImportSettings, VelocityAxes, read_external_mcap
+from flightlog.imports.measured_motion import velocity_disagreement
 from flightlog.imports.px4_log import read_px4_log
 from flightlog.log import FlightLog
-from runtime.atomic_write import refuse_files
+from runtime.atomic_write import check_output_files
 
 WITH_LOSS = 3
 # Positions and velocities that belong together differ by less, as a share of the speed and in m/s.
@@ -42,7 +43,7 @@ def import_log(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Makes a flight log of a ULog of PX4, of any MCAP with poses and velocities, or of a table.
+    """Imports a PX4 ULog, an MCAP file or a table.
 
     What the file does not hold is absent, not zero; review and identification use what is there.
 
@@ -74,7 +75,7 @@ def import_log(
         pose: topic of an MCAP that says where the vehicle is and how it stands.
         velocity: topic of an MCAP that says how it moves; the pose's own topic by default.
         columns: of a table, as NAME=HEADING.
-        time_unit: of a table's times; seconds by default.
+        time_unit: of a table's times; seconds by default, where they can be.
         world: axes of the world: north, east, down or east, north, up.
         body: axes of the body: forward, right, down or forward, left, up.
         velocity_in: whether an MCAP's velocities are along the world's axes or the body's.
@@ -85,30 +86,34 @@ def import_log(
         json: print what came of it as JSON.
     """
     path = out or Path(f"{log.stem}.mcap")
-    refuse_files(path, force=force, inputs=[log])
+    check_output_files(path, force=force, inputs=[log])
     stated = {"pose": pose, "velocity": velocity, "velocity_in": velocity_in}
     table = {"columns": columns, "time_unit": time_unit}
     topic = TRUTH if as_ == "truth" else ESTIMATE
     if log.suffix == ".ulg":
-        _refuse("a ULog says what it holds", {**stated, **table, "world": world, "body": body, "as": as_})
+        _check_options(
+            "a ULog says what it holds", {**stated, **table, "world": world, "body": body, "as": as_}
+        )
         flight = read_px4_log(log)
     elif log.suffix == ".mcap":
-        _refuse("they are for tables", table)
+        _check_options("they are for tables", table)
         if pose is None:
             raise FlightError(f"{log}: expected --pose TOPIC, and --velocity TOPIC where that is another one")
-        flight = read_foreign_mcap(log, Stated(pose, velocity, world, body, velocity_in), topic=topic)
+        flight = read_external_mcap(
+            log, McapImportSettings(pose, velocity, world, body, velocity_in), topic=topic
+        )
     elif log.suffix == ".csv":
-        _refuse("they are for MCAP files", stated)
+        _check_options("they are for MCAP files", stated)
         axes = Axes(world or "ned", body or "frd")
-        flight = read_foreign_csv(log, _pairs(columns), axes=axes, time_unit=time_unit or "s", topic=topic)
+        flight = read_external_csv(log, _pairs(columns), axes=axes, time_unit=time_unit, topic=topic)
     else:
         raise FlightError(f"expected FLIGHT.ulg, FLIGHT.mcap or FLIGHT.csv, got {log}")
-    publish_log(flight, path, force=force)
+    write_log(flight, path, force=force)
     _report(flight, path, json=json)
-    return _warned(log, flight)
+    return _warn(log, flight)
 
 
-def _refuse(reason: str, options: Mapping[str, object]) -> None:
+def _check_options(reason: str, options: Mapping[str, object]) -> None:
     """Refuses options that a file of this kind has no use for."""
     given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value]
     if given:
@@ -134,7 +139,7 @@ def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
     }
     absent = [topic.name for topic in contract if topic.name not in flight.series]
     states = flight.motion
-    wanting = [name for name in ESTIMATE.field_names if not states.holds(name)]
+    wanting = [name for name in ESTIMATE.field_names if not states.has_fields(name)]
     taken: dict[str, Any] = json_module.loads(flight.attachments[IMPORT_ATTACHMENT])
     if json:
         facts = {"log": str(path), "duration": flight.duration, "held": held, "absent": absent}
@@ -152,17 +157,17 @@ def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
         print(f"{name:<{width}} {value}")
 
 
-def _warned(log: Path, flight: FlightLog) -> int:
-    """Says on stderr what cannot be right or is not all; returns the exit code."""
-    apart = disagreement(flight.motion)
+def _warn(log: Path, flight: FlightLog) -> int:
+    """Prints warnings about an imported log on stderr; returns the exit code."""
+    apart = velocity_disagreement(flight.motion)
     if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
         print(
             f"maneuver: {log}: velocities differ from what the positions show by {apart[0]:.2f} m/s at a "
-            f"speed of {apart[1]:.2f} m/s: see --world, --body and --velocity-in",
+            f"speed of {apart[1]:.2f} m/s: see --world, --body, --velocity-in, and --time-unit of tables",
             file=sys.stderr,
         )
     states = flight.motion
-    if states.holds("roll", "pitch") and np.mean(np.cos(states["roll"]) * np.cos(states["pitch"])) < 0.0:
+    if states.has_fields("roll", "pitch") and np.mean(np.cos(states["roll"]) * np.cos(states["pitch"])) < 0.0:
         print(f"maneuver: {log}: flies upside down most of the time: see --world and --body", file=sys.stderr)
     if flight.header.outcome != "completed":
         print(f"maneuver: {log}: {flight.header.outcome}", file=sys.stderr)

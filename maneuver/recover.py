@@ -1,4 +1,4 @@
-"""`maneuver recover`: what is whole in a damaged log, as a log that opens."""
+"""`maneuver recover`: the intact part of a damaged log."""
 
 from pathlib import Path
 from typing import Annotated
@@ -7,9 +7,9 @@ from cyclopts import Parameter
 
 from flight.errors import BadFileError, FlightError
 from flightlog.file.reader import MAGIC
-from flightlog.file.recovery import Salvage, holds, recovered_bytes, salvage
+from flightlog.file.recovery import Salvage, contains_salvage, recovered_bytes, salvage
 from flightlog.file.writer import LARGEST_LOG
-from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.atomic_write import check_output_files, write_atomically
 
 NOTHING_TO_SAVE = 1
 WITH_LOSS = 3
@@ -22,7 +22,7 @@ def recover(
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Recovers a log that was cut short or damaged; any MCAP file, not only ours.
+    """Recovers the intact part of a truncated or damaged MCAP file.
 
     Every chunk and attachment whose checksum is right is kept, and the result is read again before it is said
     to be there. The exit code is 0 without loss, 3 with loss, 1 where nothing could be saved. A flight log
@@ -38,7 +38,7 @@ def recover(
         force: overwrite OUT.
     """
     out = out or log.with_name(f"{log.stem}-recovered.mcap")
-    refuse_files(out, force=force, inputs=[log])
+    check_output_files(out, force=force, inputs=[log])
     damaged = _content(log)
     found = salvage(damaged)
     if not found.messages:
@@ -46,9 +46,9 @@ def recover(
         print(f"nothing to save: {log} has {what} in its {len(damaged)} bytes")
         return NOTHING_TO_SAVE
     content = recovered_bytes(found)
-    if not holds(content, found):
+    if not contains_salvage(content, found):
         raise FlightError(f"{log}: what was recovered cannot be read again; nothing was written")
-    publish_bytes(content, out, force=force)
+    write_atomically(content, out, force=force)
     print(f"recovered  {out}")
     print(
         f"kept       {len(found.messages)} messages of {len(found.channels)} channels, "

@@ -8,24 +8,24 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from experiments.campaign.campaign import CampaignOrder, fly_whole_campaign
-from experiments.campaign.claims_report import CLAIMS_LESS, split_by_kind, weaker_claims
-from experiments.campaign.cleanup import finish_removal, made_before, remove_flights
+from experiments.campaign.campaign_size import campaign_size
+from experiments.campaign.cleanup import find_made_library, finish_removal, remove_flights
+from experiments.campaign.coverage_report import COVERAGE_TOO_LOW, split_by_kind, weaker_claims
 from experiments.campaign.evidence import gather_evidence
-from experiments.campaign.forecast import forecast
-from experiments.campaign.size import campaign_size
+from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from experiments.campaign.forecast import forecast_campaign
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
-from flight.plural import counted
+from flight.plural import plural
 from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
 from identification.segmentation.flight_evidence import StateJudged
-from maneuver.library.publish import publish_library, refuse_library, report
-from maneuver.options.executor import HERE, MeansAsked, lend_means
-from maneuver.options.folder_status import show_status
+from maneuver.library.publish import check_library_target, library_report, publish_library
+from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
+from maneuver.options.folder_status import print_status
 from maneuver.options.numbers import Count, Seed
 from runtime.executor import default_workers, worker_pool
-from runtime.job_store import survey
+from runtime.job_store import inspect_jobs
 from scenarios.find import find_campaign
 
 
@@ -42,12 +42,12 @@ def regenerate(
     logs: Path | None = None,
     of: StateJudged = "truth",
     trim_errors: TrimErrors = "instantaneous",
-    means: MeansAsked = HERE,
+    job_executor: ExecutorArgument = THIS_MACHINE,
     status: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies a campaign and identifies a library from its logs: `fly` and `identify` in one.
+    """Flies a campaign and identifies a library from its logs.
 
     Says before flying how many flights, flight hours and minutes it takes. --coverage and --confidence say
     how many flights: the fewest of which the largest deviations of a primitive cover that share of future
@@ -76,7 +76,7 @@ def regenerate(
         logs: folder that keeps the logs; by default OUT's name with `-flights`, removed when OUT is there.
         of: whose deviations: those of the true motion, or of what the vehicle believed.
         trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
-        means: who flies; the library is identified on this machine.
+        job_executor: who flies; the library is identified on this machine.
         status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
         force: overwrite OUT and logs of other flights.
         json: print the library as JSON.
@@ -87,25 +87,27 @@ def regenerate(
     )
     order = CampaignOrder(plan, seed, size.bounding, wind or plan.wind, nominal_flights=size.nominal)
     # Without force too, what is there may be what is made here.
-    refuse_library(out, force=True)
+    check_library_target(out, force=True)
     folder = logs or out.with_name(f"{out.stem}-flights")
     if status:
-        return show_status(survey(order.works(folder), folder), as_json=json)
+        return print_status(inspect_jobs(order.jobs(folder), folder), as_json=json)
     finish_removal(folder)
-    if out.exists() and not force and not survey(order.works(folder), folder).complete:
-        library = made_before(out, order, of=of, confidence=confidence, trim_errors=trim_errors)
+    if out.exists() and not force and not inspect_jobs(order.jobs(folder), folder).complete:
+        library = find_made_library(out, order, of=of, confidence=confidence, trim_errors=trim_errors)
         print(f"{out} is there already, and is what this command makes: nothing is flown", file=sys.stderr)
-        return _finish(library, out, coverage=coverage, json=json)
+        return _report_library(library, out, coverage=coverage, json=json)
     if not json:
-        print(size.said())
-        if means.cluster is None:
-            processes = means.workers or default_workers()
-            ahead = forecast(plan, wind=order.wind, seed=seed, flights=size.flights, workers=processes)
-            print(ahead.said(), flush=True)
+        print(size.describe())
+        if job_executor.cluster is None:
+            processes = job_executor.workers or default_workers()
+            ahead = forecast_campaign(
+                plan, wind=order.wind, seed=seed, flights=size.flights, workers=processes
+            )
+            print(ahead.describe(), flush=True)
     began = perf_counter()
-    with lend_means(means) as lent:
-        flown = fly_whole_campaign(order, folder, means=lent, force=force)
-    with worker_pool(means.workers or default_workers()) as executor:
+    with open_executor(job_executor) as lent:
+        flown = fly_campaign(order, folder, job_executor=lent, force=force)
+    with worker_pool(job_executor.workers or default_workers()) as executor:
         cut = gather_evidence([flight.path for flight in flown.flights], executor=executor, of=of)
     bounding, centring = split_by_kind(cut)
     library = identify_library(
@@ -114,23 +116,23 @@ def regenerate(
         nominal=centring,
         confidence=confidence,
         trim_errors=trim_errors,
-        campaign=order.named(),
+        campaign=order.provenance(),
     )
     publish_library(library, out, force=force)
     if logs is None:
-        remove_flights(order.works(folder), folder)
+        remove_flights(order.jobs(folder), folder)
     if not json:
         hours, minutes = flown.duration / 3600, (perf_counter() - began) / 60
         print(
-            f"{counted(size.flights, 'flight')}, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes"
+            f"{plural(size.flights, 'flight')}, {hours:.2f} flight hours, seed {seed}, {minutes:.1f} minutes"
         )
-    return _finish(library, out, coverage=coverage, json=json)
+    return _report_library(library, out, coverage=coverage, json=json)
 
 
-def _finish(library: Library, out: Path, *, coverage: float | None, json: bool) -> int:
+def _report_library(library: Library, out: Path, *, coverage: float | None, json: bool) -> int:
     """Says what a library is worth, and returns the exit code."""
-    sys.stdout.write(library_text(library) if json else report(library, out))
+    sys.stdout.write(library_text(library) if json else library_report(library, out))
     weak = weaker_claims(library, coverage)
     for line in weak:
         print(line, file=sys.stderr)
-    return CLAIMS_LESS if weak else 0
+    return COVERAGE_TOO_LOW if weak else 0

@@ -1,4 +1,4 @@
-"""`maneuver replay`: flights flown again from their logs alone, and compared byte by byte."""
+"""`maneuver replay`: logged flights flown again, compared byte by byte."""
 
 import json as json_module
 from dataclasses import asdict, dataclass, replace
@@ -8,15 +8,15 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from experiments.campaign.evidence import log_paths
-from experiments.mission.repeat import fly_again
+from experiments.mission.repeat import repeat_flight
 from flight.errors import FlightError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
-from flightlog.log_diff import bytes_that_differ, differences
-from runtime.atomic_write import publish_bytes, refuse_files
+from flightlog.log_diff import count_differing_bytes, differences
+from runtime.atomic_write import check_output_files, write_atomically
 from runtime.code_version import code_version
-from runtime.progress import shown
+from runtime.progress import show_progress
 
 DIFFERENT = 1
 # Differences that are printed of one flight.
@@ -24,7 +24,7 @@ _PRINTED = 5
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class ReplayComparison:
     """A flight beside its repetition.
 
     Attributes:
@@ -52,7 +52,7 @@ def replay(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies logged flights again, from nothing but their logs, and compares the logs byte by byte.
+    """Flies logged flights again from their logs and compares the bytes.
 
     A log carries what its flight was made of: specification with seed and faults, library, vehicle, mission
     and planner, and, where planning was timed by the clock, the times. The numeric back-end that the log
@@ -75,22 +75,23 @@ def replay(
     if out is not None:
         if len(paths) != 1:
             raise FlightError(f"--out is for one flight, got {len(paths)} logs")
-        refuse_files(out, force=force, inputs=paths)
+        check_output_files(out, force=force, inputs=paths)
     compared = [
-        _compare(path, out, force=force) for path in shown(paths, total=len(paths), what="flying again")
+        _compare(path, out, force=force)
+        for path in show_progress(paths, total=len(paths), what="flying again")
     ]
     if json:
         print(json_module.dumps([asdict(one) for one in compared]))
     else:
         for one in compared:
-            _say(one)
+            _print_comparison(one)
     return DIFFERENT if any(one.differing for one in compared) else 0
 
 
-def _compare(path: Path, out: Path | None, *, force: bool) -> Comparison:
+def _compare(path: Path, out: Path | None, *, force: bool) -> ReplayComparison:
     log = read_log(path)
     try:
-        repeated = fly_again(log)
+        repeated = repeat_flight(log)
     except FlightError as error:
         raise FlightError(f"{path}: {error}") from None
     # The name of the code says who flew, not what was flown.
@@ -99,18 +100,18 @@ def _compare(path: Path, out: Path | None, *, force: bool) -> Comparison:
     )
     content, original = log_bytes(named), path.read_bytes()
     if out is not None:
-        publish_bytes(log_bytes(repeated), out, force=force)
-    return Comparison(
+        write_atomically(log_bytes(repeated), out, force=force)
+    return ReplayComparison(
         log=str(path),
         size=len(original),
-        differing=bytes_that_differ(original, content),
+        differing=count_differing_bytes(original, content),
         differences=differences(log, named),
         code=log.header.code_version,
         code_here=code_version(),
     )
 
 
-def _say(one: Comparison) -> None:
+def _print_comparison(one: ReplayComparison) -> None:
     print(f"{one.log}: {one.differing} of {one.size} bytes differ")
     for words in one.differences[:_PRINTED]:
         print(f"  {words}")

@@ -1,4 +1,4 @@
-"""`maneuver review`: a flight log for people: a summary, a page, pictures, a film."""
+"""`maneuver review`: a flight log as summary, page, pictures and film."""
 
 import json as json_module
 from dataclasses import asdict, dataclass
@@ -15,17 +15,17 @@ from flight.errors import FlightError
 from flightlog.file.reader import read_log
 from maneuver.options.films import FILM_ENDING, STILL_ENDING, make_film, make_still
 from maneuver.options.numbers import Count
-from maneuver.report.review import campaign_report, report, side_by_side, summary_content
+from maneuver.report.flight_report import campaign_report, flight_report, side_by_side, summary_content
 from review.page.campaign_page import campaign_page
-from review.page.campaign_rows import FlightRow, outliers_first, row_of
-from review.page.page import Reviewed, review_page
+from review.page.campaign_rows import FlightRow, flight_row, sort_outliers_first
+from review.page.page import ReviewedFlight, review_page
 from review.pictures.flight_picture import picture_paths, write_pictures
-from review.summary.bound_check import judged_by
+from review.summary.bound_check import with_bounds_of
 from review.summary.control_limits import control_limits
 from review.summary.summary import summarise
-from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.atomic_write import check_output_files, write_atomically
 from runtime.executor import default_workers, worker_pool
-from runtime.progress import shown
+from runtime.progress import show_progress
 from scenarios.find import find_library
 
 MOST_COMPARED = 4
@@ -33,8 +33,8 @@ FAILED = 1
 
 
 @dataclass(frozen=True, slots=True)
-class _Order:
-    """What is to be made of the logs, and where it goes."""
+class _ReviewOptions:
+    """Outputs of a review."""
 
     html: bool
     png: bool
@@ -67,7 +67,7 @@ def review(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Shows what was flown, commanded, believed and true: one log, several side by side, or a folder of them.
+    """Reviews one log, several side by side, or a folder of them.
 
     Prints a summary. A page is one file for a browser, with everything in it; it needs no network. Several
     logs are laid over one another, aligned at their starts. A folder's page lists its flights, those that
@@ -103,7 +103,7 @@ def review(
         force: overwrite files of the same name.
         json: print the summary as JSON.
     """
-    order = _Order(
+    order = _ReviewOptions(
         html=html,
         png=png,
         out=out or Path(f"{logs[0].resolve().stem}-review"),
@@ -128,15 +128,15 @@ def review(
     return _review_flights(logs, order)
 
 
-def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
+def _review_flights(logs: tuple[Path, ...], order: _ReviewOptions) -> int:
     names = _labels(logs)
-    flights = [_reviewed(path, name, order.library) for path, name in zip(logs, names, strict=True)]
+    flights = [_review_log(path, name, order.library) for path, name in zip(logs, names, strict=True)]
     files: list[Path] = []
     page = order.page("-and-".join(names)) if order.html else None
     drawn = picture_paths(flights[0].log, order.out) if order.png else ()
-    refuse_files(order.video, force=order.force, ending=FILM_ENDING)
-    refuse_files(order.still, force=order.force, ending=STILL_ENDING)
-    refuse_files(page, *drawn, order.video, order.still, force=order.force, inputs=logs)
+    check_output_files(order.video, force=order.force, ending=FILM_ENDING)
+    check_output_files(order.still, force=order.force, ending=STILL_ENDING)
+    check_output_files(page, *drawn, order.video, order.still, force=order.force, inputs=logs)
     if order.png:
         log = flights[0].log
         files += write_pictures(log, order.out, limits=control_limits(log), force=order.force)
@@ -156,31 +156,33 @@ def _review_flights(logs: tuple[Path, ...], order: _Order) -> int:
         print(json_module.dumps({**what, "files": [str(path) for path in files]}))
         return 0
     console = Console(highlight=False)
-    console.print(report(summaries[0]) if len(logs) == 1 else side_by_side(names, summaries))
-    _say_files(files)
+    console.print(flight_report(summaries[0]) if len(logs) == 1 else side_by_side(names, summaries))
+    _print_files(files)
     return 0
 
 
-def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int:
+def _review_folder(folder: Path, order: _ReviewOptions, pages: int, workers: int) -> int:
     paths = sorted(folder.rglob("*.mcap"))
     if not paths:
         raise FlightError(f"{folder}: expected flight logs, *.mcap, found none")
     page = order.page("index") if order.html else None
-    refuse_files(page, force=order.force)
+    check_output_files(page, force=order.force)
     files: list[Path] = []
     with worker_pool(min(workers, len(paths))) as executor:
-        judged = partial(row_of, library=order.library)
-        rows = outliers_first(list(shown(executor.map(judged, paths), total=len(paths), what="reviewing")))
+        judged = partial(flight_row, library=order.library)
+        rows = sort_outliers_first(
+            list(show_progress(executor.map(judged, paths), total=len(paths), what="reviewing"))
+        )
         if page is not None:
             chosen = [row.path for row in rows if not row.problem][:pages]
             addresses = {path: order.page(_name_in(folder, path)) for path in chosen}
-            refuse_files(page, *addresses.values(), force=order.force)
+            check_output_files(page, *addresses.values(), force=order.force)
             write = partial(_write_page, library=order.library, force=order.force)
             made = executor.map(write, addresses.keys(), addresses.values())
-            files = list(shown(made, total=len(chosen), what="pages"))
+            files = list(show_progress(made, total=len(chosen), what="pages"))
             links = {path: made.name for path, made in addresses.items()}
             content = campaign_page(rows, title=folder.resolve().name, pages=links)
-            publish_bytes(content.encode(), page, force=order.force)
+            write_atomically(content.encode(), page, force=order.force)
             files.insert(0, page)
     if order.json:
         content_json = {
@@ -190,19 +192,19 @@ def _review_folder(folder: Path, order: _Order, pages: int, workers: int) -> int
         print(json_module.dumps(content_json))
     else:
         Console(highlight=False).print(campaign_report(rows))
-        _say_files(files[:1])
+        _print_files(files[:1])
     return 0 if all(row.good for row in rows) else FAILED
 
 
-def _reviewed(path: Path, label: str, library: Library | None) -> Reviewed:
+def _review_log(path: Path, label: str, library: Library | None) -> ReviewedFlight:
     log = read_log(path)
     if library is not None:
-        log = judged_by(log, library)
-    return Reviewed(log, summarise(log), label)
+        log = with_bounds_of(log, library)
+    return ReviewedFlight(log, summarise(log), label)
 
 
 def _labels(logs: tuple[Path, ...]) -> list[str]:
-    """Returns what the logs are called: their stems, or with their folders where those are equal."""
+    """Returns labels of the logs: stems, with folders where those are equal."""
     stems = [path.stem for path in logs]
     if len(set(stems)) == len(stems):
         return stems
@@ -214,23 +216,23 @@ def _name_in(folder: Path, path: Path) -> str:
 
 
 def _write_page(log: Path, page: Path, *, library: Library | None, force: bool) -> Path:
-    _publish_page([_reviewed(log, log.stem, library)], page, force=force)
+    _publish_page([_review_log(log, log.stem, library)], page, force=force)
     return page
 
 
-def _publish_page(flights: list[Reviewed], page: Path, *, force: bool) -> None:
+def _publish_page(flights: list[ReviewedFlight], page: Path, *, force: bool) -> None:
     content = review_page(flights, limits=control_limits(flights[0].log))
-    publish_bytes(content.encode(), page, force=force)
+    write_atomically(content.encode(), page, force=force)
 
 
 def _row_content(row: FlightRow) -> dict[str, object]:
-    """Returns a row as plain JSON values; a score without bound is null."""
+    """Returns a row as JSON values; null where a score is unbounded."""
     content = asdict(row)
     score = row.score if row.score < float("inf") else None
     return {**content, "path": str(row.path), "figures": dict(row.figures), "score": score}
 
 
-def _say_files(files: list[Path]) -> None:
+def _print_files(files: list[Path]) -> None:
     if files:
         others = ", ".join(path.name for path in files[1:])
         print(f"\nLook at {files[0]}{f'; beside it: {others}' if others else ''}")

@@ -13,12 +13,17 @@ from rich.table import Table
 
 from experiments.campaign.evidence import log_paths
 from flight.errors import FlightError
-from flight.plural import counted
+from flight.plural import plural
 from flightlog.file.reader import read_log
 from identification.segmentation.motion_model import sampled_motion
 from identification.segmentation.motion_walk import walks_of
-from identification.segmentation.segmentation import commanded_walk, cut
-from identification.segmentation.segmentation_score import TOLERANCE, EdgeScore, boundaries, scores
+from identification.segmentation.segmentation import commanded_walk, cut_into_segments
+from identification.segmentation.segmentation_score import (
+    TOLERANCE,
+    EdgeScore,
+    boundaries_of,
+    score_boundaries,
+)
 
 MISSED = 1
 LEAST_FOUND, MOST_SPURIOUS = 0.98, 0.02
@@ -30,7 +35,7 @@ def segment(
     *,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Finds maneuvers in the motion alone and holds them against the commands of the same logs.
+    """Finds maneuvers from motion alone and compares them with the commands.
 
     A boundary counts as found within a second of the commanded one, between the same trims. The exit code
     is 1 where fewer than 98 % are found, or more than 2 % are spurious.
@@ -53,11 +58,11 @@ def segment(
         commanded = commanded_walk(log)
         pairs.append(
             (
-                boundaries(commanded, cut(log, commanded, library)),
-                boundaries(shown, cut(log, shown, library)),
+                boundaries_of(commanded, cut_into_segments(log, commanded, library)),
+                boundaries_of(shown, cut_into_segments(log, shown, library)),
             )
         )
-    entries, ends, edges = scores(pairs)
+    entries, ends, edges = score_boundaries(pairs)
     rows = {"all entries": entries, "all ends": ends}
     rows |= {f"{row.edge[0]} to {row.edge[1]}": row for row in edges if row.edge}
     if json:
@@ -65,13 +70,13 @@ def segment(
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
     else:
         winds = ", ".join(sorted({log.header.wind for log in flights}))
-        said = f"{counted(len(flights), 'flight')}, wind {winds}"
+        said = f"{plural(len(flights), 'flight')}, wind {winds}"
         print(f"{said}; found: within {TOLERANCE:g} s, between the same trims")
         Console(highlight=False).print(_table(rows))
-    return 0 if all(_good(row) for row in (entries, ends)) else MISSED
+    return 0 if all(_passes(row) for row in (entries, ends)) else MISSED
 
 
-def _good(row: EdgeScore) -> bool:
+def _passes(row: EdgeScore) -> bool:
     return row.found >= LEAST_FOUND * row.commanded and row.spurious <= MOST_SPURIOUS * max(row.commanded, 1)
 
 
@@ -82,6 +87,6 @@ def _table(rows: dict[str, EdgeScore]) -> Table:
         table.add_column(heading, justify="right" if place else "left", no_wrap=True)
     for name, row in rows.items():
         counts = (row.commanded, row.found, row.spurious)
-        times = (f"{row.late:+.3f}", f"{row.spread:.3f}", f"{row.furthest:.2f}")
+        times = (f"{row.late:+.3f}", f"{row.standard_deviation:.3f}", f"{row.furthest:.2f}")
         table.add_row(name, *map(str, counts), *times)
     return table

@@ -7,9 +7,9 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from experiments.thesis.closed_loop_tables import NOT_REPRODUCED, closed_loops
-from experiments.thesis.cost_tables import PRINTED, compare, examples, sequence_counts
-from maneuver.report.thesis import markdown_page, show
+from experiments.thesis.closed_loop_tables import NOT_REPRODUCED, compare_closed_loops
+from experiments.thesis.cost_tables import PRINTED, compare_cost, compare_examples, compare_sequence_counts
+from maneuver.report.thesis_report import markdown_page, print_thesis_tables
 from scenarios.find import find_library
 
 DIFFERS = 1
@@ -22,7 +22,7 @@ def thesis(
     markdown: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Prints what the thesis prints beside what is computed from its own tables, differences marked.
+    """Prints the thesis's figures beside computed ones, with differences marked.
 
     Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
     cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 27 to 33 follow, misprints marked.
@@ -43,8 +43,12 @@ def thesis(
         markdown: print Markdown.
         json: print one JSON document.
     """
-    rows = [*sequence_counts(find_library("thesis-gtmax")), *map(compare, PRINTED), *examples()]
-    flights = list(closed_loops()) if closed_loop else []
+    rows = [
+        *compare_sequence_counts(find_library("thesis-gtmax")),
+        *map(compare_cost, PRINTED),
+        *compare_examples(),
+    ]
+    flights = list(compare_closed_loops()) if closed_loop else []
     if json:
         document = {
             "comparisons": [asdict(row) for row in rows],
@@ -55,5 +59,5 @@ def thesis(
     elif markdown:
         sys.stdout.write(markdown_page(rows, flights))
     else:
-        show(rows, flights)
+        print_thesis_tables(rows, flights)
     return DIFFERS if any(row.verdict == "differs" for row in rows) else 0

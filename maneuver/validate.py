@@ -8,34 +8,44 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 from cyclopts.types import NonNegativeFloat, PositiveFloat
 
-from experiments.mission.blame import Blame, blame
-from experiments.mission.policies import COMPARED, FlownPolicy
+from experiments.mission.error_attribution import ErrorAttribution, attribute_errors
+from experiments.mission.policies import COMPARED_POLICIES, FlownPolicy
 from experiments.mission.random_missions import random_missions
-from experiments.mission.result import MissionResult, walk_flown
-from experiments.mission.result_store import FLIGHTS, fly_all, keep_all
-from experiments.mission.time_bound import promised_times
-from experiments.thesis.flown_tables import compare_loops, loops_csv, loops_markdown, pattern
+from experiments.mission.result import MissionResult, flown_walk
+from experiments.mission.result_store import FLIGHTS, fly_tasks, stored_tasks
+from experiments.mission.stated_time_bound import stated_time_bounds
+from experiments.thesis.flown_tables import compare_loops, count_arrivals_by_policy, loops_csv, loops_markdown
 from experiments.validation.grid import Grid
 from experiments.validation.pictures import write_validation_pictures
-from experiments.validation.scorecard import Cell, scorecard, totals
-from experiments.validation.scorecard_files import Scorecard, comma_separated, json_text, markdown
-from experiments.validation.time_bound_trial import promises, time_promises
-from experiments.validation.tube_trial import tube_cards
+from experiments.validation.scorecard import ScorecardCell, scorecard_cells, scorecard_totals
+from experiments.validation.scorecard_files import (
+    Scorecard,
+    scorecard_csv,
+    scorecard_json,
+    scorecard_markdown,
+)
+from experiments.validation.time_bound_trial import find_time_bounds, time_bound_trials
+from experiments.validation.tube_trial import tube_trials
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from flight.plan.time_bound import times_text
+from flight.plan.time_bound import time_bounds_text
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_walks
-from maneuver.options.executor import HERE, MeansAsked, lend_means
-from maneuver.options.folder_status import show_status
+from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
+from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
-from maneuver.report.scorecard import show
+from maneuver.report.scorecard_report import print_scorecard
 from planner.closed_loop.settings import Settings
-from runtime.atomic_write import publish_bytes, refuse_files, refuse_folder, remove_partials
+from runtime.atomic_write import (
+    check_output_files,
+    check_output_folder,
+    remove_partial_files,
+    write_atomically,
+)
 from runtime.executor import default_workers, worker_pool
-from runtime.job_store import survey
+from runtime.job_store import inspect_jobs
 from scenarios.find import find_library, find_mission, library_path
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
@@ -43,7 +53,7 @@ THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown
 RANDOM_MISSIONS = 100
 NOT_REACHED = 1
 
-PROMISED = 0.9
+BOUND_SHARE = 0.9
 """Share of flights that a calibrated time is made for."""
 
 Names = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
@@ -54,7 +64,9 @@ def validate(
     *,
     suite: Literal["thesis", "random", "tables"] = "thesis",
     missions: Names = (),
-    policies: Annotated[tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")] = COMPARED,
+    policies: Annotated[
+        tuple[FlownPolicy, ...], Parameter(consume_multiple=True, negative="")
+    ] = COMPARED_POLICIES,
     library: str = "gtmax-sim",
     gamma: Levels = (1.0,),
     plant: Literal["helicopter", "automaton"] = "helicopter",
@@ -63,7 +75,7 @@ def validate(
     flights: Count = 5,
     seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
-    activation_interval: PositiveFloat = 0.5,
+    replan_interval: PositiveFloat = 0.5,
     tolerance_share: NonNegativeFloat = 0.0,
     aim: PositiveFloat = 0.5,
     hysteresis: NonNegativeFloat = 1.0,
@@ -71,16 +83,16 @@ def validate(
     replan_in_maneuver: Annotated[bool, Parameter(negative="")] = False,
     latency: str = "0.05",
     max_nodes: Count | None = None,
-    max_activations: Count = 200,
+    max_replans: Count = 200,
     out: Path | None = None,
     logs: Path | None = None,
     calibrate: Path | None = None,
-    means: MeansAsked = HERE,
+    job_executor: ExecutorArgument = THIS_MACHINE,
     status: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Flies missions in closed loop and compares with the plans: reached or not, flown time, predicted time.
+    """Flies missions in closed loop and compares them with their plans.
 
     Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
     --out the flights are kept as they come: the same command, started again, flies only what is missing.
@@ -114,7 +126,7 @@ def validate(
         flights: of each mission and policy, each with a seed of its own.
         seed: of all chance.
         tolerance: metres within which the goal counts as reached; the mission's by default.
-        activation_interval: seconds between two plannings.
+        replan_interval: seconds between two replans.
         tolerance_share: of the distance to go: the tolerance that re-planning is handed, where larger.
         aim: part of the tolerance that the planner is handed: errors need room.
         hysteresis: seconds by which a new plan must be faster than one under way that still reaches the goal.
@@ -123,23 +135,24 @@ def validate(
         latency: charged for each planning: seconds, `measured` (by the clock; what took longer than 0.05 s is
             too late), or a log of a flight to be repeated.
         max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
-        max_activations: plannings after which a flight is given up.
+        max_replans: replans after which a flight is given up.
         out: folder for flights, scorecard and pictures; none by default.
         calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
-            NAME.times.toml beside the library NAME.json; for --suite random.
+            NAME.times.toml beside the library NAME.json; for --suite random. Not written where too few
+            flights succeeded.
         logs: folder that keeps the flight logs of the helicopter; none are kept by default.
-        means: who flies.
+        job_executor: who flies.
         status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
         force: write into a folder that has something else in it.
         json: print one JSON document with every cell and every flight.
     """
     if suite == "tables":
-        return _tables(out, means.workers or default_workers(), force=force)
+        return _tables(out, job_executor.workers or default_workers(), force=force)
     flown_with = find_library(library)
     try:
         settings = Settings(
-            activation_interval=activation_interval,
-            max_activations=max_activations,
+            activation_interval=replan_interval,
+            max_activations=max_replans,
             final_tolerance=tolerance,
             tolerance_share=tolerance_share,
             aim=aim,
@@ -150,9 +163,9 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
-    _refuse_calibration(calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None))
-    refuse_files(calibrate, force=force, inputs=[library_path(library)])
-    if means.cluster is not None and logs is not None and out is None:
+    _check_calibration(calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None))
+    check_output_files(calibrate, force=force, inputs=[library_path(library)])
+    if job_executor.cluster is not None and logs is not None and out is None:
         raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
     if plant == "automaton" and (wind or logs):
         raise FlightError(
@@ -178,46 +191,44 @@ def validate(
             warn_of_flight(flown_with, wind=name)
     if status:
         return _status(grid, out, as_json=json)
-    with lend_means(means) as lent:
-        results = fly_all(grid.tasks(), folder=out, logs=logs, means=lent, force=force)
+    with open_executor(job_executor) as lent:
+        results = fly_tasks(grid.tasks(), folder=out, logs=logs, job_executor=lent, force=force)
     helicopter = [one for one in results if one.plant == "helicopter" and one.legs]
-    warn_of_walks(flown_with, [walk_flown(one.legs) for one in helicopter])
-    stated = promised_times(library, flown_with)
+    warn_of_walks(flown_with, [flown_walk(one.legs) for one in helicopter])
+    stated = stated_time_bounds(library, flown_with)
     drawn = seed if suite == "random" else -1
     card = Scorecard(
         command=_command(),
         library=flown_with.name,
-        totals=totals(results),
-        cells=scorecard(results),
-        promises=promises(results, share=PROMISED, stated=stated, seed=drawn),
-        blamed=_blamed(results, flown_with),
-        tubes=tube_cards(results, flown_with),
+        totals=scorecard_totals(results),
+        cells=scorecard_cells(results),
+        time_bounds=time_bound_trials(results, share=BOUND_SHARE, stated=stated, seed=drawn),
+        attributions=_attributions(results, flown_with),
+        tubes=tube_trials(results, flown_with),
     )
     if out is not None:
-        remove_partials(out)
-        for name, text in (("md", markdown(card)), ("csv", comma_separated(card))):
-            publish_bytes(text.encode(), out / f"scorecard.{name}", force=True)
-        publish_bytes(json_text(card, results).encode(), out / "results.json", force=True)
+        remove_partial_files(out)
+        for name, text in (("md", scorecard_markdown(card)), ("csv", scorecard_csv(card))):
+            write_atomically(text.encode(), out / f"scorecard.{name}", force=True)
+        write_atomically(scorecard_json(card, results).encode(), out / "results.json", force=True)
         write_validation_pictures(
-            out, results, grid.missions, flown_with, totals=card.totals, promises=card.promises
+            out, results, grid.missions, flown_with, totals=card.totals, time_bounds=card.time_bounds
         )
     _calibrate(calibrate, helicopter, flown_with, seed=seed, force=force)
     if json:
-        sys.stdout.write(json_text(card, results))
+        sys.stdout.write(scorecard_json(card, results))
     else:
-        show(card)
-    return _code(card.cells)
+        print_scorecard(card)
+    return _exit_code(card.cells)
 
 
-def _refuse_calibration(path: Path | None, suite: str, plant: str, *, plain: bool) -> None:
+def _check_calibration(path: Path | None, suite: str, plant: str, *, plain: bool) -> None:
     if path is None:
         return
     if (suite, plant) != ("random", "helicopter"):
         raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
     if not plain:
-        raise FlightError(
-            "--calibrate: expected the loop that `plan` promises for, got one with other settings"
-        )
+        raise FlightError("--calibrate: expected the default closed-loop settings, got others")
 
 
 def _calibrate(
@@ -225,22 +236,25 @@ def _calibrate(
 ) -> None:
     if path is None:
         return
-    made, lacking = time_promises(results, share=PROMISED, seed=seed)
+    made, lacking = find_time_bounds(results, share=BOUND_SHARE, seed=seed)
     for policy in lacking:
-        print(f"too few flights of {policy} reached their goal: it promises no time", file=sys.stderr)
-    text = times_text(made, library_hash=library_hash(library), command=_command())
-    publish_bytes(text.encode(), path, force=force)
+        print(f"{policy}: too few successful flights for a time bound", file=sys.stderr)
+    if not made:
+        print(f"{path} is not written: no policy has a time bound", file=sys.stderr)
+        return
+    text = time_bounds_text(made, library_hash=library_hash(library), command=_command())
+    write_atomically(text.encode(), path, force=force)
 
 
 def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
     if folder is None:
         raise FlightError("--suite tables: expected --out with a folder for the tables, got none")
-    refuse_folder(folder, force=force)
+    check_output_folder(folder, force=force)
     with worker_pool(workers) as executor:
         rows = compare_loops(executor)
-    publish_bytes(loops_markdown(rows).encode(), folder / "tables-12-to-26.md", force=force)
-    publish_bytes(loops_csv(rows).encode(), folder / "tables-12-to-26.csv", force=force)
-    for policy, (printed, theirs, ours) in pattern(rows).items():
+    write_atomically(loops_markdown(rows).encode(), folder / "tables-12-to-26.md", force=force)
+    write_atomically(loops_csv(rows).encode(), folder / "tables-12-to-26.csv", force=force)
+    for policy, (printed, theirs, ours) in count_arrivals_by_policy(rows).items():
         print(
             f"{policy}: goal reached in {printed} of 15 lines printed; at both signs, in the thesis's loop "
             f"in {theirs}, in ours in {ours}"
@@ -251,10 +265,12 @@ def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
 def _status(grid: Grid, folder: Path | None, *, as_json: bool) -> int:
     if folder is None:
         raise FlightError("--status: expected --out with the folder that keeps the flights, got none")
-    return show_status(survey(keep_all(grid.tasks(), folder / FLIGHTS), folder / FLIGHTS), as_json=as_json)
+    return print_status(
+        inspect_jobs(stored_tasks(grid.tasks(), folder / FLIGHTS), folder / FLIGHTS), as_json=as_json
+    )
 
 
-def _code(cells: Sequence[Cell]) -> int:
+def _exit_code(cells: Sequence[ScorecardCell]) -> int:
     judged = [cell for cell in cells if cell.policy == "worst-case"] or list(cells)
     return 0 if all(cell.reached.count == cell.flights for cell in judged) else NOT_REACHED
 
@@ -274,13 +290,15 @@ def _missions(
     return random_missions(library, count=count, seed=seed, gamma=gamma)
 
 
-def _blamed(results: Sequence[MissionResult], library: Library) -> dict[str, tuple[Blame, ...]]:
+def _attributions(
+    results: Sequence[MissionResult], library: Library
+) -> dict[str, tuple[ErrorAttribution, ...]]:
     winds: dict[str, list[MissionResult]] = {}
     for row in results:
         if row.performances:
             winds.setdefault(row.wind, []).append(row)
     return {
-        wind: blame(
+        wind: attribute_errors(
             (
                 (str(row.log or f"{row.mission}, {row.policy}, seed {row.seed}"), row.performances)
                 for row in rows

@@ -1,4 +1,4 @@
-"""`maneuver verify`: the checks of physics that need no test runner, every figure beside its bar."""
+"""`maneuver verify`: physics, margins and formats against their limits."""
 
 import json as json_module
 import sys
@@ -14,13 +14,13 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from experiments.campaign.campaign import campaign_library, specify_campaign
+from experiments.campaign.fly_campaign import campaign_library, specify_campaign
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.plural import counted
+from flight.plural import plural
 from runtime.executor import default_workers, worker_pool
 from scenarios.find import find_campaign, find_library
-from sim.checks.check import Figure
+from sim.checks.check_result import CheckResult
 from sim.loop.specification import FlightSpecification
 
 CHECK_FAILED = 1
@@ -41,7 +41,7 @@ def verify(
     spectrum: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Measures the simulator against its bars; ends with 1 where one is missed.
+    """Measures the simulator against its limits; returns 1 on a miss.
 
     Examples:
         maneuver verify
@@ -62,22 +62,22 @@ def verify(
         _draw(spectrum)
     figures = list(measure(topics))
     if json:
-        rows = [asdict(figure) | {"holds": figure.holds} for figure in figures]
+        rows = [asdict(figure) | {"holds": figure.passed} for figure in figures]
         sys.stdout.write(json_module.dumps({"figures": rows}, indent=2) + "\n")
     else:
-        _show(figures)
-    return 0 if figures and all(figure.holds for figure in figures) else CHECK_FAILED
+        _print_checks(figures)
+    return 0 if figures and all(figure.passed for figure in figures) else CHECK_FAILED
 
 
 def _draw(path: Path) -> None:
     from review.pictures.spectrum_picture import draw_spectra
-    from sim.checks.wind_check import spectra
+    from sim.checks.wind_check import gust_spectra
 
-    frequency, found = spectra()
+    frequency, found = gust_spectra()
     draw_spectra(frequency, found, path)
 
 
-def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
+def measure(topics: tuple[str, ...]) -> Iterable[CheckResult]:
     """Yields every figure of the topics; of all where none is named."""
     from sim.checks.controller_check import check_adaptation, check_delay, check_margins
     from sim.checks.limits_check import check_limits
@@ -88,7 +88,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
     from sim.vehicle.parameters import read_parameters
 
     vehicle = read_parameters()
-    checks: tuple[tuple[set[str], Callable[[], Iterable[Figure]]], ...] = (
+    checks: tuple[tuple[set[str], Callable[[], Iterable[CheckResult]]], ...] = (
         ({"trim", "power", "ground", "modes", "shape"}, lambda: check_vehicle(vehicle)),
         ({"response"}, lambda: check_response(vehicle)),
         ({"response"}, lambda: check_table_10(_library("calm"))),
@@ -109,7 +109,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[Figure]:
 
 
 def _library(wind: str) -> Library:
-    """Returns the thesis's Tables 9 and 10 with the rule by which a maneuver ends in a wind class."""
+    """Returns the thesis's library (Tables 9, 10) with a maneuver-end rule."""
     return campaign_library(find_campaign(_CAMPAIGN), wind)
 
 
@@ -120,7 +120,7 @@ def _campaign_flights() -> tuple[FlightSpecification, ...]:
     return specify_campaign(campaign, _library(wind), seed=_LIMITS_SEED, flights=_LIMITS_FLIGHTS, wind=wind)
 
 
-def _check_navigation() -> Iterable[Figure]:
+def _check_navigation() -> Iterable[CheckResult]:
     from sim.checks.navigation_check import check_navigation
 
     with worker_pool(default_workers()) as executor:
@@ -128,12 +128,12 @@ def _check_navigation() -> Iterable[Figure]:
 
 
 def _median_displacement_error() -> float:
-    """Returns the median over the shipped library's maneuvers of their displacement errors, in m."""
+    """Returns the median displacement error of the shipped library's maneuvers, in metres."""
     maneuvers = find_library("gtmax-sim").maneuvers
     return median(hypot(maneuver.error.forward, maneuver.error.side) for maneuver in maneuvers)
 
 
-def _show(figures: list[Figure]) -> None:
+def _print_checks(figures: list[CheckResult]) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=_WIDTH)
@@ -141,11 +141,11 @@ def _show(figures: list[Figure]) -> None:
     for heading in ("topic", "figure", "value", "unit", "bar", "", "beside"):
         table.add_column(heading, justify="right" if heading == "value" else "left")
     for figure in figures:
-        verdict = "" if not figure.bar else "holds" if figure.holds else "MISSED"
+        verdict = "" if not figure.limit_text else "holds" if figure.passed else "MISSED"
         table.add_row(
             *(figure.topic, figure.name, f"{figure.value:.4g}", figure.unit),
-            *(figure.bar, verdict, figure.beside),
+            *(figure.limit_text, verdict, figure.beside),
         )
     console.print(table)
-    missed = sum(not figure.holds for figure in figures)
-    console.print(f"{counted(len(figures), 'figure')}, {missed} missed their bar")
+    missed = sum(not figure.passed for figure in figures)
+    console.print(f"{plural(len(figures), 'figure')}, {missed} missed their bar")

@@ -1,4 +1,4 @@
-"""The vehicle as data: shape for MuJoCo (`gtmax.xml`), numbers with their sources (`gtmax.toml`)."""
+"""Vehicle data: MuJoCo shape (`gtmax.xml`) and parameters with sources (`gtmax.toml`)."""
 
 from pathlib import Path
 

@@ -1,1 +1,1 @@
-"""Reading a flight log with the eyes."""
+"""Review of flight logs: summaries, pages, pictures and films."""

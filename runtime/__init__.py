@@ -1,1 +1,1 @@
-"""Processes, files, the compiler and versions: what any program needs, and nothing of flight."""
+"""Processes, files, compiler and versions; nothing about flight."""

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all, whenever the program or the machine stops."""
+"""Atomic file writing: complete or absent after any crash."""
 
 import os
 import secrets
@@ -14,23 +14,26 @@ PARTIAL = ".partial"
 _PIECE = 1 << 20
 
 
-class Disk:
-    """What publishing asks of the operating system, one call a step; tests and benchmarks put others here."""
+class FileSystem:
+    """File operations of an atomic write, one call a step.
+
+    Tests and benchmarks substitute their own.
+    """
 
     def make_folder(self, path: Path) -> None:
-        """Makes one folder, whose parent is there."""
+        """Makes one folder in an existing parent."""
         path.mkdir(exist_ok=True)
 
     def open(self, path: Path) -> int:
-        """Opens a file anew, and returns its descriptor."""
+        """Creates or truncates a file and returns its descriptor."""
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o666)
 
     def write(self, descriptor: int, content: bytes) -> int:
-        """Writes on, and returns how many bytes were taken."""
+        """Writes bytes and returns the number written."""
         return os.write(descriptor, content)
 
     def sync(self, descriptor: int) -> None:
-        """Waits until what was written would outlive the machine."""
+        """Flushes a file to the disk."""
         os.fsync(descriptor)
 
     def close(self, descriptor: int) -> None:
@@ -38,15 +41,15 @@ class Disk:
         os.close(descriptor)
 
     def rename(self, path: Path, target: Path) -> None:
-        """Gives a file the name of another, which is gone then, in one step."""
+        """Renames a file over another in one step."""
         path.replace(target)
 
     def remove(self, path: Path) -> None:
-        """Removes a file, if it is there."""
+        """Removes a file if it exists."""
         path.unlink(missing_ok=True)
 
     def sync_folder(self, path: Path) -> None:
-        """Waits until the names in a folder would outlive the machine."""
+        """Flushes a folder's names to the disk."""
         descriptor = os.open(path, os.O_RDONLY)
         try:
             os.fsync(descriptor)
@@ -54,35 +57,36 @@ class Disk:
             os.close(descriptor)
 
 
-DISK = Disk()
+FILE_SYSTEM = FileSystem()
 
 
-def publish_bytes(content: bytes, path: Path, *, force: bool = False, disk: Disk = DISK) -> None:
-    """Writes a file whole or not at all: temporary file, sync, rename, sync of the folder.
+def write_atomically(
+    content: bytes, path: Path, *, force: bool = False, file_system: FileSystem = FILE_SYSTEM
+) -> None:
+    """Writes a file atomically: temporary file, sync, rename, folder sync.
 
-    When this returns the file outlives the machine's stop. A symbolic link stays, and what it leads to is
-    written.
+    After the return the file survives a power failure. A symbolic link is kept; its target is written.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: it is no regular file, or the system says no; what is left behind is nothing, or the
-            whole file where nothing but the folder could not be synced.
+        CannotWriteError: the path is no regular file, or a system call failed; nothing is left behind, or the
+            complete file where only the sync of the folder failed.
     """
     target = file_target(path, force=force)
     try:
-        _publish(content, target, disk)
+        _write_and_rename(content, target, file_system)
     except OSError as error:
         raise CannotWriteError(path, error.strerror or str(error)) from None
 
 
 def file_target(path: Path, *, force: bool) -> Path:
-    """Returns where a file is written: PATH, or what a symbolic link there leads to.
+    """Returns the path to write: the given one, or its link's target.
 
-    A folder, a device or a pipe would be replaced by the rename, not written: none of them is taken.
+    Folders, devices and pipes are refused, because the rename would replace them.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: something else than a file has its name, or there can be none.
+        CannotWriteError: the path is not a regular file, or cannot be one.
     """
     try:
         mode = None if path.name == ".." else path.stat().st_mode
@@ -98,97 +102,101 @@ def file_target(path: Path, *, force: bool) -> Path:
     return Path(os.path.realpath(path)) if path.is_symlink() else path
 
 
-def publish_again(content: bytes, path: Path, *, force: bool = False) -> None:
-    """Writes a file whole or not at all, unless it is there with this very content.
+def write_unless_equal(content: bytes, path: Path, *, force: bool = False) -> None:
+    """Writes a file atomically unless it already has this content.
 
     Raises:
         AlreadyExistsError: the file exists with other content, and `force` is not set.
-        CannotWriteError: the system says no; nothing is left behind.
+        CannotWriteError: a system call failed; nothing is left behind.
     """
     if not path.is_file() or path.read_bytes() != content:
-        publish_bytes(content, path, force=force)
+        write_atomically(content, path, force=force)
 
 
-def publish_folder(path: Path, *, disk: Disk = DISK) -> None:
-    """Makes a folder that outlives the machine, and those above it, where they are not there.
+def make_durable_folder(path: Path, *, file_system: FileSystem = FILE_SYSTEM) -> None:
+    """Makes a folder and its missing parents, synced to the disk.
 
     Raises:
-        AlreadyExistsError: a file has its name.
-        CannotWriteError: the system says no.
+        AlreadyExistsError: a file has this name.
+        CannotWriteError: a system call failed.
     """
     if path.exists() and not path.is_dir():
         raise AlreadyExistsError(path)
     try:
-        _make_folders(path, disk)
+        _make_folders(path, file_system)
     except OSError as error:
         raise CannotWriteError(path, error.strerror or str(error)) from None
 
 
-def remove_partials(folder: Path, *, of: str = "*") -> None:
-    """Removes what writers left that were killed; nobody else may be writing these files.
+def remove_partial_files(folder: Path, *, of: str = "*") -> None:
+    """Removes partial files of killed writers.
+
+    No other program may be writing these files.
 
     Args:
-        folder: to be cleared.
-        of: names of the files that were being written, as a pattern.
+        folder: folder to clean.
+        of: pattern of the final names.
     """
-    for path in partials(folder, of=of):
+    for path in partial_files(folder, of=of):
         path.unlink(missing_ok=True)
 
 
-def partials(folder: Path, *, of: str = "*") -> list[Path]:
-    """Returns the files of a folder that were being written, by a pattern of the names they were to have."""
+def partial_files(folder: Path, *, of: str = "*") -> list[Path]:
+    """Returns a folder's partial files by a pattern of final names."""
     return sorted(folder.glob(f".{of}.*{PARTIAL}"))
 
 
-def _publish(content: bytes, path: Path, disk: Disk) -> None:
-    _make_folders(path.parent, disk)
-    # Two machines may write the same file into a folder that they share.
+def _write_and_rename(content: bytes, path: Path, file_system: FileSystem) -> None:
+    _make_folders(path.parent, file_system)
+    # Two machines may write the same file into a shared folder.
     partial = path.with_name(f".{path.name}.{secrets.token_hex(4)}{PARTIAL}")
     try:
-        _write(content, partial, disk)
-        disk.rename(partial, path)
+        _write(content, partial, file_system)
+        file_system.rename(partial, path)
     except BaseException:
-        disk.remove(partial)
+        file_system.remove(partial)
         raise
-    disk.sync_folder(path.parent)
+    file_system.sync_folder(path.parent)
 
 
-def _write(content: bytes, path: Path, disk: Disk) -> None:
-    descriptor = disk.open(path)
+def _write(content: bytes, path: Path, file_system: FileSystem) -> None:
+    descriptor = file_system.open(path)
     try:
         left = memoryview(content)
         while left:
-            left = left[disk.write(descriptor, bytes(left[:_PIECE])) :]
-        disk.sync(descriptor)
+            left = left[file_system.write(descriptor, bytes(left[:_PIECE])) :]
+        file_system.sync(descriptor)
     finally:
-        disk.close(descriptor)
+        file_system.close(descriptor)
 
 
-def _make_folders(path: Path, disk: Disk) -> None:
-    """Makes a folder and those above it; a name outlives the machine only where its folder was synced."""
+def _make_folders(path: Path, file_system: FileSystem) -> None:
+    """Makes a folder and its missing parents, each synced."""
     if path.is_dir():
         return
-    _make_folders(path.parent, disk)
-    disk.make_folder(path)
-    disk.sync_folder(path.parent)
+    _make_folders(path.parent, file_system)
+    file_system.make_folder(path)
+    file_system.sync_folder(path.parent)
 
 
-def refuse_files(*files: Path | None, force: bool, inputs: Iterable[Path] = (), ending: str = "") -> None:
-    """Refuses, before any work is done, results that cannot be written or would destroy something.
+def check_output_files(
+    *files: Path | None, force: bool, inputs: Iterable[Path] = (), ending: str = ""
+) -> None:
+    """Refuses output files that cannot be written or overlap inputs.
 
     Args:
-        files: that one command writes; None is none.
-        force: overwrite what is there.
-        inputs: what the command reads, which no force gives up.
-        ending: of the files' names, where it says what is in them.
+        files: output files of one command; None entries are skipped.
+        force: overwrite existing files.
+        inputs: input files of the command, never overwritten.
+        ending: required ending of the names; empty for any.
 
     Raises:
         AlreadyExistsError: a file exists and `force` is not set.
-        CannotWriteError: something else than a file has the name.
-        FlightError: two results, or a result and an input, are one file; or a name ends otherwise.
+        CannotWriteError: a path is not a regular file.
+        FlightError: two outputs, or an output and an input, are the same file; or a name has another ending.
     """
     taken = {os.path.realpath(path): f"{path}, which it reads" for path in inputs}
-    for path in (one for one in files if one is not None):
+    for path in (file for file in files if file is not None):
         if path.suffix.lower() != ending and ending:
             raise FlightError(f"expected a name that ends with {ending}, got {path}")
         target = os.path.realpath(path)
@@ -198,12 +206,12 @@ def refuse_files(*files: Path | None, force: bool, inputs: Iterable[Path] = (), 
         taken[target] = f"{path}, which it also writes"
 
 
-def refuse_folder(folder: Path, *, force: bool) -> None:
-    """Refuses, before any work is done, a folder for results that has something in it, or is none.
+def check_output_folder(folder: Path, *, force: bool) -> None:
+    """Refuses an output folder that is not empty or no folder.
 
     Raises:
-        AlreadyExistsError: the folder has something in it, and `force` is not set.
-        CannotWriteError: something else than a folder has the name.
+        AlreadyExistsError: the folder is not empty, and `force` is not set.
+        CannotWriteError: the path is not a folder.
     """
     if (folder.exists() or folder.is_symlink()) and not folder.is_dir():
         raise CannotWriteError(folder, "expected the name of a folder, got something else")

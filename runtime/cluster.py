@@ -1,4 +1,4 @@
-"""A cluster by the address of its Dask scheduler, as an executor; Dask is an extra."""
+"""Executor on a Dask cluster, by the address of its scheduler."""
 
 import logging
 from collections.abc import Iterator
@@ -9,22 +9,22 @@ from typing import Any
 
 from flight.errors import FlightError
 
-PATIENCE = 15
-"""Seconds in which a scheduler must answer."""
+CONNECTION_TIMEOUT = 15
+"""Seconds within which a scheduler must answer."""
 
 
 class ClusterLostError(FlightError):
-    """A cluster went away while it was working, or lost one worker after another over the same work."""
+    """Loss of the cluster, or of several workers on one job."""
 
     def __init__(self, address: str, why: str) -> None:
         super().__init__(
-            f"--cluster {address}: the work was lost there: {why}; files that are there are whole, and the "
-            "same command goes on from there"
+            f"--cluster {address}: connection or workers lost: {why}; existing files are complete, "
+            "repeat the command to resume"
         )
 
 
 class NoClusterError(FlightError):
-    """There is no cluster at an address."""
+    """Missing cluster at an address."""
 
     def __init__(self, address: str, why: str) -> None:
         super().__init__(f"--cluster {address}: expected a Dask scheduler, got {why}")
@@ -32,15 +32,15 @@ class NoClusterError(FlightError):
 
 @contextmanager
 def cluster_executor(address: str) -> Iterator[Executor]:
-    """Lends the workers of a cluster.
+    """Yields an executor that runs jobs on a cluster's workers.
 
     Args:
         address: such as `tcp://host:8786`, or a scheduler file.
 
     Raises:
         FlightError: the extra is not installed.
-        NoClusterError: nobody answers.
-        ClusterLostError: the cluster went away.
+        NoClusterError: no scheduler answers.
+        ClusterLostError: the connection or the workers were lost.
     """
     try:
         from distributed import Client, KilledWorker
@@ -49,14 +49,14 @@ def cluster_executor(address: str) -> Iterator[Executor]:
         raise FlightError(
             "--cluster needs the package `distributed`: pip install 'maneuver-automaton[cluster]'"
         ) from None
-    # What it has to say of connections that come and go is no word for users.
+    # Its messages about connections opened and closed are of no use to users.
     for name in [name for name in logging.root.manager.loggerDict if name.startswith("distributed")]:
         logging.getLogger(name).setLevel(logging.CRITICAL)
     by_file = {"scheduler_file": address} if Path(address).is_file() else {"address": address}
     client: Any
     try:
-        # Dask has no types.
-        client = Client(**by_file, timeout=PATIENCE, set_as_default=False)  # type: ignore[no-untyped-call]
+        # Dask is untyped.
+        client = Client(**by_file, timeout=CONNECTION_TIMEOUT, set_as_default=False)  # type: ignore[no-untyped-call]
     except (OSError, ValueError) as error:
         raise NoClusterError(address, " ".join(str(error).split()) or type(error).__name__) from None
     try:
@@ -64,4 +64,4 @@ def cluster_executor(address: str) -> Iterator[Executor]:
     except (CancelledError, CommClosedError, KilledWorker) as error:
         raise ClusterLostError(address, type(error).__name__) from None
     finally:
-        client.close(timeout=PATIENCE)
+        client.close(timeout=CONNECTION_TIMEOUT)

@@ -1,4 +1,4 @@
-"""Processes that share the work, each with one thread for linear algebra."""
+"""Process pool with one linear-algebra thread for each process."""
 
 import multiprocessing
 import os
@@ -10,27 +10,27 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from .atomic_write import publish_bytes
+from .atomic_write import write_atomically
 
 
-def replace_whole(content: bytes, path: Path) -> None:
-    """Writes a file whole or not at all, whatever was there."""
-    publish_bytes(content, path, force=True)
+def overwrite_atomically(content: bytes, path: Path) -> None:
+    """Writes a file atomically over any existing one."""
+    write_atomically(content, path, force=True)
 
 
 @dataclass(frozen=True, slots=True)
-class Means:
-    """What does work.
+class JobExecutor:
+    """Executor of jobs, with the way that their files return.
 
     Attributes:
-        executor: runs it.
-        by_value: whether its workers send files back; else they write them, into a folder that is shared.
-        publish: writes what was sent.
+        executor: runs the jobs.
+        by_value: whether workers send files back; otherwise they write them into a shared folder.
+        write: writes a file that was sent back.
     """
 
     executor: Executor
     by_value: bool = False
-    publish: Callable[[bytes, Path], None] = replace_whole
+    write: Callable[[bytes, Path], None] = overwrite_atomically
 
 
 # Thread counts of every BLAS that NumPy may have been built with: more than one changes bits and wastes
@@ -40,12 +40,12 @@ _ONE_THREAD = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OMP_NUM_THREADS")
 
 @contextmanager
 def worker_pool(processes: int) -> Iterator[Executor]:
-    """Lends a pool of fresh processes, each with one thread for linear algebra."""
+    """Yields a pool of fresh processes with single-threaded linear algebra."""
     before = {name: os.environ.get(name) for name in _ONE_THREAD}
     os.environ.update(dict.fromkeys(_ONE_THREAD, "1"))
     try:
         context = multiprocessing.get_context("spawn")
-        with ProcessPoolExecutor(processes, mp_context=context, initializer=_follow_parent) as pool:
+        with ProcessPoolExecutor(processes, mp_context=context, initializer=_set_up_worker) as pool:
             try:
                 yield pool
             except BaseException:
@@ -59,10 +59,10 @@ def worker_pool(processes: int) -> Iterator[Executor]:
                 os.environ[name] = value
 
 
-def _follow_parent() -> None:
-    """Leaves signals to the process that started the work, and ends when that has ended, however it did.
+def _set_up_worker() -> None:
+    """Ignores signals in a worker and ends it with its parent.
 
-    Asked to stop, workers finish the flight in hand.
+    After a stop signal workers finish the flight in progress.
     """
     for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         signal.signal(number, signal.SIG_IGN)
@@ -71,7 +71,7 @@ def _follow_parent() -> None:
 
 def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
-    assert parent is not None, "a worker was started by somebody"
+    assert parent is not None, "a worker has a parent process"
     parent.join()
     os._exit(1)
 

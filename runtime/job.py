@@ -1,4 +1,4 @@
-"""Work whose result is a file: what is there of it, and what doing it gives."""
+"""Jobs whose result is a file, and their status."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,18 +10,18 @@ from flight.errors import FlightError
 Result = TypeVar("Result")
 
 
-class OtherCodeError(FlightError):
-    """A process was to work that has other code than the one that asked."""
+class CodeMismatchError(FlightError):
+    """Difference of code version between a worker and the requesting process."""
 
     def __init__(self, expected: str, here: str) -> None:
         super().__init__(
             f"expected every worker to have code {expected}, one has {here}; "
-            "install the same version there, with the same packages, and do not change it meanwhile"
+            "install the same version and packages there, and do not change them during the run"
         )
 
 
-class State(StrEnum):
-    """What there is of a piece of work."""
+class JobState(StrEnum):
+    """State of a job's file."""
 
     WHOLE = "whole"
     MISSING = "missing"
@@ -30,56 +30,56 @@ class State(StrEnum):
 
 
 @dataclass(frozen=True, slots=True)
-class Found(Generic[Result]):
-    """A piece of work as its file shows it.
+class JobStatus(Generic[Result]):
+    """Status of a job as its file shows it.
 
     Attributes:
-        state: of the file.
-        result: what the work came to; None unless whole.
-        why: what is wrong with the file, in words.
+        state: state of the file.
+        result: result of the job; None unless the file is whole.
+        reason: defect of the file in words.
     """
 
-    state: State
+    state: JobState
     result: Result | None = None
-    why: str = ""
+    reason: str = ""
 
 
 @dataclass(frozen=True, slots=True)
-class Done(Generic[Result]):
-    """A piece of work, done.
+class JobResult(Generic[Result]):
+    """Files and result of a finished job.
 
     Attributes:
-        files: where each goes and its content; once the last is there, the work is kept.
-        result: what the work came to.
+        files: path and content of each file; the last one marks the job as done.
+        result: result of the job.
     """
 
     files: tuple[tuple[Path, bytes], ...]
     result: Result
 
 
-class Work(Protocol[Result]):
-    """A piece of work that any process with the same code does to the same bytes."""
+class Job(Protocol[Result]):
+    """Job that gives the same bytes in any process of one code."""
 
     @property
     def path(self) -> Path:
-        """The file that says that it is done, and what it came to."""
+        """File that marks the job as done and holds its result."""
 
-    def found(self) -> Found[Result]:
-        """Looks at the file; nothing but its content says whether it is whole and of this work."""
+    def status(self) -> JobStatus[Result]:
+        """Returns the status, from the file's content alone."""
 
-    def done(self) -> Done[Result]:
-        """Does the work, and writes nothing.
+    def run(self) -> JobResult[Result]:
+        """Runs the job without writing.
 
         Raises:
-            OtherCodeError: this process has other code than the one that asked.
+            CodeMismatchError: this process has another code version than requested.
         """
 
 
-def refuse_other_code(expected: str, here: str) -> None:
-    """Refuses to work where the code is not the one that is wanted.
+def check_code_version(expected: str, here: str) -> None:
+    """Refuses to run with another code version than expected.
 
     Raises:
-        OtherCodeError: it is another.
+        CodeMismatchError: the versions differ.
     """
     if here != expected:
-        raise OtherCodeError(expected, here)
+        raise CodeMismatchError(expected, here)

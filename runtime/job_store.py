@@ -1,7 +1,7 @@
-"""Work that is kept as it comes: started again, the same command does only what is missing.
+"""Job store: runs missing jobs only and keeps each result.
 
-Nothing but the files says what is done. Each is published whole, and tells by its content whose it is, so
-that there is no register that could disagree with them.
+The files alone record progress. Each is written atomically and its content identifies its job, so that there
+is no separate register that could disagree with them.
 """
 
 import fcntl
@@ -16,172 +16,180 @@ from typing import Generic, TypeVar
 
 from flight.errors import AlreadyExistsError, FlightError
 
-from .atomic_write import partials, publish_bytes, publish_folder, remove_partials
-from .executor import Means
-from .job import Done, Found, State, Work
-from .progress import shown
+from .atomic_write import make_durable_folder, partial_files, remove_partial_files, write_atomically
+from .executor import JobExecutor
+from .job import Job, JobResult, JobState, JobStatus
+from .progress import show_progress
 
 Result = TypeVar("Result")
 Value = TypeVar("Value")
 
 
 class BusyError(FlightError):
-    """Two programs were to write into one folder at the same time."""
+    """Two programs writing into one folder at the same time."""
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(f"{folder}: another program is writing there; wait for it, or give another folder")
+        super().__init__(f"{folder}: another program is writing there; wait for it or use another folder")
 
 
 class NotSharedError(FlightError):
-    """A worker wrote a file that is not seen here."""
+    """File written by a worker but not visible here."""
 
     def __init__(self, path: Path) -> None:
         super().__init__(
-            f"{path} was written by a worker and is not seen here: expected the same folder on every "
-            "machine; without --shared-folder workers send files back"
+            f"{path}: written by a worker but not visible here; expected a folder shared by all machines; "
+            "without --shared-folder workers send files back"
         )
 
 
 @dataclass(frozen=True, slots=True)
-class Survey(Generic[Result]):
-    """What a folder holds of some work.
+class JobStoreStatus(Generic[Result]):
+    """Status of a set of jobs in a folder.
 
     Attributes:
-        folder: that was looked at.
-        works: in their order.
-        found: of each.
-        strangers: files of the same kind that belong to none of them.
-        partial: files that a writer left who was killed.
+        folder: folder inspected.
+        jobs: jobs in order.
+        status: status of each job.
+        foreign_files: files of the same kind that belong to no job.
+        partial_files: partial files of killed writers.
     """
 
     folder: Path
-    works: tuple[Work[Result], ...]
-    found: tuple[Found[Result], ...]
-    strangers: tuple[Path, ...]
-    partial: tuple[Path, ...]
+    jobs: tuple[Job[Result], ...]
+    status: tuple[JobStatus[Result], ...]
+    foreign_files: tuple[Path, ...]
+    partial_files: tuple[Path, ...]
 
-    def paths(self, state: State) -> tuple[Path, ...]:
-        """Returns the files that are in a state."""
+    def paths(self, state: JobState) -> tuple[Path, ...]:
+        """Returns the files in a state."""
         return tuple(
-            work.path for work, found in zip(self.works, self.found, strict=True) if found.state is state
+            job.path for job, status in zip(self.jobs, self.status, strict=True) if status.state is state
         )
 
     @property
     def complete(self) -> bool:
-        """Whether all is there."""
-        return all(found.state is State.WHOLE for found in self.found)
+        """True if all jobs are done."""
+        return all(status.state is JobState.WHOLE for status in self.status)
 
 
-def survey(works: Sequence[Work[Result]], folder: Path) -> Survey[Result]:
-    """Looks at every file, and alters nothing."""
-    known = {work.path for work in works}
+def inspect_jobs(jobs: Sequence[Job[Result]], folder: Path) -> JobStoreStatus[Result]:
+    """Returns the status of all jobs without changing any file."""
+    known = {job.path for job in jobs}
     kinds = {path.suffix for path in known}
     others = sorted(path for kind in kinds for path in folder.glob(f"[!.]*{kind}") if path not in known)
-    found = tuple(work.found() for work in works)
-    return Survey(folder, tuple(works), found, tuple(others), tuple(partials(folder)))
+    found = tuple(job.status() for job in jobs)
+    return JobStoreStatus(folder, tuple(jobs), found, tuple(others), tuple(partial_files(folder)))
 
 
-def refuse_others(seen: Survey[Result]) -> None:
-    """Refuses to add to a folder that holds something else.
+def check_own_folder(store: JobStoreStatus[Result]) -> None:
+    """Refuses a folder that holds anything but these jobs' files.
 
     Raises:
-        FlightError: a file of the same name or kind is of other work.
-        AlreadyExistsError: the folder holds none of this work, but something.
+        FlightError: a file of the same name or kind belongs to another job.
+        AlreadyExistsError: the folder holds no file of these jobs, but others.
     """
-    refuse_to_replace(seen)
-    if seen.strangers:
+    check_no_replacement(store)
+    if store.foreign_files:
         raise FlightError(
-            f"{seen.folder} holds {seen.strangers[0].name}, which does not belong to this command "
-            f"({len(seen.strangers)} such); give --force to leave it there, or another folder"
+            f"{store.folder} holds {store.foreign_files[0].name}, which does not belong to this command "
+            f"({len(store.foreign_files)} such); use --force to keep it there, or another folder"
         )
-    begun = any(found.state is not State.MISSING for found in seen.found) or seen.partial
-    if not begun and any(seen.folder.iterdir()):
-        raise AlreadyExistsError(seen.folder)
+    begun = any(found.state is not JobState.MISSING for found in store.status) or store.partial_files
+    if not begun and any(store.folder.iterdir()):
+        raise AlreadyExistsError(store.folder)
 
 
-def refuse_to_replace(seen: Survey[Result]) -> None:
-    """Refuses to replace files of other work; what stands beside is let be.
+def check_no_replacement(store: JobStoreStatus[Result]) -> None:
+    """Refuses to replace files of other jobs; other files are ignored.
 
     Raises:
-        FlightError: a file that would be replaced is of other work.
+        FlightError: a file that would be replaced belongs to another job.
     """
-    for found in seen.found:
-        if found.state is State.ANOTHER:
-            raise FlightError(f"{found.why}; give --force to replace it, or another folder")
+    for found in store.status:
+        if found.state is JobState.ANOTHER:
+            raise FlightError(f"{found.reason}; use --force to replace it, or another folder")
 
 
-def accept_others(seen: Survey[Result]) -> None:
-    """Lets files of other work be: those in the way are replaced, those beside it stay."""
+def allow_other_files(store: JobStoreStatus[Result]) -> None:
+    """Accepts any folder: conflicting files are replaced, others are kept."""
 
 
 def complete(
-    works: Sequence[Work[Result]],
+    jobs: Sequence[Job[Result]],
     folder: Path,
     *,
-    means: Means,
+    job_executor: JobExecutor,
     what: str,
-    check: Callable[[Survey[Result]], None] = refuse_others,
+    check: Callable[[JobStoreStatus[Result]], None] = check_own_folder,
 ) -> list[Result]:
-    """Does what is missing, and returns what all work came to, in its order.
+    """Runs the missing jobs and returns all results in order.
 
     Args:
-        works: each with a file of its own in the folder.
-        folder: nobody else writes into it meanwhile.
-        means: what does the work, and how files come here.
-        what: is done, for the progress.
-        check: raises where the folder holds what must not be touched.
+        jobs: jobs, each with its own file in the folder.
+        folder: output folder, locked during the run.
+        job_executor: executor of the jobs.
+        what: label of the progress bar.
+        check: raises if the folder holds files that must not be touched.
 
     Raises:
         BusyError: another program is writing into the folder.
-        FlightError: the check, the work or the writing says no; what is whole stays.
+        FlightError: the check, a job or a write failed; finished files stay.
     """
     existed = folder.exists()
-    with _alone_in(folder):
-        seen = survey(works, folder)
+    with _exclusive_folder(folder):
+        store = inspect_jobs(jobs, folder)
         if existed:
-            check(seen)
-        remove_partials(folder)
-        _say(seen)
-        results = {n: one.result for n, one in enumerate(seen.found) if one.result is not None}
-        missing = {n: work for n, work in enumerate(works) if n not in results}
-        come = _sent_here(missing, means) if means.by_value else _kept_there(missing, means)
-        with closing(come):
-            results |= shown(come, total=len(works), done=len(results), what=what)
-    return [results[n] for n in range(len(works))]
+            check(store)
+        remove_partial_files(folder)
+        _print_status(store)
+        results = {n: status.result for n, status in enumerate(store.status) if status.result is not None}
+        missing = {n: job for n, job in enumerate(jobs) if n not in results}
+        finished = (
+            _run_and_collect(missing, job_executor)
+            if job_executor.by_value
+            else _run_in_shared_folder(missing, job_executor)
+        )
+        with closing(finished):
+            results |= show_progress(finished, total=len(jobs), done=len(results), what=what)
+    return [results[n] for n in range(len(jobs))]
 
 
-def _say(seen: Survey[Result]) -> None:
-    whole = len(seen.paths(State.WHOLE))
+def _print_status(store: JobStoreStatus[Result]) -> None:
+    whole = len(store.paths(JobState.WHOLE))
     if whole:
-        print(f"{whole} of {len(seen.works)} are there already", file=sys.stderr)
-    for one in seen.found:
-        if one.state is State.DAMAGED:
-            print(f"done again: {one.why}", file=sys.stderr)
+        print(f"{whole} of {len(store.jobs)} already done", file=sys.stderr)
+    for status in store.status:
+        if status.state is JobState.DAMAGED:
+            print(f"repeated: {status.reason}", file=sys.stderr)
 
 
-def _sent_here(missing: Mapping[int, Work[Result]], means: Means) -> Generator[tuple[int, Result]]:
-    """Yields numbers and results as they come; workers send files by value."""
-    sent = {means.executor.submit(_do, work): n for n, work in missing.items()}
-    for future in _as_they_come(sent):
+def _run_and_collect(
+    missing: Mapping[int, Job[Result]], job_executor: JobExecutor
+) -> Generator[tuple[int, Result]]:
+    """Yields job numbers and results; workers send files by value."""
+    sent = {job_executor.executor.submit(_run_job, job): n for n, job in missing.items()}
+    for future in _completed_futures(sent):
         done = future.result()
         for path, content in done.files:
-            means.publish(content, path)
+            job_executor.write(content, path)
         yield sent.pop(future), done.result
 
 
-def _kept_there(missing: Mapping[int, Work[Result]], means: Means) -> Generator[tuple[int, Result]]:
-    """Yields numbers and results as they come; workers write files themselves."""
+def _run_in_shared_folder(
+    missing: Mapping[int, Job[Result]], job_executor: JobExecutor
+) -> Generator[tuple[int, Result]]:
+    """Yields job numbers and results; workers write the files."""
     here = Path.cwd()
-    kept = {means.executor.submit(_do_and_keep, work, here): n for n, work in missing.items()}
-    for future in _as_they_come(kept):
-        result, n = future.result(), kept.pop(future)
+    submitted = {job_executor.executor.submit(_run_and_write, job, here): n for n, job in missing.items()}
+    for future in _completed_futures(submitted):
+        result, n = future.result(), submitted.pop(future)
         if not missing[n].path.exists():
             raise NotSharedError(missing[n].path)
         yield n, result
 
 
-def _as_they_come(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value]]:
-    """Yields what is done; where somebody stops listening, the rest is not begun."""
+def _completed_futures(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value]]:
+    """Yields completed futures and cancels the rest on exit."""
     try:
         yield from as_completed(futures)
     finally:
@@ -189,22 +197,22 @@ def _as_they_come(futures: Mapping[Future[Value], int]) -> Iterator[Future[Value
             future.cancel()
 
 
-def _do(work: Work[Result]) -> Done[Result]:
-    return work.done()
+def _run_job(job: Job[Result]) -> JobResult[Result]:
+    return job.run()
 
 
-def _do_and_keep(work: Work[Result], folder: Path) -> Result:
-    """Works, and writes the files where relative paths start from a folder."""
-    done = work.done()
+def _run_and_write(job: Job[Result], folder: Path) -> Result:
+    """Runs a job and writes its files below a folder."""
+    done = job.run()
     for path, content in done.files:
-        publish_bytes(content, folder / path, force=True)
+        write_atomically(content, folder / path, force=True)
     return done.result
 
 
 @contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """Makes a folder, and keeps other programs from writing into it; the system forgets that with us."""
-    publish_folder(folder)
+def _exclusive_folder(folder: Path) -> Iterator[None]:
+    """Makes and locks a folder; the lock ends with the process."""
+    make_durable_folder(folder)
     descriptor = os.open(folder, os.O_RDONLY)
     try:
         _lock(descriptor, folder)
@@ -219,5 +227,5 @@ def _lock(descriptor: int, folder: Path) -> None:
     except BlockingIOError:
         raise BusyError(folder) from None
     except OSError:
-        # Some network file systems know no locks; files are whole there too.
+        # Some network file systems have no locks; files are written atomically there too.
         return

@@ -1,4 +1,4 @@
-"""Progress on stderr, only where somebody looks at a terminal."""
+"""Progress bar on stderr, on terminals only."""
 
 from collections.abc import Iterable, Iterator
 from typing import TypeVar
@@ -19,21 +19,21 @@ Item = TypeVar("Item")
 
 
 class _Rate(ProgressColumn):
-    """How many come a minute."""
+    """Items per minute."""
 
     def render(self, task: Task) -> Text:
         """Returns the rate; a dash before the second item."""
         return Text("-/min" if task.speed is None else f"{60 * task.speed:.0f}/min", "progress.data.speed")
 
 
-def shown(items: Iterable[Item], *, total: int, what: str, done: int = 0) -> Iterator[Item]:
-    """Passes items through, and shows how many have come, how fast, and how long the rest will take.
+def show_progress(items: Iterable[Item], *, total: int, what: str, done: int = 0) -> Iterator[Item]:
+    """Yields the items and shows count, rate and remaining time.
 
     Args:
-        items: as they come.
-        total: how many there will be.
-        what: they are.
-        done: how many were there before.
+        items: items to pass on.
+        total: number of items, with those done before.
+        what: label of the bar.
+        done: number of items done before.
     """
     console = Console(stderr=True)
     columns = (

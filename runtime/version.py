@@ -1,3 +1,3 @@
-"""The version of this program, in one place."""
+"""Version of the program."""
 
 VERSION = "0.1.0"

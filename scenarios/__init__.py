@@ -1,1 +1,1 @@
-"""Shipped missions, sequences, campaigns and fault matrices, and how they are found by name."""
+"""Shipped missions, sequences, campaigns and fault matrices."""

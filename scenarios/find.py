@@ -1,4 +1,4 @@
-"""Names on the command line: a file's path, or the name of something shipped."""
+"""Lookup of scenarios and libraries by path or shipped name."""
 
 from pathlib import Path
 
@@ -10,15 +10,15 @@ from flight.mission.campaign import Campaign, read_campaign
 from flight.mission.mission import Mission, read_mission
 from flight.mission.sequence import Sequence, read_sequence
 
-FOLDER = Path(__file__).parent
-MISSIONS = FOLDER / "missions"
-SEQUENCES = FOLDER / "sequences"
-CAMPAIGNS = FOLDER / "campaigns"
-FAULTS = FOLDER / "faults"
+SCENARIO_FOLDER = Path(__file__).parent
+MISSIONS = SCENARIO_FOLDER / "missions"
+SEQUENCES = SCENARIO_FOLDER / "sequences"
+CAMPAIGNS = SCENARIO_FOLDER / "campaigns"
+FAULTS = SCENARIO_FOLDER / "faults"
 
 
 class NoSuchFileError(FlightError):
-    """Neither a file nor anything shipped has the name that was given."""
+    """Name of neither a file nor a shipped scenario."""
 
     def __init__(self, kind: str, name: str, shipped: list[str]) -> None:
         super().__init__(f"no {kind} {name!r}: no such file, and the shipped ones are {shipped}")
@@ -28,16 +28,16 @@ def find_library(name: str) -> Library:
     """Reads a library by path or shipped name.
 
     Raises:
-        FlightError: there is none, or it is broken.
+        FlightError: it does not exist or is invalid.
     """
     return read_library(library_path(name))
 
 
 def library_path(name: str) -> Path:
-    """Returns where a library is, by path or shipped name.
+    """Returns a library's path, by path or shipped name.
 
     Raises:
-        NoSuchFileError: there is none.
+        NoSuchFileError: it does not exist.
     """
     return find_file("library", name, libraries.FOLDER, ".json")
 
@@ -47,10 +47,10 @@ def find_mission(name: str, library: Library | None = None) -> Mission:
 
     Args:
         name: path or name.
-        library: that has to have its trims, where one is given.
+        library: library that must contain the mission's trims; None to skip the check.
 
     Raises:
-        FlightError: there is none, it is broken, or the library lacks a trim.
+        FlightError: it does not exist, is invalid, or the library lacks a trim.
     """
     path = mission_path(name)
     mission = read_mission(path)
@@ -62,10 +62,10 @@ def find_mission(name: str, library: Library | None = None) -> Mission:
 
 
 def mission_path(name: str) -> Path:
-    """Returns where a mission is, by path or shipped name.
+    """Returns a mission's path, by path or shipped name.
 
     Raises:
-        NoSuchFileError: there is none.
+        NoSuchFileError: it does not exist.
     """
     return find_file("mission", name, MISSIONS, ".toml")
 
@@ -74,16 +74,16 @@ def find_sequence(name: str) -> Sequence:
     """Reads a sequence by path or shipped name.
 
     Raises:
-        FlightError: there is none, or it is broken.
+        FlightError: it does not exist or is invalid.
     """
     return read_sequence(sequence_path(name))
 
 
 def sequence_path(name: str) -> Path:
-    """Returns where a sequence is, by path or shipped name.
+    """Returns a sequence's path, by path or shipped name.
 
     Raises:
-        NoSuchFileError: there is none.
+        NoSuchFileError: it does not exist.
     """
     return find_file("sequence", name, SEQUENCES, ".toml")
 
@@ -92,16 +92,16 @@ def find_campaign(name: str) -> Campaign:
     """Reads a campaign by path or shipped name.
 
     Raises:
-        FlightError: there is none, or it is broken.
+        FlightError: it does not exist or is invalid.
     """
     return read_campaign(find_file("campaign", name, CAMPAIGNS, ".toml"))
 
 
 def find_file(kind: str, name: str, folder: Path, suffix: str) -> Path:
-    """Returns where a file is, by path or shipped name.
+    """Returns a file's path, by path or shipped name.
 
     Raises:
-        NoSuchFileError: there is none.
+        NoSuchFileError: it does not exist.
     """
     path = Path(name)
     if path.exists():

@@ -1,1 +1,1 @@
-"""The simulated helicopter: vehicle, wind, navigation, controller, the flight loop and campaigns."""
+"""Simulated helicopter: vehicle, wind, navigation, controller, flight loop and campaigns."""

@@ -1,4 +1,4 @@
-"""The flights of a campaign: each a walk through its automaton, each a log that says whose it is."""
+"""Flights of a campaign as jobs, each with its log."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -10,28 +10,28 @@ from flight.mission.sequence import Sequence
 from flightlog.channels import PRIMITIVE, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import difference, identity
+from flightlog.identity import flight_identity, identity_difference
 from flightlog.log import FlightLog
 from runtime.code_version import code_version
-from runtime.job import Done, Found, State, refuse_other_code
+from runtime.job import JobResult, JobState, JobStatus, check_code_version
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification
 from sim.vehicle.parameters import Parameters, read_parameters
 
-from .flight_header import flight_header, flight_inputs
+from .flight_header import flight_attachments, flight_header
 from .simulated_helicopter import SimulatedHelicopter
 
 
 @dataclass(frozen=True, slots=True)
-class FlightFlown:
-    """What became of one flight of a campaign.
+class CampaignFlightResult:
+    """Result of one flight of a campaign.
 
     Attributes:
-        specification: what was to be flown.
-        path: its log.
-        outcome: `completed`, or what went wrong.
+        specification: specification of the flight.
+        path: path of its log.
+        outcome: `completed`, or the reason of the failure.
         timeouts: maneuvers that ended by time-out.
-        duration: simulated time in s.
+        duration: simulated time, s.
     """
 
     specification: FlightSpecification
@@ -45,16 +45,16 @@ def fly_sequence(vehicle: Vehicle, sequence: Sequence, *, library: Library) -> t
     """Flies a sequence of trims, joined by the library's maneuvers.
 
     Args:
-        vehicle: holds the first trim of the sequence.
+        vehicle: vehicle, in the first trim of the sequence.
         sequence: trims and coasting times.
-        library: holds the maneuvers that join them.
+        library: library with the maneuvers.
 
     Returns:
-        Coasts and maneuvers in turn.
+        Coasts and maneuvers alternately.
 
     Raises:
-        NoManeuverError: two trims follow one another that no maneuver joins.
-        FlightLostError: the flight ended in the ground or diverged.
+        NoManeuverError: no maneuver joins two consecutive trims.
+        FlightLostError: the vehicle hit the ground or the motion diverged.
     """
     maneuvers = library.maneuvers_along(sequence.trims)
     legs = [vehicle.coast(sequence.coasting_times[0])]
@@ -71,32 +71,32 @@ def fly_specification(
     parameters: Parameters | None = None,
     backend: Backend | None = None,
 ) -> FlightLog:
-    """Flies the sequence of a specification; a lost flight gives its log up to there.
+    """Flies a specified sequence; a lost flight gives a partial log.
 
     Args:
-        specification: what is flown.
-        library: flown with.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        backend: what evaluates expressions; the best that there is where None.
+        specification: specification of the flight.
+        library: library flown with.
+        parameters: vehicle; `models/gtmax.toml` if None.
+        backend: numeric back-end; the best available if None.
     """
     helicopter = SimulatedHelicopter(specification, library, parameters=parameters, backend=backend)
     try:
         fly_sequence(helicopter, specification.sequence, library=library)
     except FlightLostError:
-        # The log says so: its header carries the outcome.
+        # The outcome is in the log's header.
         return helicopter.log()
     return helicopter.log()
 
 
 @dataclass(frozen=True, slots=True)
 class CampaignFlight:
-    """One flight of a campaign, and the log that keeps it (a `runtime.job.Work`).
+    """One flight of a campaign, a `runtime.job.Job`.
 
     Attributes:
-        specification: what is to be flown.
-        library: flown with.
-        path: of the log.
-        code: version that flies it.
+        specification: specification of the flight.
+        library: library flown with.
+        path: path of the log.
+        code: required code version.
     """
 
     specification: FlightSpecification
@@ -104,34 +104,34 @@ class CampaignFlight:
     path: Path
     code: str = field(default_factory=code_version)
 
-    def found(self) -> Found[FlightFlown]:
-        """Returns what its log says, if it is there, whole, and of this very flight."""
+    def status(self) -> JobStatus[CampaignFlightResult]:
+        """Returns the status of its log."""
         if not self.path.exists():
-            return Found(State.MISSING)
+            return JobStatus(JobState.MISSING)
         try:
             log = read_log(self.path, topics=(PRIMITIVE, TRUTH))
         except BadFileError as error:
-            return Found(State.DAMAGED, why=str(error))
-        wrong = difference(self._identity(), identity(log.header, log.attachments))
-        if wrong is not None:
-            return Found(State.ANOTHER, why=f"{self.path} is of another flight: {wrong}")
-        return Found(State.WHOLE, self._flown(log))
+            return JobStatus(JobState.DAMAGED, reason=str(error))
+        difference = identity_difference(self._identity(), flight_identity(log.header, log.attachments))
+        if difference is not None:
+            return JobStatus(JobState.ANOTHER, reason=f"{self.path} is of another flight: {difference}")
+        return JobStatus(JobState.WHOLE, self._result(log))
 
-    def done(self) -> Done[FlightFlown]:
-        """Flies.
+    def run(self) -> JobResult[CampaignFlightResult]:
+        """Flies and returns log and result.
 
         Raises:
-            OtherCodeError: this process has other code than the one that asked.
+            CodeMismatchError: this process has another code version than requested.
         """
-        refuse_other_code(self.code, code_version())
+        check_code_version(self.code, code_version())
         log = fly_specification(self.specification, self.library)
-        return Done(((self.path, log_bytes(log)),), self._flown(log))
+        return JobResult(((self.path, log_bytes(log)),), self._result(log))
 
-    def _flown(self, log: FlightLog) -> FlightFlown:
+    def _result(self, log: FlightLog) -> CampaignFlightResult:
         timeouts = int(log[PRIMITIVE]["timed_out"].sum()) if PRIMITIVE.name in log.series else 0
-        return FlightFlown(self.specification, self.path, log.header.outcome, timeouts, log.duration)
+        return CampaignFlightResult(self.specification, self.path, log.header.outcome, timeouts, log.duration)
 
     def _identity(self) -> dict[str, str]:
         parameters = read_parameters()
         header = flight_header(self.specification, parameters, backend=Backend.INTERPRETED)
-        return identity(header, flight_inputs(self.specification, self.library, parameters))
+        return flight_identity(header, flight_attachments(self.specification, self.library, parameters))

@@ -1,4 +1,4 @@
-"""What stands in a flight's log before it begins: its header, and the files that it is flown from."""
+"""Header and input attachments of a flight's log."""
 
 import json
 from dataclasses import asdict
@@ -39,10 +39,10 @@ def flight_header(
     )
 
 
-def flight_inputs(
+def flight_attachments(
     specification: FlightSpecification, library: Library, parameters: Parameters
 ) -> dict[str, bytes]:
-    """Returns the attachments that a flight is made of, by name."""
+    """Returns the input attachments of a flight by name."""
     return {
         SPECIFICATION_ATTACHMENT: specification.to_json(),
         LIBRARY_ATTACHMENT: library_text(library).encode(),

@@ -1,81 +1,35 @@
-"""A logged flight flown again from its servo commands and wind: no force is prescribed motion."""
-
-import json
-
-import numpy as np
-from jaxtyping import Float
+"""Checks that a log can be flown again here: vehicle and numeric back-end."""
 
 from flight.errors import FlightError
-from flightlog.attachment_names import INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT
-from flightlog.channels import CONTROLS, WIND
 from flightlog.log import FlightLog
-from sim.faults.vehicle_faults import vehicle_schedule
 from sim.loop.backend import Backend, best_backend, name_backend
-from sim.loop.motion import Controls, Wind
-from sim.loop.specification import CONTROL_PERIOD, parse_specification
-from sim.vehicle.helicopter import Helicopter, HelicopterState
-from sim.vehicle.parameters import model_hash, read_parameters
+from sim.vehicle.parameters import model_hash
 
 
-class AnotherVehicleError(FlightError):
-    """A log cannot be flown again here: it would be another motion."""
+class VehicleMismatchError(FlightError):
+    """Vehicle or back-end of a log that is not available here."""
 
     def __init__(self, what: str, logged: str, here: str) -> None:
         super().__init__(f"expected the {what} of the log, {logged}, got {here}")
 
 
-def replay(log: FlightLog) -> Float[np.ndarray, "n 13"]:
-    """Flies the logged servo commands in the logged wind, without controller or navigation.
-
-    Faults of servos and vehicle act again; those of sensors and controller are in the commands, gusts in the
-    wind.
-
-    Returns:
-        True motion at the start of every control period, columns as in `/truth`.
+def check_vehicle_matches(log: FlightLog) -> None:
+    """Refuses a log of another vehicle.
 
     Raises:
-        AnotherVehicleError: the log is of another vehicle or numeric back-end than is here.
-        FlightLostError: the flight ended in the ground or diverged.
-    """
-    refuse_another_vehicle(log)
-    backend = backend_named(log.header.vehicle_backend)
-    text = log.attachments[SPECIFICATION_ATTACHMENT]
-    specification, parameters = parse_specification(text, SPECIFICATION_ATTACHMENT), read_parameters()
-    step = specification.step
-    helicopter = Helicopter(parameters, step=step, backend=backend)
-    faults = vehicle_schedule(specification.faults, helicopter, parameters)
-    state = json.loads(log.attachments[INITIAL_STATE_ATTACHMENT])
-    heading = state.pop("heading")
-    helicopter.restore(
-        HelicopterState(**{name: tuple(part) for name, part in state.items()}, heading=heading)
-    )
-    columns = [log[CONTROLS][f"{name}_command"] for name in Controls._fields]
-    rows = []
-    held = zip(np.stack(columns, axis=1).tolist(), log[WIND].values.tolist(), strict=True)
-    for period, (command, wind) in enumerate(held):
-        rows.append(helicopter.motion())
-        faults.begin(period)
-        helicopter.advance(Controls._make(command), Wind._make(wind), steps=round(CONTROL_PERIOD / step))
-    return np.array(rows)
-
-
-def refuse_another_vehicle(log: FlightLog) -> None:
-    """Refuses a log of a vehicle that is not here.
-
-    Raises:
-        AnotherVehicleError: it is of another.
+        VehicleMismatchError: the vehicles differ.
     """
     if log.header.model_hash != model_hash():
-        raise AnotherVehicleError("vehicle", log.header.model_hash, model_hash())
+        raise VehicleMismatchError("vehicle", log.header.model_hash, model_hash())
 
 
 def backend_named(name: str) -> Backend:
-    """Returns the back-end of a log, where it is here.
+    """Returns a log's back-end by name.
 
     Raises:
-        AnotherVehicleError: it is not.
+        VehicleMismatchError: it is not available here.
     """
     here = {name_backend(backend): backend for backend in (Backend.INTERPRETED, best_backend())}
     if name not in here:
-        raise AnotherVehicleError("numeric back-end", name, " or ".join(here))
+        raise VehicleMismatchError("numeric back-end", name, " or ".join(here))
     return here[name]

@@ -1,4 +1,4 @@
-"""The flight loop: the simulated helicopter as a `flight.automaton.vehicle.Vehicle` that keeps its log."""
+"""Simulated helicopter with flight loop and log, a `flight.automaton.vehicle.Vehicle`."""
 
 import json
 from collections.abc import Iterator, Mapping
@@ -7,7 +7,7 @@ from dataclasses import asdict
 
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
-from flight.automaton.maneuver_end import ManeuverEndJudge, Verdict
+from flight.automaton.maneuver_end import ManeuverEndDetector, ManeuverStatus
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError, NoManeuverEndError
 from flight.se2 import SE2
@@ -17,7 +17,7 @@ from flightlog.primitives import PrimitiveKind
 from sim.control.controller import Controller
 from sim.control.gains import Gains
 from sim.control.maneuver_generator import ManeuverGenerator
-from sim.faults.fault_injection import Faults, Parts
+from sim.faults.fault_injection import FaultInjector, Parts
 from sim.loop.backend import Backend, best_backend
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
@@ -29,29 +29,29 @@ from sim.vehicle.helicopter import Helicopter, move_in_plane
 from sim.vehicle.parameters import Parameters, read_parameters
 from sim.wind.weather import Weather
 
-from .flight_header import flight_header, flight_inputs
-from .recorder import PERIODS_A_SAMPLE, PERIODS_A_SPREAD, Recorder
-from .supervisor import Supervisor, limits_for
+from .flight_header import flight_attachments, flight_header
+from .recorder import PERIODS_PER_NAVIGATION_SAMPLE, PERIODS_PER_SAMPLE, Recorder
+from .supervisor import Supervisor, alarm_limits
 
 
 class SimulatedHelicopter:
-    """A helicopter in simulated air that holds trims and performs maneuvers (a `Vehicle`).
+    """Helicopter in simulated air, a `Vehicle`.
 
-    It begins in its start trim, settled, at the start pose.
+    It starts settled in its start trim at the start pose.
 
     Args:
-        specification: what is flown, with the seed of all chance.
-        library: names the trims and says when a maneuver has ended.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        gains: of the controller.
-        backend: what evaluates expressions; the best that there is where None. No number depends on it.
+        specification: specification of the flight.
+        library: trims, maneuvers and the maneuver-end rule.
+        parameters: vehicle; `models/gtmax.toml` if None.
+        gains: gains of the controller.
+        backend: numeric back-end; the best available if None. No number depends on it.
 
     Attributes:
-        supervisor: what watches the flight; None where nothing does.
+        supervisor: supervisor of the flight; None for unsupervised flights.
 
     Raises:
-        NoManeuverEndError: the library does not say when a maneuver has ended.
-        FlightLostError: the flight ended before it began.
+        NoManeuverEndError: the library has no maneuver-end rule.
+        FlightLostError: the flight was lost during settling.
     """
 
     def __init__(
@@ -86,9 +86,9 @@ class SimulatedHelicopter:
             signals=signals,
             backend=backend,
         )
-        # What runs before the helicopter moves.
+        # Parts that run before the plant.
         self._parts: Parts = (self._generator.run, self._controller.run, self._wind.run)
-        self._faults: Faults | None = None
+        self._faults: FaultInjector | None = None
         self.supervisor: Supervisor | None = None
         self._periods = 0
         self._timed_out = False
@@ -103,7 +103,7 @@ class SimulatedHelicopter:
         self._recorder.add_motion()
         self._initial_state = self._helicopter.state()
         if specification.faults and self._lost is None:
-            self._faults = faults = Faults(
+            self._faults = faults = FaultInjector(
                 specification.faults,
                 signals=signals,
                 helicopter=self._helicopter,
@@ -114,11 +114,14 @@ class SimulatedHelicopter:
             self._parts = faults.parts
         if specification.supervised and self._lost is None:
             self.supervisor = Supervisor(
-                signals, self.navigation, height=specification.altitude, limits=limits_for(library)
+                signals, self.navigation, height=specification.altitude, limits=alarm_limits(library)
             )
 
     def _settle(self) -> None:
-        """Flies the start trim until start-up transients are gone, then moves the world to the start pose."""
+        """Flies the start trim through its transients.
+
+        Then the world is displaced so that the vehicle is at the start pose.
+        """
         specification, target = self._specification, self._trim.velocity
         equilibrium = find_equilibrium(self._parameters, target)
         heading = specification.start.heading - target.yaw_rate * specification.settling_time
@@ -129,10 +132,10 @@ class SimulatedHelicopter:
             self._advance()
         displacement = specification.start_pose @ self.truth.pose.inverse()
         self._helicopter.restore(move_in_plane(self._helicopter.state(), displacement))
-        self._wind.turn(displacement.heading)
+        self._wind.rotate_world(displacement.heading)
         self._wind.begin()
-        self._controller.turn(displacement.heading)
-        self.navigation.move(displacement)
+        self._controller.rotate_world(displacement.heading)
+        self.navigation.move_world(displacement)
 
     def _navigator(self) -> Navigator:
         if self._specification.ideal_navigation:
@@ -148,7 +151,7 @@ class SimulatedHelicopter:
 
     @property
     def time(self) -> float:
-        """Seconds since the start."""
+        """Time since the start, seconds."""
         return self._periods / CONTROL_RATE
 
     @property
@@ -158,23 +161,25 @@ class SimulatedHelicopter:
 
     @property
     def pose(self) -> SE2:
-        """Believed pose in the world."""
+        """Estimated pose in the world."""
         return Motion._make(self._signals.estimate.tolist()).pose
 
     @property
     def truth(self) -> Motion:
-        """True motion; not for anything that decides."""
+        """True motion, not for decisions."""
         return Motion._make(self._signals.truth.tolist())
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim for a time in seconds, to the nearest control period, or to its first alarm.
+        """Holds the trim for a time in s, or until an alarm.
+
+        The time is rounded to control periods.
 
         Raises:
-            FlightLostError: the flight ended in the ground or diverged.
+            FlightLostError: the vehicle hit the ground or the motion diverged.
         """
         self._note_primitive(PrimitiveKind.COAST, self._trim.id, from_trim=self._trim.id)
         first = self._periods
-        with self._keeping(first):
+        with self._attach_track_if_lost(first):
             for _ in range(round(duration / CONTROL_PERIOD)):
                 self._advance()
                 if self._alarm_since(first):
@@ -182,11 +187,11 @@ class SimulatedHelicopter:
         return self._leg(first, settled=True)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver to its end, judged on the estimate, to its time-out or to its first alarm.
+        """Performs a maneuver to its end, time-out or first alarm.
 
         Raises:
-            ValueError: the maneuver leaves another trim than the one held.
-            FlightLostError: the flight ended in the ground or diverged.
+            ValueError: the maneuver does not start in the trim held.
+            FlightLostError: the vehicle hit the ground or the motion diverged.
         """
         if maneuver.from_trim != self._trim.id:
             raise ValueError(
@@ -194,22 +199,22 @@ class SimulatedHelicopter:
             )
         self._trim = self._library.trim(maneuver.to_trim)
         target = self._trim.velocity
-        self._generator.aim(target)
+        self._generator.set_target(target)
         self._note_primitive(PrimitiveKind.MANEUVER, maneuver.id, from_trim=maneuver.from_trim)
-        first, believed = self._periods, self._signals.estimate
-        judge = ManeuverEndJudge(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
-        verdict = Verdict.UNDER_WAY
-        with self._keeping(first):
-            while verdict is Verdict.UNDER_WAY and not self._alarm_since(first):
+        first, estimate = self._periods, self._signals.estimate
+        detector = ManeuverEndDetector(self._rule, to_trim=self._trim.id, target=target, entry_time=self.time)
+        status = ManeuverStatus.UNDER_WAY
+        with self._attach_track_if_lost(first):
+            while status is ManeuverStatus.UNDER_WAY and not self._alarm_since(first):
                 self._advance()
-                if self._periods % PERIODS_A_SAMPLE == 0:
-                    verdict = judge.judge(self.time, Motion._make(believed.tolist()).velocity)
-        self._timed_out = verdict is Verdict.TIMED_OUT
+                if self._periods % PERIODS_PER_SAMPLE == 0:
+                    status = detector.update(self.time, Motion._make(estimate.tolist()).velocity)
+        self._timed_out = status is ManeuverStatus.TIMED_OUT
         return self._leg(first, settled=not self._timed_out)
 
     @contextmanager
-    def _keeping(self, first: int) -> Iterator[None]:
-        """Hands on what was flown, from a control period on, of a primitive in which the vehicle is lost."""
+    def _attach_track_if_lost(self, first: int) -> Iterator[None]:
+        """Adds the track since a control period to a flight loss."""
         try:
             yield
         except FlightLostError as error:
@@ -218,35 +223,35 @@ class SimulatedHelicopter:
 
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
-        track, believed = self._recorder.tracks(first, self._periods)
+        track, estimated_track = self._recorder.tracks(first, self._periods)
         return Leg(
             (self._periods - first) / CONTROL_RATE,
             settled=settled,
             track=track,
-            believed=believed,
-            spread=self._recorder.spread(first, self._periods),
+            estimated_track=estimated_track,
+            standard_deviation=self._recorder.standard_deviation(first, self._periods),
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
         )
 
     def _alarm_since(self, period: int) -> str:
-        """Returns the first alarm of the flight, if it was raised after a control period."""
+        """Returns the mission's first alarm if raised after a control period."""
         if self.supervisor is None or not self.supervisor.alarms:
             return ""
         alarm = self.supervisor.first_alarm(after=period / CONTROL_RATE)
         return "" if alarm is None else alarm.sentence
 
     def log(self, attachments: Mapping[str, bytes] | None = None) -> FlightLog:
-        """Returns the log of the flight up to now.
+        """Returns the log of the flight so far.
 
         Args:
-            attachments: files to go with it, such as mission and plans, by name.
+            attachments: further attachments by name, such as mission and plans.
         """
         header = flight_header(
             self._specification, self._parameters, backend=self._backend, outcome=self._outcome
         )
         files = {
-            **flight_inputs(self._specification, self._library, self._parameters),
+            **flight_attachments(self._specification, self._library, self._parameters),
             INITIAL_STATE_ATTACHMENT: json.dumps(asdict(self._initial_state)).encode(),
             **(attachments or {}),
         }
@@ -258,8 +263,8 @@ class SimulatedHelicopter:
         """Flies one control period."""
         if self._lost is not None:
             raise self._lost
-        if self._periods % PERIODS_A_SPREAD == 0:
-            self._recorder.add_spread(self.navigation.spread())
+        if self._periods % PERIODS_PER_NAVIGATION_SAMPLE == 0:
+            self._recorder.add_standard_deviation(self.navigation.standard_deviation())
         if self._faults:
             self._faults.begin()
         for run in self._parts:

@@ -1,8 +1,8 @@
-"""What the vehicle watches of itself, from what it knows alone: readings, estimate, reference, covariance.
+"""Supervisor of the flight: alarms from readings, estimate and reference.
 
-Nobody tells it of a fault. Whatever is watched has a limit; beyond it an alarm is raised, once a flight for
-each kind. An innovation that the filter refuses counts as one at its gate, so readings that are not believed
-any more are noticed as well as readings that are wrong and believed.
+Injected faults and the truth are unknown to it. Each monitored value has a limit; beyond it an alarm is
+raised, once a flight for each kind. Rejected innovations count as innovations at the filter's gate, so both
+rejected and accepted wrong readings raise alarms.
 """
 
 from collections.abc import Iterator, Mapping
@@ -20,12 +20,12 @@ from sim.navigation.navigation import Navigation, Navigator
 from sim.wind.turbulence_meter import TurbulenceMeter
 from sim.wind.wind import WIND_CLASSES
 
-PERIODS_A_LOOK = 10
-"""Control periods between two looks; as many as between two fixes."""
+PERIODS_PER_CHECK = 10
+"""Control periods between two checks, equal to those between two fixes."""
 
-_LOOK = PERIODS_A_LOOK * CONTROL_PERIOD
-# Share of what was seen that a look keeps: means are over a second.
-_KEPT = exp(-_LOOK)
+_CHECK_INTERVAL = PERIODS_PER_CHECK * CONTROL_PERIOD
+# Decay of running means over a check; their time constant is one second.
+_DECAY = exp(-_CHECK_INTERVAL)
 
 LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
     {
@@ -50,36 +50,38 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
         AlarmKind.TURBULENCE: inf,
     }
 )
-"""What is allowed: above all that sound flights came to in the wind of `gtmax` and `moderate`, as
-`benchmarks.flight.alarm_limits` prints them. Silence and stuck readings are chosen: the filter does without
-for as
-long. How hard it may blow is the library's to say."""
+"""Limits by kind.
 
-BEYOND = 2.5
-"""How much harder than the wind of a library it may seem to blow before the vehicle says so."""
+They are above the largest values of fault-free flights in wind classes `gtmax` and `moderate`, as printed by
+`benchmarks.flight.alarm_limits`. Limits of missing and stuck readings are chosen: the filter bridges such
+times. The turbulence limit depends on the library (`alarm_limits`).
+"""
+
+TURBULENCE_FACTOR = 2.5
+"""Turbulence limit over the wind of the library's wind class."""
 
 _INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmKind.ALTIMETER_AMISS})
 
 
-def limits_for(library: Library) -> Mapping[AlarmKind, float]:
-    """Returns what is allowed where a library is flown with: turbulence as far as its wind class is known."""
+def alarm_limits(library: Library) -> Mapping[AlarmKind, float]:
+    """Returns the limits for a library, with its turbulence limit."""
     known = WIND_CLASSES.get(library.conditions.wind)
-    beyond = inf if known is None or not known.wind_at_20_ft else BEYOND * known.wind_at_20_ft
+    beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
     return {**LIMITS, AlarmKind.TURBULENCE: beyond}
 
 
 class Supervisor:
-    """Looks at a flight ten times a second.
+    """Supervisor that checks a flight ten times a second.
 
     Args:
-        signals: what the parts of the loop say to one another; the truth and the wind are not looked at.
-        navigation: its readings and innovations, where it has some.
-        height: that the controller holds, m.
-        limits: what is allowed, by kind.
+        signals: signals of the loop; truth and wind are not used.
+        navigation: navigation with readings and innovations; ideal navigation has none.
+        height: height held by the controller, m.
+        limits: limits by kind.
 
     Attributes:
-        alarms: raised so far.
-        largest: of everything watched so far, by kind.
+        alarms: alarms raised so far.
+        largest: largest monitored values so far, by kind.
     """
 
     def __init__(
@@ -93,48 +95,48 @@ class Supervisor:
         self._estimate, self._reference = signals.estimate, signals.reference
         self._height, self._limits = height, limits
         self._squares = dict.fromkeys((AlarmKind.VELOCITY, AlarmKind.DESCENT, AlarmKind.YAW_RATE), 0.0)
-        self._readings = _Readings(navigation) if isinstance(navigation, Navigation) else None
-        self._meter = TurbulenceMeter(_LOOK)
+        self._readings = _ReadingMonitor(navigation) if isinstance(navigation, Navigation) else None
+        self._meter = TurbulenceMeter(_CHECK_INTERVAL)
         self._periods = 0
         self.alarms: list[Alarm] = []
         self.largest: dict[AlarmKind, float] = {}
 
     def run(self) -> None:
-        """Watches a control period that has been flown."""
+        """Checks a control period that has been flown."""
         self._periods += 1
         if self._readings is not None:
             self._readings.note()
-        if self._periods % PERIODS_A_LOOK == 0:
-            self._look()
+        if self._periods % PERIODS_PER_CHECK == 0:
+            self._check_limits()
 
     @property
     def turbulence(self) -> float | None:
-        """How hard it seems to blow: wind at 20 ft in m/s; None where that is not known."""
+        """Estimated wind at 20 ft in m/s; None if unknown."""
         if any(alarm.kind in _INNOVATIONS for alarm in self.alarms):
             return None
         return self._meter.wind_at_20_ft
 
     def first_alarm(self, *, after: float) -> Alarm | None:
-        """Returns the first alarm that ends a mission, if it was raised after a time in seconds."""
+        """Returns the first mission-ending alarm if raised after a time."""
         first = next((alarm for alarm in self.alarms if alarm.kind not in ADVICE), None)
         return first if first is not None and first.time > after else None
 
     def add_to(self, log: FlightLog) -> FlightLog:
-        """Returns a log that tells of the alarms too, if there were any."""
+        """Returns the log with the alarms, if any."""
         if not self.alarms:
             return log
         return replace(log, series={**log.series, ALARM.name: alarm_series(self.alarms)})
 
-    def _look(self) -> None:
+    def _check_limits(self) -> None:
         known = {alarm.kind for alarm in self.alarms}
-        for kind, value in self._found():
+        for kind, value in self._monitored_values():
             self.largest[kind] = max(value, self.largest.get(kind, 0.0))
             limit = self._limits[kind]
-            # False too where the value is no number.
+            # Also false for not-a-number.
             if not value <= limit and kind not in known:
                 self.alarms.append(Alarm(self._periods * CONTROL_PERIOD, kind, value, limit))
 
-    def _found(self) -> Iterator[tuple[AlarmKind, float]]:
+    def _monitored_values(self) -> Iterator[tuple[AlarmKind, float]]:
         motion = self._estimate.tolist()
         if not all(map(isfinite, motion)):
             yield AlarmKind.NO_NUMBER, 1.0
@@ -149,18 +151,18 @@ class Supervisor:
             AlarmKind.YAW_RATE: yaw_rate - reference[6],
         }
         for kind, error in off.items():
-            mean = _KEPT * self._squares[kind] + (1.0 - _KEPT) * error**2
+            mean = _DECAY * self._squares[kind] + (1.0 - _DECAY) * error**2
             self._squares[kind] = mean
             yield kind, sqrt(mean)
-        self._meter.see((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
+        self._meter.update((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
         if (turbulence := self.turbulence) is not None:
             yield AlarmKind.TURBULENCE, turbulence
         if self._readings is not None:
-            yield from self._readings.look()
+            yield from self._readings.monitored_values()
 
 
-class _Readings:
-    """What sensors and filter say to one another."""
+class _ReadingMonitor:
+    """Monitor of sensor readings and filter innovations."""
 
     def __init__(self, navigation: Navigation) -> None:
         self._navigation = navigation
@@ -175,13 +177,13 @@ class _Readings:
         self._silent: dict[AlarmKind, float] = {}
 
     def note(self) -> None:
-        """Notes which readings a control period brought."""
+        """Records which readings a control period brought."""
         sensors = self._navigation.sensors
         self._fixed |= sensors.has_fix
         self._seen |= sensors.has_heading_and_height
 
-    def look(self) -> Iterator[tuple[AlarmKind, float]]:
-        """Yields what there is to be said of the readings since the last look."""
+    def monitored_values(self) -> Iterator[tuple[AlarmKind, float]]:
+        """Yields the monitored values since the last check."""
         sensors = self._navigation.sensors
         for kind, part in self._inertial.items():
             yield kind, self._unchanged(kind, sensors.inertial[part].tobytes())
@@ -201,31 +203,33 @@ class _Readings:
                 height,
             ),
         )
-        for silent, stuck, came, reading in fresh:
-            self._silent[silent] = 0.0 if came else self._silent.get(silent, 0.0) + _LOOK
+        for silent, stuck, arrived, reading in fresh:
+            self._silent[silent] = 0.0 if arrived else self._silent.get(silent, 0.0) + _CHECK_INTERVAL
             yield silent, self._silent[silent]
-            if came:
+            if arrived:
                 yield stuck, self._unchanged(stuck, reading)
         yield from self._innovations()
         self._fixed = self._seen = False
-        north, east, *_ = self._navigation.spread()
+        north, east, *_ = self._navigation.standard_deviation()
         yield AlarmKind.POSITION_UNKNOWN, hypot(north, east)
 
     def _unchanged(self, kind: AlarmKind, reading: object) -> float:
-        """Returns for how many seconds a reading has been the same to the bit."""
+        """Returns the time of bitwise unchanged readings, seconds."""
         same = reading == self._last.get(kind)
-        self._stuck[kind] = self._stuck.get(kind, 0.0) + _LOOK if same else 0.0
+        self._stuck[kind] = self._stuck.get(kind, 0.0) + _CHECK_INTERVAL if same else 0.0
         self._last[kind] = reading
         return self._stuck[kind]
 
     def _innovations(self) -> Iterator[tuple[AlarmKind, float]]:
-        """Takes innovations into their means, each in standard deviations, and yields the largest means."""
+        """Yields the running means of innovations, in standard deviations."""
         fix = self._navigation.fix_tests.tolist() if self._fixed else ()
         slow = self._navigation.slow_tests.tolist() if self._seen else ()
         count = len(self._navigation.fix_tests)
         for place, test in (*enumerate(fix), *enumerate(slow, start=count)):
             if not isnan(test):
-                self._means[place] = _KEPT * self._means[place] + (1.0 - _KEPT) * max(-GATE, min(GATE, test))
+                self._means[place] = _DECAY * self._means[place] + (1.0 - _DECAY) * max(
+                    -GATE, min(GATE, test)
+                )
         *fixes, heading, height = map(abs, self._means)
         yield AlarmKind.FIXES_AMISS, max(fixes)
         yield AlarmKind.HEADING_AMISS, heading

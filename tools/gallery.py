@@ -1,21 +1,25 @@
-"""Makes the pictures of docs/review.md, and two of the README: `python -m tools.gallery`; needs Chromium.
+"""Maker of the pictures in docs and README: `python -m tools.gallery`.
 
 That of an imported log is made where the log is named: `python -m tools.gallery sample_px4_events.ulg`.
+`--check` writes nothing and exits with 1 where the page lacks a command or a picture.
 """
 
+import argparse
 import os
+import re
 import shlex
 import shutil
 import sys
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from maneuver.app import run
-from tests.support.browser import CHROMIUM, Tab, browser
+
+from .screenshot import CHROMIUM, take_picture
 
 DOCS = Path(__file__).parent.parent / "docs"
+PAGE = DOCS / "review.md"
 
 FLIGHTS = {
     "identification": "fly --campaign gtmax --flights 6 --out flights",
@@ -86,31 +90,52 @@ SHOTS = (
 
 
 def main() -> int:
-    """Flies, reviews, and takes the pictures; returns the exit code."""
+    """Makes the pictures, or checks the page; returns the exit code."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("ulog", nargs="?", type=Path, help="the imported log")
+    parser.add_argument("--check", nargs="?", type=Path, const=PAGE, metavar="PAGE", help="docs/review.md")
+    arguments = parser.parse_args()
+    if arguments.check is not None:
+        missing = _missing(arguments.check)
+        for line in missing:
+            print(f"{arguments.check.name} lacks {line}", file=sys.stderr)
+        return 1 if missing else 0
     if CHROMIUM is None:
         print("no Chromium on this machine: there is nothing to take pictures with", file=sys.stderr)
         return 2
     with TemporaryDirectory() as name:
-        folder = Path(name)
-        for line in FLIGHTS.values():
-            _maneuver(line, folder)
-        shots = [shot for shot in SHOTS if shot.review != IMPORTED or len(sys.argv) > 1]
-        if len(sys.argv) > 1:
-            shutil.copy(sys.argv[1], folder / "sample_px4_events.ulg")
-            _maneuver(IMPORT, folder)
-        for review in dict.fromkeys(shot.review for shot in shots):
-            _maneuver(f"review {review} --html --force --out pages", folder)
-        for line, picture in DRAWN.items():
-            _maneuver(line, folder)
-            if picture is not None:
-                shutil.copy(folder / picture, DOCS)
-        with browser(folder / "profile") as tab:
-            for shot in shots:
-                _take(tab, shot, folder / "pages" / shot.page)
+        _make(Path(name), arguments.ulog)
     return 0
 
 
-def _maneuver(line: str, folder: Path) -> None:
+def _make(folder: Path, ulog: Path | None) -> None:
+    for line in FLIGHTS.values():
+        _run_command(line, folder)
+    if ulog is not None:
+        shutil.copy(ulog, folder / "sample_px4_events.ulg")
+        _run_command(IMPORT, folder)
+    shots = [shot for shot in SHOTS if shot.review != IMPORTED or ulog is not None]
+    for review in dict.fromkeys(shot.review for shot in shots):
+        _run_command(f"review {review} --html --force --out pages", folder)
+    for line, picture in DRAWN.items():
+        _run_command(line, folder)
+        if picture is not None:
+            shutil.copy(folder / picture, DOCS)
+    for shot in shots:
+        take_picture(
+            folder / "pages" / shot.page,
+            DOCS / shot.picture,
+            width=390 if shot.phone else 1440,
+            height=844 if shot.phone else shot.height,
+            steps=shot.steps,
+            dark=shot.dark,
+            scale=2 if shot.phone else 1,
+        )
+
+
+def _run_command(line: str, folder: Path) -> None:
     """Runs one command with its file names in a folder."""
     before = Path.cwd()
     os.chdir(folder)
@@ -121,23 +146,18 @@ def _maneuver(line: str, folder: Path) -> None:
     assert code in {0, 1}, (line, code)
 
 
-def _take(tab: Tab, shot: _Shot, page: Path) -> None:
-    width, height = (390, 844) if shot.phone else (1440, shot.height)
-    tab.resize(width, height, dark=shot.dark, phone=shot.phone)
-    tab.open(page)
-    for step in shot.steps:
-        tab.run(step)
-        tab.settle()
-    for _ in range(3):
-        tab.settle()
-    tab.picture(DOCS / shot.picture)
-    assert tab.complaints == [], tab.complaints
-
-
-def commands() -> Sequence[str]:
-    """Returns every command of the gallery, as typed."""
+def _missing(page: Path) -> list[str]:
+    """Returns commands and pictures that a page lacks."""
+    text = page.read_text(encoding="utf-8")
+    shown = {line[2:] for line in text.splitlines() if line.startswith("$ ")}
     reviews = dict.fromkeys(f"review {shot.review} --html" for shot in SHOTS)
-    return [f"maneuver {line}" for line in (*FLIGHTS.values(), IMPORT, *reviews)]
+    commands = [f"maneuver {line}" for line in (*FLIGHTS.values(), IMPORT, *reviews)]
+    pictures = re.findall(r"!\[[^\]]+\]\(([^)]+)\)", text)
+    return [
+        *(f"the command `{command}`" for command in commands if command not in shown),
+        *(f"the picture {shot.picture}" for shot in SHOTS if shot.picture not in pictures),
+        *(f"the file of {picture}" for picture in pictures if not (DOCS / picture).is_file()),
+    ]
 
 
 if __name__ == "__main__":

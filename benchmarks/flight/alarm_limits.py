@@ -1,10 +1,10 @@
-"""How near sound flights come to what a vehicle allows itself.
+"""Alarm limits against the largest values of fault-free flights.
 
 Run by `python -m benchmarks.flight.alarm_limits 200 7`.
 
-Prints, for the wind of the shipped library and for moderate wind, the largest of everything that is watched
-over so many random missions, beside its limit, and how many flights raised an alarm. The seed should be
-another one than that of any matrix or test.
+Arguments: missions, seed. Prints, for the wind of the shipped library and for moderate wind, the largest of
+each monitored value over random missions, beside its limit, and the flights with an alarm. The seed should
+differ from those of matrices and tests.
 """
 
 import sys
@@ -15,10 +15,10 @@ from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
 from flight.mission.mission import Mission
 from flightlog.alarm import AlarmKind
-from planner.closed_loop.receding_horizon import fly
-from planner.policies.worst_case import WorstCase
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
-from sim.loop.specification import FlightSpecification, pose
+from sim.loop.specification import FlightSpecification, specified_pose
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
 
@@ -27,21 +27,21 @@ WINDS = ("gtmax", "moderate")
 
 
 def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[Mapping[AlarmKind, float]]:
-    """Flies missions without a fault, and yields the largest of everything watched in each."""
-    planner = WorstCase(LIBRARY, 1.0)
+    """Yields the largest monitored values of each fault-free flight."""
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in missions:
         helicopter = SimulatedHelicopter(
             FlightSpecification(
                 kind="mission",
                 seed=mission_seed(seed, mission.name, 0),
                 wind=wind,
-                start=pose(mission.start),
+                start=specified_pose(mission.start),
                 start_trim=mission.start_trim,
                 supervised=True,
             ),
             LIBRARY,
         )
-        fly(helicopter, mission, planner=planner, library=LIBRARY)
+        fly_closed_loop(helicopter, mission, planner=planner, library=LIBRARY)
         assert helicopter.supervisor is not None
         yield helicopter.supervisor.largest
 
@@ -55,7 +55,7 @@ def main() -> None:
         alarmed = sum(any(value > LIMITS[kind] for kind, value in one.items()) for one in found)
         limit = upper_limit(alarmed, flights)
         print(f"{wind}: {alarmed} of {flights} flights with an alarm; at most {limit:.2%} of all (95 %)")
-        print(f"{'watched':<22} median   99 %  largest    limit")
+        print(f"{'monitored':<22} median   99 %  largest    limit")
         for kind, allowed in LIMITS.items():
             values = sorted(one.get(kind, 0.0) for one in found)
             half, most = values[len(values) // 2], values[int(0.99 * (len(values) - 1))]

@@ -1,11 +1,11 @@
-"""How fast a flight is, beside its limit and beside a peer: `python -m benchmarks.flight.flight_speed`.
+"""Flight speed against its limit and a peer: `python -m benchmarks.flight.flight_speed`.
 
 The complete loop (turbulence, sensors, filter, controller, vehicle, log in memory) interpreted and compiled;
 the limit, which is MuJoCo's `mj_step` of the same model at the same step with nothing around it; RotorPy's
 own loop, from the package index, in an environment of its own; and many flights in several processes. Speeds
 are simulated seconds a CPU second of one core, the best of several rounds in turn, so that all see the same
-machine; those in processes are by the clock, and say little on a machine that others use. The settling
-before a flight is flown too, and counts as flown here; `a period` is the loop alone.
+machine; those in processes are by the clock, and vary with other load. The settling before a flight counts as
+flown here; `a period` is the loop alone.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ from time import perf_counter, process_time
 import mujoco
 
 import models
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
@@ -34,12 +34,12 @@ ROUNDS = 7
 STEPS = 20_000
 PROCESSES = (1, 2, 4)
 FLIGHTS = 8
-BARS = {Backend.INTERPRETED: 200.0, Backend.COMPILED: 400.0}
+LIMITS = {Backend.INTERPRETED: 200.0, Backend.COMPILED: 400.0}
 
 
 @dataclass
 class Speeds:
-    """The best found so far: simulated seconds a CPU second, and CPU seconds a control period."""
+    """Best speeds: simulated seconds per CPU second, CPU seconds per control period."""
 
     flight: float = 0.0
     period: float = 1.0
@@ -52,7 +52,7 @@ def main() -> None:
     if best_backend() is Backend.COMPILED:
         backends.append(Backend.COMPILED)
     else:
-        print("no C compiler that works: interpreted alone")
+        print("no working C compiler: interpreted only")
     speeds, bare = {backend: Speeds() for backend in backends}, 0.0
     for backend in backends:
         fly(library, backend, 0)
@@ -63,7 +63,7 @@ def main() -> None:
     print(f"{'':32} x real time   of the limit   a period")
     row("bare mj_step, the limit", bare, 1.0, 1e6 * CONTROL_PERIOD / bare)
     for backend, found in speeds.items():
-        bar = f"   bar {BARS[backend]:.0f}"
+        bar = f"   limit {LIMITS[backend]:.0f}"
         row(f"complete loop, {backend}", found.flight, found.flight / bare, 1e6 * found.period, bar)
     best = speeds[backends[-1]].flight
     try:
@@ -88,7 +88,7 @@ def row(name: str, speed: float, share: float, period: float, more: str = "") ->
 
 
 def measure(library: Library, backend: Backend, seed: int, best: Speeds) -> None:
-    """Flies once and keeps what is better than before."""
+    """Flies once and records improvements."""
     began = process_time()
     flown, loop = fly(library, backend, seed)
     best.flight = max(best.flight, flown / (process_time() - began))
@@ -96,7 +96,7 @@ def measure(library: Library, backend: Backend, seed: int, best: Speeds) -> None
 
 
 def fly(library: Library, backend: Backend, seed: int) -> tuple[float, float]:
-    """Flies a walk through all trims, to its log in memory.
+    """Flies a walk through all trims, with its log in memory.
 
     Returns:
         Seconds simulated, the settling included, and CPU seconds a control period without it.
@@ -122,7 +122,7 @@ def bare_step() -> float:
 
 
 def parallel_speed(library: Library, backend: Backend, processes: int) -> float:
-    """Returns seconds simulated a second of the clock by several processes that have begun before."""
+    """Returns simulated seconds per clock second of several started processes."""
     with worker_pool(processes) as pool:
         task = partial(fly, library, backend)
         list(pool.map(task, range(4 * processes)))

@@ -1,4 +1,4 @@
-"""RotorPy from the package index, in an environment of its own that is made once and kept."""
+"""RotorPy from the package index, in a cached environment of its own."""
 
 import subprocess
 import sys
@@ -15,14 +15,14 @@ _PATIENCE = 900
 
 
 class NoPeerError(FlightError):
-    """RotorPy cannot be had here."""
+    """RotorPy is not available on this machine."""
 
     def __init__(self, why: str) -> None:
-        super().__init__(f"RotorPy cannot be had, so there is no comparison: {why}")
+        super().__init__(f"RotorPy is not available, no comparison: {why}")
 
 
 def peer_speed() -> float:
-    """Returns simulated seconds a CPU second of RotorPy's own loop at our control rate.
+    """Returns simulated seconds per CPU second of RotorPy's own loop.
 
     Raises:
         NoPeerError: it cannot be installed or does not run.
@@ -46,7 +46,7 @@ def _python() -> Path:
 
 
 def _run(python: Path, *arguments: str) -> str:
-    """Returns what a program prints."""
+    """Returns the output of a program."""
     done = subprocess.run(
         [python, *arguments], capture_output=True, text=True, timeout=_PATIENCE, check=False
     )

@@ -2,9 +2,9 @@
 
 Run by `python benchmarks/flight/rotorpy_flight.py flight.csv 1 180`.
 
-RotorPy is no dependency of this program: run it where `rotorpy` is installed. So many seconds, with that
-seed, a random walk among eight velocities; what is written is pose alone, of every 25 ms, as a motion capture
-system would give it: time, north, east, heading. No command and no velocity leave the simulator.
+Arguments: file, seed, seconds. RotorPy is no dependency of this program: run it where `rotorpy` is installed.
+The flight is a random walk among eight velocities; the file holds poses every 25 ms, as from a motion capture
+system: time, north, east, heading, without commands or velocities.
 """
 
 import sys
@@ -18,7 +18,7 @@ from rotorpy.vehicles.multirotor import Multirotor
 from rotorpy.wind.default_winds import SinusoidWind
 from scipy.spatial.transform import Rotation
 
-# Forward and side velocity in m/s, yaw rate in rad/s; which may follow which.
+# Forward and side velocity in m/s, yaw rate in rad/s; then the successors of each.
 TRIMS = (
     *((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (0.0, 1.0, 0.0)),
     *((0.0, -1.0, 0.0), (1.0, 0.0, 0.5), (1.0, 0.0, -0.5), (0.0, 0.0, 0.8)),
@@ -30,7 +30,7 @@ STEPS_A_SAMPLE = 5
 
 
 def reference(seed: int, seconds: float) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "n 3"]]:
-    """Returns velocity and yaw rate in the heading frame and their rates: held, and joined by quintics."""
+    """Returns held references joined by quintics, and their rates."""
     rng = np.random.default_rng(seed)
     count = round(seconds / STEP)
     velocity, rate = np.zeros((count, 3)), np.zeros((count, 3))
@@ -50,7 +50,7 @@ def reference(seed: int, seconds: float) -> tuple[Float[np.ndarray, "n 3"], Floa
 
 
 def fly(seed: int, seconds: float) -> Float[np.ndarray, "n 4"]:
-    """Returns time, north, east and heading of a flight in a wind that comes and goes."""
+    """Returns time, north, east and heading of a flight in gusts."""
     velocity, rate = reference(seed, seconds)
     vehicle, controller = Multirotor(quad_params), SE3Control(quad_params)
     wind = SinusoidWind(np.array([0.8, 0.6, 0.1]), np.array([0.23, 0.17, 0.4]), np.array([0.0, 1.0, 2.0]))

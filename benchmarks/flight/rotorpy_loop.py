@@ -1,6 +1,7 @@
-"""RotorPy flying a circle by its own loop at 100 Hz, in still air: prints simulated seconds a CPU second.
+"""RotorPy's own loop at 100 Hz on a circle, in still air.
 
-Run by the Python of RotorPy's environment; it knows nothing of this project.
+Run by the Python of RotorPy's environment; independent of this project. Prints simulated seconds per CPU
+second.
 """
 
 from time import process_time

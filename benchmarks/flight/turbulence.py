@@ -1,9 +1,8 @@
-"""What a vehicle takes the turbulence for, beside what it is: `python -m benchmarks.flight.turbulence 20 3`.
+"""Estimated against true turbulence: `python -m benchmarks.flight.turbulence 20 3`.
 
-First the velocity errors in each trim, for each m/s of wind at 20 ft, which `sim.wind.turbulence_meter` is
-made of, and
-the innovations of the filter, which it is not made of; then what it says at the ends of as many random
-random missions in each wind class.
+First the velocity errors in each trim per m/s of wind at 20 ft, the input of `sim.wind.turbulence_meter`, and
+the filter's innovations, for comparison; then the estimates at the ends of random missions in each wind
+class.
 """
 
 import sys
@@ -16,26 +15,26 @@ import numpy as np
 from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
 from flightlog.channels import COMMAND, ESTIMATE
-from planner.closed_loop.receding_horizon import fly
-from planner.policies.worst_case import WorstCase
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
-from sim.loop.specification import FlightSpecification, pose
+from sim.loop.specification import FlightSpecification, specified_pose
 from sim.navigation.navigation import Navigation
 from sim.simulated_helicopter import SimulatedHelicopter
-from sim.wind.turbulence_meter import IN_STILL_AIR, STRAIGHT, TURNING
+from sim.wind.turbulence_meter import ERROR_PER_WIND, ERROR_PER_WIND_AND_YAW_RATE, STILL_AIR_ERROR
 from sim.wind.wind import WIND_CLASSES
 
 LIBRARY = find_library("gtmax-sim")
-HELD = 40.0
+HOLD_TIME = 40.0
 """Seconds for which a trim is held."""
 FIX_INTERVAL = 0.2
-"""Seconds between two looks at the innovations, each of the last fix."""
+"""Seconds between two samples of the innovations, each of the last fix."""
 
 
 def velocity_error(trim: int, wind: str, seed: int) -> float:
-    """Returns the mean square of the velocity error of a trim that is held, m2/s2."""
+    """Returns the mean square velocity error in a trim, m2/s2."""
     helicopter = SimulatedHelicopter(FlightSpecification(seed=seed, start_trim=trim, wind=wind), LIBRARY)
-    helicopter.coast(HELD)
+    helicopter.coast(HOLD_TIME)
     log = helicopter.log()
     believed, asked = log[ESTIMATE], log[COMMAND]
     off = [believed[name] - asked[name] for name in ("forward", "side")]
@@ -43,33 +42,33 @@ def velocity_error(trim: int, wind: str, seed: int) -> float:
 
 
 def innovations(wind: str, seed: int) -> tuple[float, float]:
-    """Returns mean squares of innovations in position and velocity, in variances, over all trims held."""
+    """Returns mean squared normalised innovations in position and velocity."""
     seen = []
     for trim in LIBRARY.trims:
         specification = FlightSpecification(seed=seed, start_trim=trim.id, wind=wind)
         helicopter = SimulatedHelicopter(specification, LIBRARY)
         assert isinstance(helicopter.navigation, Navigation)
-        for _ in range(round(HELD / FIX_INTERVAL)):
+        for _ in range(round(HOLD_TIME / FIX_INTERVAL)):
             helicopter.coast(FIX_INTERVAL)
             seen.append(helicopter.navigation.fix_tests**2)
     position, velocity = np.split(np.nanmean(seen, axis=0), 2)
     return float(position.mean()), float(velocity.mean())
 
 
-def said(wind: str, count: int, seed: int) -> Iterator[float]:
-    """Yields what the vehicle says at the end of each mission, m/s."""
-    planner = WorstCase(LIBRARY, 1.0)
+def reported_turbulence(wind: str, count: int, seed: int) -> Iterator[float]:
+    """Yields the estimated turbulence at the end of each mission, m/s."""
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in random_missions(LIBRARY, count=count, seed=seed, gamma=1.0):
         number = mission_seed(seed, mission.name, 0)
         specification = FlightSpecification(
             seed=number,
             wind=wind,
-            start=pose(mission.start),
+            start=specified_pose(mission.start),
             start_trim=mission.start_trim,
             supervised=True,
         )
         helicopter = SimulatedHelicopter(specification, LIBRARY)
-        fly(helicopter, mission, planner=planner, library=LIBRARY)
+        fly_closed_loop(helicopter, mission, planner=planner, library=LIBRARY)
         assert helicopter.supervisor is not None
         if (turbulence := helicopter.supervisor.turbulence) is not None:
             yield turbulence
@@ -79,24 +78,24 @@ def main() -> None:
     """Prints both tables."""
     count, seed = (int(word) for word in sys.argv[1:3])
     wind = WIND_CLASSES[LIBRARY.conditions.wind]
-    print(f"velocity error, m/s, and for each m/s of wind at 20 ft; taken: {IN_STILL_AIR} in still air")
+    print(f"velocity error, m/s, and per m/s of wind at 20 ft; model: {STILL_AIR_ERROR} in still air")
     for trim in LIBRARY.trims:
         still, blown = (
             mean(velocity_error(trim.id, name, seed + n) for n in range(4)) for name in ("calm", wind.name)
         )
-        taken = STRAIGHT + TURNING * abs(trim.velocity.yaw_rate)
+        taken = ERROR_PER_WIND + ERROR_PER_WIND_AND_YAW_RATE * abs(trim.velocity.yaw_rate)
         share = sqrt(max(blown - still, 0.0)) / wind.wind_at_20_ft
-        print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  taken {taken:.4f}")
+        print(f"{trim.name:<18}still {sqrt(still):.4f}  {wind.name} {share:.4f}  model {taken:.4f}")
     print("\nwind class     innovations, mean square in variances: position   velocity")
     for name in WIND_CLASSES:
         position, velocity = (
             mean(parts) for parts in zip(*(innovations(name, seed + n) for n in range(4)), strict=True)
         )
         print(f"{name:<15}{position:>48.3f}{velocity:>11.3f}")
-    print("\nwind class        true   said: 10 %   median   90 %, m/s")
+    print("\nwind class        true   estimated: 10 %   median   90 %, m/s")
     for name, known in WIND_CLASSES.items():
         if name != "severe":
-            low, *_, high = quantiles(found := list(said(name, count, seed)), n=10)
+            low, *_, high = quantiles(found := list(reported_turbulence(name, count, seed)), n=10)
             half = sorted(found)[len(found) // 2]
             print(f"{name:<15}{known.wind_at_20_ft:>7.1f}{low:>13.1f}{half:>9.1f}{high:>9.1f}")
 

@@ -1,20 +1,20 @@
-"""How fast logs become a library: `python -m benchmarks.identification.identification_speed FOLDER_OF_LOGS`.
+"""Identification speed: `python -m benchmarks.identification.identification_speed FOLDER_OF_LOGS`.
 
-CPU seconds of one core, reading, checking and hashing the files included. Half, and a quarter, of the logs
-say whether the cost is linear in flight hours.
+CPU seconds of one core, including reading, checking and hashing the files. Half and a quarter of the logs
+show whether the cost is linear in flight hours.
 """
 
 from argparse import ArgumentParser
 from pathlib import Path
 from time import process_time
 
-from experiments.campaign.claims_report import split_by_kind
+from experiments.campaign.coverage_report import split_by_kind
 from experiments.campaign.evidence import evidence_of
 from identification.identify import identify
 
 
 def main() -> None:
-    """Prints flight time over CPU time, and CPU time a flight hour over that of all logs."""
+    """Prints flight time over CPU time, and cost per flight hour."""
     parser = ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path)
     paths = sorted(parser.parse_args().folder.glob("*.mcap"))
@@ -33,7 +33,7 @@ def main() -> None:
 
 
 def measured(paths: list[Path]) -> tuple[float, float, float]:
-    """Returns seconds flown, CPU seconds to cut the logs, and CPU seconds for the library."""
+    """Returns flight seconds, and CPU seconds of segmentation and of identification."""
     began = process_time()
     flights = [evidence_of(path) for path in paths]
     cut = process_time()

@@ -1,8 +1,8 @@
-"""The least worst time by brute force: every walk at every level, Newton's method from many starts.
+"""Least worst-case time by brute force: Newton's method from many starts.
 
-It shares the equations of motion with the proofs, and nothing with the search: random sets of times that are
-not 0, random times, first moved to the goal, then Newton's method on the conditions of an optimum. What it
-finds is flown before it counts.
+It shares the equations of motion with the proofs, and nothing with the search: random sets of nonzero times,
+random values, first moved to the goal, then Newton's method on the optimality conditions. A solution counts
+only if its end is at the goal.
 """
 
 from math import inf
@@ -12,12 +12,12 @@ from jaxtyping import Bool, Complex, Int
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.proof.dual_bound import Boxes, Each, Problems
-from planner.walks.kinematics import motion
+from planner.proof.dual_bound import PerBox, PerTrim, WalkProblems
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 MOST_FREE = 4
-"""Times that may be not 0."""
+"""Most nonzero times."""
 
 TIME_SCALES = (1.0, 3.0, 6.0, 15.0, 60.0)
 """Seconds around which random times are."""
@@ -29,7 +29,7 @@ LONGEST_STEP = 5.0
 """Seconds that one step may change a time by."""
 
 RUN_AWAY = 1e6
-"""Above this, numbers come from a start that leads nowhere."""
+"""Magnitude above which a start has diverged."""
 
 MEETS = 1e-7
 """Metres and radians, beyond the tolerance, at which a goal counts as reached."""
@@ -38,7 +38,7 @@ MEETS = 1e-7
 def brute_force(
     library: Library, mission: Mission, gammas: tuple[float, ...], rng: np.random.Generator, *, starts: int
 ) -> float:
-    """Returns the least worst time found in seconds; infinite where no walk was found to reach the goal.
+    """Returns the least worst-case time found, or infinity.
 
     Args:
         library: the primitives.
@@ -52,13 +52,13 @@ def brute_force(
         return inf
     worst = np.zeros(len(every))
     for gamma in gammas:
-        problems = Problems.of([motion(library, walk, gamma) for walk in every], mission)
+        problems = WalkProblems.of([walk_motion(library, walk, gamma) for walk in every], mission)
         worst = np.maximum(worst, least_costs(problems, rng, starts))
     return float(worst.min())
 
 
-def least_costs(problems: Problems, rng: np.random.Generator, starts: int) -> Each:
-    """Returns the least cost found for each walk; infinite where none was found."""
+def least_costs(problems: WalkProblems, rng: np.random.Generator, starts: int) -> PerBox:
+    """Returns the least cost found for each walk, or infinity."""
     count = len(problems.rate)
     row = np.repeat(np.arange(count), starts)
     many = problems.take(row)
@@ -84,21 +84,21 @@ def least_costs(problems: Problems, rng: np.random.Generator, starts: int) -> Ea
     return best
 
 
-def _off(problems: Problems, turned: Each, side: Int[np.ndarray, "starts"]) -> Each:
-    """Returns by how much headings differ from the limit looked at."""
+def _off(problems: WalkProblems, turned: PerBox, side: Int[np.ndarray, "starts"]) -> PerBox:
+    """Returns heading errors from the chosen limit."""
     assert problems.heading is not None
     off = turned + problems.turned - problems.heading - side * problems.heading_tolerance
-    nearest: Each = off - 2 * np.pi * np.round(off / (2 * np.pi))
+    nearest: PerBox = off - 2 * np.pi * np.round(off / (2 * np.pi))
     return nearest
 
 
 def _to_the_goal(
-    problems: Problems,
-    times: Boxes,
+    problems: WalkProblems,
+    times: PerTrim,
     free: Bool[np.ndarray, "starts trims"],
     side: Int[np.ndarray, "s"] | None,
-) -> Boxes:
-    velocity, end, turned = problems.flown(times)
+) -> PerTrim:
+    velocity, end, turned = problems.propagate(times)
     away = end - problems.goal
     size = np.abs(away)
     inside = 0.9 * problems.tolerance
@@ -109,15 +109,15 @@ def _to_the_goal(
         wrong.append(np.where(side == 0, 0.0, _off(problems, turned, side)))
     matrix, error = np.stack(rows, axis=1), np.stack(wrong, axis=1)
     square = matrix @ matrix.transpose(0, 2, 1) + 1e-9 * np.eye(len(rows))
-    step: Boxes = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, error[..., None]))[..., 0]
+    step: PerTrim = (matrix.transpose(0, 2, 1) @ np.linalg.solve(square, error[..., None]))[..., 0]
     return step
 
 
 def _multiplier(
-    problems: Problems, times: Boxes, free: Bool[np.ndarray, "starts trims"]
+    problems: WalkProblems, times: PerTrim, free: Bool[np.ndarray, "starts trims"]
 ) -> Complex[np.ndarray, "starts"]:
-    """Returns the vector with which the free times are worth their seconds most nearly."""
-    velocity, _, _ = problems.flown(times)
+    """Returns the multiplier vector that best fits the free times' stationarity."""
+    velocity, _, _ = problems.propagate(times)
     x, y = velocity.real * free, velocity.imag * free
     square = np.stack([(x * x).sum(1), (x * y).sum(1), (x * y).sum(1), (y * y).sum(1)], axis=1)
     matrix = square.reshape(-1, 2, 2) + 1e-9 * np.eye(2)
@@ -127,15 +127,15 @@ def _multiplier(
 
 
 def _to_the_optimum(
-    problems: Problems,
-    times: Boxes,
-    worth: tuple[Complex[np.ndarray, "starts"], Each],
+    problems: WalkProblems,
+    times: PerTrim,
+    shadow_prices: tuple[Complex[np.ndarray, "starts"], PerBox],
     free: Bool[np.ndarray, "starts trims"],
     side: Int[np.ndarray, "starts"] | None,
-) -> tuple[Boxes, Complex[np.ndarray, "starts"], Each]:
-    """Returns a step of Newton's method for the times, the vector, and the worth of a radian."""
-    velocity, end, turned = problems.flown(times)
-    multiplier, bound = worth
+) -> tuple[PerTrim, Complex[np.ndarray, "starts"], PerBox]:
+    """Returns a Newton step for times, multiplier vector and heading multiplier."""
+    velocity, end, turned = problems.propagate(times)
+    multiplier, bound = shadow_prices
     count, trims = times.shape
     size = trims + 3
     matrix, error = np.zeros((count, size, size)), np.zeros((count, size))
@@ -162,7 +162,7 @@ def _to_the_optimum(
     matrix[~limited, trims + 2, trims + 2] = 1.0
     if side is not None:
         error[:, trims + 2] = np.where(limited, _off(problems, turned, side), 0.0)
-    # What has run away is left where it is.
+    # Diverged rows are left unchanged.
     usable = (np.abs(matrix).max(axis=(1, 2)) < RUN_AWAY) & (np.abs(error).max(axis=1) < RUN_AWAY)
     matrix[~usable], error[~usable] = np.eye(size), 0.0
     step = -np.linalg.solve(matrix + 1e-9 * np.diag(1 + 0.37 * np.arange(size)), error[..., None])[..., 0]
@@ -170,14 +170,14 @@ def _to_the_optimum(
     return step[:, :trims], step[:, trims] + 1j * step[:, trims + 1], step[:, trims + 2]
 
 
-def _costs(problems: Problems, times: Boxes) -> Each:
-    """Returns what times cost; infinite where they do not reach the goal."""
+def _costs(problems: WalkProblems, times: PerTrim) -> PerBox:
+    """Returns the costs of times; infinite where they miss the goal."""
     with np.errstate(invalid="ignore", over="ignore"):
-        _, end, turned = problems.flown(times)
+        _, end, turned = problems.propagate(times)
         there = np.abs(end - problems.goal) <= problems.tolerance + MEETS
         if problems.heading is not None:
             middle = np.zeros(len(times), dtype=int)
             there &= np.abs(_off(problems, turned, middle)) <= problems.heading_tolerance + MEETS
         there &= (times >= 0).all(axis=1)
-    costs: Each = np.where(there, problems.fixed + times.sum(axis=1), inf)
+    costs: PerBox = np.where(there, problems.fixed + times.sum(axis=1), inf)
     return costs

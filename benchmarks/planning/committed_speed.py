@@ -1,8 +1,7 @@
-"""How long committed planning takes: `python -m benchmarks.planning.committed_speed 200 1 30`.
+"""Speed of committed planning: `python -m benchmarks.planning.committed_speed 200 1 30`.
 
-So many missions with that seed, of two to four trims over the three shipped libraries, each with that many
-seconds until its deadline. It prints the slow ones (all with -v), what was proved of how many, and how long
-planning took.
+Arguments: missions, seed, deadline in seconds. Missions of two to four trims over the three shipped
+libraries. Prints the slow ones (all with -v), the counts of what was proved, and the planning times.
 """
 
 import sys
@@ -12,7 +11,7 @@ from time import perf_counter
 import numpy as np
 
 from flight.plan.plan import Plan
-from planner.commitment.committed import Committed
+from planner.commitment.committed import CommittedPlanner
 
 from .planning_missions import random_mission, shipped_libraries
 
@@ -25,7 +24,7 @@ SLOW = 10.0
 def main(missions: int, seed: int, deadline: float) -> None:
     """Prints the slow missions and the distribution of seconds."""
     rng, every = np.random.default_rng(seed), shipped_libraries()
-    Committed(every[0], 0.1).plan(random_mission(rng, every[0], 2))
+    CommittedPlanner(every[0], 0.1).plan(random_mission(rng, every[0], 2))
     took: dict[int, list[float]] = {2: [], 3: [], 4: []}
     answers: dict[str, int] = {}
     for number in range(missions):
@@ -33,7 +32,7 @@ def main(missions: int, seed: int, deadline: float) -> None:
         mission = random_mission(rng, library, int(rng.choice([2, 3, 4])))
         mission = replace(mission, tolerance=float(rng.choice(TOLERANCES)))
         began = perf_counter()
-        plan = Committed(library, gamma, deadline=deadline).plan(mission)
+        plan = CommittedPlanner(library, gamma, deadline=deadline).plan(mission)
         seconds = perf_counter() - began
         took[mission.max_trims].append(seconds)
         known = plan.at_smallest_tolerance or plan
@@ -57,7 +56,7 @@ def main(missions: int, seed: int, deadline: float) -> None:
 
 
 def proved(plan: Plan) -> str:
-    """Returns the status of a plan, and what is proved beyond that."""
+    """Returns the status of a plan and its further claims."""
     if plan.status != "unknown":
         return plan.status
     if "in any walk" not in plan.reason:

@@ -1,4 +1,4 @@
-"""What planning costs against depth, trims and levels, drawn.
+"""Planning cost against depth, trims and levels, as a picture.
 
 Run by `python -m benchmarks.planning.planning_cost FILE 21`.
 
@@ -27,7 +27,7 @@ LEVELS = (1, 3, 5, 7, 11)
 GAMMA = 0.5
 
 Costs = Sequence[tuple[float, float, float]]
-"""What is varied, the median and the largest in seconds."""
+"""Varied quantity, median and largest seconds."""
 
 
 def main(file: Path, missions: int) -> None:
@@ -49,7 +49,7 @@ def main(file: Path, missions: int) -> None:
         for one in (kinematic, gtmax)
     }
     panels = {"trims in a sequence": depth, "trims in the library": trims, "levels of gamma": levels}
-    figure = palette.page(9.6, 3.6)
+    figure = palette.new_figure(9.6, 3.6)
     for place, (what, series) in enumerate(panels.items()):
         axes = figure.add_subplot(1, 3, place + 1)
         draw(axes, what, series)
@@ -74,9 +74,9 @@ def cost(library: Library, gammas: tuple[float, ...], depth: int, missions: int)
 
 
 def draw(axes: Axes, what: str, series: Mapping[str, Costs]) -> None:
-    """Draws one panel: medians as lines, up to the slowest as a band."""
-    palette.dress(axes)
-    for (name, costs), colour in zip(series.items(), (palette.TRUE, palette.ALARM), strict=False):
+    """Draws one panel: medians as lines, maxima as bands."""
+    palette.format_axes(axes)
+    for (name, costs), colour in zip(series.items(), (palette.TRUE_COLOR, palette.ALARM), strict=False):
         x, middle, most = np.array(costs).T
         axes.plot(x, 1e3 * middle, "o-", color=colour, markersize=3, linewidth=1.4, label=name)
         axes.fill_between(x, 1e3 * middle, 1e3 * most, color=colour, alpha=0.15, linewidth=0)

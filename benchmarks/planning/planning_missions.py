@@ -23,12 +23,12 @@ YAW_ACCELERATION = 0.4
 
 
 def shipped_libraries() -> tuple[Library, ...]:
-    """Returns the three libraries that are shipped."""
+    """Returns the three shipped libraries."""
     return tuple(read_library(libraries.FOLDER / f"{name}.json") for name in SHIPPED)
 
 
 def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -> Mission:
-    """Returns a mission of 1 to 80 m: any start trim and headings, tolerances of 0 to a tenth of the way."""
+    """Returns a random mission of 1 to 80 m."""
     angle, distance = rng.uniform(-pi, pi), rng.uniform(1, 80)
     mission = Mission(
         "random",
@@ -47,7 +47,7 @@ def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -
 
 
 def synthetic_library(trims: int, maneuvers: int, *, seed: int) -> Library:
-    """Returns a library by the kinematic equations: every maneuver flies the mean of its two trims.
+    """Returns a kinematic library with maneuvers at mean trim velocities.
 
     Args:
         trims: how many; speeds of 0.5 to 10 m/s, yaw rates up to 0.6 rad/s, some straight.

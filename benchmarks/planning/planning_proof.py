@@ -1,7 +1,7 @@
-"""Whether plans keep their word: `python -m benchmarks.planning.planning_proof 10000 1000 50 1`.
+"""Validity of random plans: `python -m benchmarks.planning.planning_proof 10000 1000 50 1`.
 
-So many missions, so many of them also by brute force, so many with a certificate, and the seed. They are
-drawn at random over the three shipped libraries, nominal and for the worst case: every start trim, headings
+Arguments: missions, those also by brute force, those with a certificate, the seed. Missions are
+random over the three shipped libraries, nominal and for the worst case: every start trim, headings
 at the goal, goal trims, 1 to 80 m, tolerances of 0 to a tenth of the way. Every plan goes through the
 independent check. Brute force tries every sequence at every level by Newton's method from many random starts.
 """
@@ -17,9 +17,9 @@ from benchmarks.upper_limit import upper_limit
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.check.plan_check import problems
-from planner.policies.worst_case import WorstCase
-from planner.proof.certify_plan import certified
+from planner.check.plan_check import plan_problems
+from planner.policies.worst_case import worst_case_planner
+from planner.proof.certify_plan import certify_plan
 
 from .brute_force import brute_force
 from .planning_missions import random_mission, shipped_libraries
@@ -33,10 +33,12 @@ AGREEMENT = 1e-4
 
 
 def main(missions: int, brute: int, proofs: int, seed: int) -> int:
-    """Prints the counts; returns how much is wrong."""
+    """Prints the counts; returns the number of faults."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
-    planners = {(place, gamma): WorstCase(one, gamma) for place, one in enumerate(every) for gamma in LEVELS}
+    planners = {
+        (place, gamma): worst_case_planner(one, gamma) for place, one in enumerate(every) for gamma in LEVELS
+    }
     statuses: Counter[str] = Counter()
     wrong: Counter[str] = Counter()
     tried: Counter[str] = Counter()
@@ -46,19 +48,19 @@ def main(missions: int, brute: int, proofs: int, seed: int) -> int:
         plan = planners[place, gamma].plan(mission)
         statuses[plan.status] += 1
         tried["failed the check"] += 1
-        wrong["failed the check"] += bool(problems(plan, library, mission)) or "its check" in plan.reason
+        wrong["failed the check"] += bool(plan_problems(plan, library, mission)) or "its check" in plan.reason
         if tried["above brute force"] < brute and mission.max_trims <= BRUTE_DEPTH:
             gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
             cost = brute_force(library, mission, gammas, rng, starts=STARTS)
             _compare(plan, library, mission, cost, (tried, wrong))
         if tried["not certified"] < proofs and mission.max_trims <= BRUTE_DEPTH:
             tried["not certified"] += 1
-            wrong["not certified"] += certified(plan, library, mission).certificate is None
+            wrong["not certified"] += certify_plan(plan, library, mission).certificate is None
         if (number + 1) % 100 == 0:
             print(f"{number + 1} missions, {dict(tried)}, {dict(wrong)}", file=sys.stderr)
     print(f"{missions} missions: {dict(statuses)}")
     print(f"  brute force found the same cost within {AGREEMENT:g} s {tried['same']} times")
-    for what in ("failed the check", "above brute force", "called infeasible wrongly", "not certified"):
+    for what in ("failed the check", "above brute force", "false infeasible", "not certified"):
         limit = 100 * upper_limit(wrong[what], tried[what])
         print(f"  {what}: {wrong[what]} of {tried[what]}; at most {limit:.3g} % with 95 % confidence")
     return wrong.total()
@@ -74,15 +76,15 @@ def _mission(rng: np.random.Generator, library: Library) -> Mission:
 def _compare(
     plan: Plan, library: Library, mission: Mission, cost: float, counts: tuple[Counter[str], Counter[str]]
 ) -> None:
-    """Counts whether brute force did better."""
+    """Counts plans that brute force improves."""
     tried, wrong = counts
-    for what in ("above brute force", "called infeasible wrongly"):
+    for what in ("above brute force", "false infeasible"):
         tried[what] += 1
     tried["same"] += abs(cost - plan.cost) <= AGREEMENT or cost == plan.cost
     above = plan.found and cost < plan.cost - AGREEMENT
     lost = not plan.found and cost < inf
     wrong["above brute force"] += above
-    wrong["called infeasible wrongly"] += lost
+    wrong["false infeasible"] += lost
     if above or lost:
         print(f"{plan.status} {plan.cost} s, brute force {cost} s: {library.name} {plan.gamma} {mission}")
 

@@ -1,7 +1,7 @@
-"""How fast the planner is, against CasADi and IPOPT: `python -m benchmarks.planning.planning_speed`.
+"""Planner speed against CasADi and IPOPT: `python -m benchmarks.planning.planning_speed`.
 
-CPU seconds of one core, the planner called as users call it, its tables warm; what the first call adds is
-printed beside. Wall-clock where a whole process is at stake. The reference, built once, solves
+CPU seconds of one core through the public planner with warm tables; the first call is printed separately.
+Wall-clock for whole processes. The reference, built once, solves
 every sequence at every level once, from one start.
 """
 
@@ -17,26 +17,26 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.fallback.coasting import solve
-from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
-from planner.policies.worst_case import WorstCase
-from planner.walks.answer import Answer
-from planner.walks.kinematics import motion
+from planner.policies.worst_case import worst_case_planner
+from planner.walks.kinematics import walk_motion
+from planner.walks.search_result import SearchResult
 
+from .ipopt import solve
 from .planning_missions import random_mission, shipped_libraries, synthetic_library
 
 GAMMA = 0.5
 GAMMAS = (0.0, -GAMMA, GAMMA)
 EARLY = 0.05
-"""Seconds after which an early answer is compared with the best."""
+"""Seconds after which an early plan is compared with the best."""
 
 EARLY_MISSIONS = 120
 FEW_NODES = 256
 """Walks at one level that take about a millisecond."""
 
 NEAR = 0.01
-"""Share of the optimum that an early answer may be above it."""
+"""Share of the optimum by which an early plan may exceed it."""
 
 REFERENCES = 8
 """Missions that IPOPT solves, of about 150 sequence problems each."""
@@ -48,18 +48,18 @@ FIRST_CALL = """
 import os
 from time import perf_counter
 began = perf_counter()
-from benchmarks.planning_missions import shipped_libraries
-from benchmarks.planning_speed import GAMMA, sample
-from planner.worst_case import WorstCase
+from benchmarks.planning.planning_missions import shipped_libraries
+from benchmarks.planning.planning_speed import GAMMA, sample
+from planner.policies.worst_case import worst_case_planner
 library = shipped_libraries()[1]
-WorstCase(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
+worst_case_planner(library, GAMMA).plan(sample(library, 4, 1, seed=4)[0])
 print(perf_counter() - began, sum(os.times()[:4]))
 """
 
 
 @dataclass(slots=True)
-class Reference:
-    """What IPOPT took and found.
+class IpoptReference:
+    """Times and counts of IPOPT.
 
     Attributes:
         seconds: of each mission.
@@ -97,14 +97,14 @@ def main() -> None:
 
 
 def sample(library: Library, depth: int, count: int, *, seed: int) -> list[Mission]:
-    """Returns missions at random."""
+    """Returns random missions."""
     rng = np.random.default_rng(seed)
     return [random_mission(rng, library, depth) for _ in range(count)]
 
 
 def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float], float]:
-    """Returns seconds of each worst-case plan with its tables warm, and of the slowest first one."""
-    planner = WorstCase(library, GAMMA)
+    """Returns seconds per plan with warm tables, and the slowest first."""
+    planner = worst_case_planner(library, GAMMA)
     warm: list[float] = []
     cold: list[float] = []
     for mission in sample(library, depth, missions, seed=4):
@@ -116,8 +116,8 @@ def planning(library: Library, depth: int, *, missions: int) -> tuple[list[float
 
 
 def compare(library: Library, median: float) -> None:
-    """Prints how IPOPT does on every sequence and gamma of some missions, from one start each."""
-    reference = Reference([])
+    """Prints IPOPT's results on every sequence and gamma, from one start."""
+    reference = IpoptReference([])
     for mission in sample(library, 4, REFERENCES, seed=9):
         ipopt(library, mission, reference)
     middle = float(np.median(reference.seconds))
@@ -132,17 +132,17 @@ def compare(library: Library, median: float) -> None:
     )
 
 
-def ipopt(library: Library, mission: Mission, reference: Reference) -> None:
-    """Solves every sequence at every gamma from one start, and compares with the exact solver."""
+def ipopt(library: Library, mission: Mission, reference: IpoptReference) -> None:
+    """Solves every sequence and gamma from one start by IPOPT."""
     spent = 0.0
     for gamma in GAMMAS:
         for table in tables(library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim):
-            exact = least_costs_of_each(table, mission)
+            exact = least_costs(table, mission)
             walks = [tuple(walk) for walk in table.walks.tolist()]
             start = [1.0] * len(walks[0])
-            solve(motion(library, walks[0], gamma), mission, start)
+            solve(walk_motion(library, walks[0], gamma), mission, start)
             for walk, known in zip(walks, exact.tolist(), strict=True):
-                numbers = motion(library, walk, gamma)
+                numbers = walk_motion(library, walk, gamma)
                 began = process_time()
                 times = solve(numbers, mission, start)
                 spent += process_time() - began
@@ -154,7 +154,7 @@ def ipopt(library: Library, mission: Mission, reference: Reference) -> None:
 
 
 def anytime(library: Library, depth: int) -> None:
-    """Prints how good a plan is that some milliseconds of the processor give."""
+    """Prints the quality of plans within CPU time limits."""
     search = ExactSearch(library, GAMMAS)
     gaps, slower = [], 0
     for mission in sample(library, depth, EARLY_MISSIONS, seed=6):
@@ -172,17 +172,17 @@ def anytime(library: Library, depth: int) -> None:
     )
 
 
-def timed(search: ExactSearch, mission: Mission, max_nodes: int | None) -> tuple[float, Answer]:
-    """Returns CPU seconds of a search, and what it gives."""
+def timed(search: ExactSearch, mission: Mission, max_nodes: int | None) -> tuple[float, SearchResult]:
+    """Returns CPU seconds of a search and its result."""
     began = process_time()
     answer = search.answer(mission, max_nodes=max_nodes)
     return process_time() - began, answer
 
 
-def stopped(search: ExactSearch, mission: Mission) -> Answer:
-    """Returns what a search has found before the early seconds are over.
+def stopped(search: ExactSearch, mission: Mission) -> SearchResult:
+    """Returns the result of a search stopped after `EARLY` seconds.
 
-    A deadline would count wall-clock; here nodes stand for time, a quarter more of them in each trial.
+    A deadline counts wall-clock time; this counts nodes, a quarter more in each trial.
     """
     nodes = FEW_NODES
     _, answer = timed(search, mission, 1)
@@ -194,7 +194,7 @@ def stopped(search: ExactSearch, mission: Mission) -> Answer:
 
 
 def first_call(cache: str) -> tuple[float, float]:
-    """Returns seconds of a new process that imports the planner and plans, the kernel compiled or not yet."""
+    """Returns clock and CPU seconds of a new process's first planning."""
     with tempfile.TemporaryDirectory() as folder:
         place = {"XDG_CACHE_HOME": folder} if cache == "empty" else {}
         command = [sys.executable, "-c", FIRST_CALL]

@@ -1,11 +1,9 @@
-"""Whether the price of robustness is what it says: `python -m benchmarks.planning.price_proof 20 1`.
+"""Proof of the price of robustness: `python -m benchmarks.planning.price_proof 20 1`.
 
-So many missions, with that seed, over three libraries. The price planner's gamma is compared with a dense
-scan:
-the worst-case time at every one of 400 levels, planned afresh. At the gamma given and at every scanned level
-below it that time must be within alpha times the nominal optimum; and some level just above must exceed it,
-unless gamma is 1. Also counted: how often that is proved for all smaller levels, and for all but the last
-thousandth.
+Arguments: missions, seed. The price planner's gamma is compared with a dense scan of the worst-case time at
+400 levels. At that gamma and at every scanned level below it the time must be within alpha times the nominal
+optimum; and some level just above must exceed it, unless gamma is 1. Also counted: missions proved for all
+smaller levels, and for all but the last thousandth.
 """
 
 import sys
@@ -15,10 +13,10 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.policies.certified_gamma import bearable_to
-from planner.policies.nominal import Nominal
+from planner.policies.certified_gamma import certified_gamma
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import ALL_BUT, GAMMA_RESOLUTION, PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.kinematics import NegativeDurationError
 
 from .planning_missions import random_mission, shipped_libraries
@@ -29,7 +27,7 @@ ROUNDING = 1e-6
 
 
 def main(missions: int, seed: int) -> int:
-    """Prints the counts; returns how often the planner is wrong."""
+    """Prints the counts; returns the number of faults."""
     rng = np.random.default_rng(seed)
     every = shipped_libraries()
     exceeded, short, gaps, done = 0, 0, 0, 0
@@ -38,13 +36,13 @@ def main(missions: int, seed: int) -> int:
         library = every[done % len(every)]
         mission = random_mission(rng, library, int(rng.integers(2, 5)))
         alpha = float(rng.uniform(1.0, 1.6))
-        nominal = Nominal(library).plan(mission)
+        nominal = nominal_planner(library).plan(mission)
         if not nominal.found:
             continue
         done += 1
         limit = alpha * nominal.cost + 1e-9
         gamma = PriceOfRobustness(library, alpha).plan(mission).gamma
-        left.append(gamma - bearable_to(library, mission, limit=limit, gamma=gamma))
+        left.append(gamma - certified_gamma(library, mission, limit=limit, gamma=gamma))
         costs = {level: worst(library, mission, level) for level in np.linspace(0, 1, SCANNED + 1).tolist()}
         broken = [level for level, cost in costs.items() if cost > limit + ROUNDING]
         first = min(broken, default=inf)
@@ -64,7 +62,7 @@ def main(missions: int, seed: int) -> int:
 def worst(library: Library, mission: Mission, gamma: float) -> float:
     """Returns the worst-case time in seconds; infinite without a plan."""
     try:
-        return WorstCase(library, gamma).plan(mission).cost
+        return worst_case_planner(library, gamma).plan(mission).cost
     except NegativeDurationError:
         return inf
 

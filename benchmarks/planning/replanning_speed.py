@@ -1,7 +1,7 @@
-"""How long re-planning takes in flight: `python -m benchmarks.planning.replanning_speed [MISSIONS]`.
+"""Replanning speed in flight: `python -m benchmarks.planning.replanning_speed [MISSIONS]`.
 
-Random missions are flown by the automaton whose primitives have errors of their own, with the shipped loop at
-2 Hz; every planning is timed by the processor, so that other work on the machine does not count.
+Random missions are flown by the automaton with independent errors of primitives, in the shipped loop at 2 Hz;
+plannings are timed in CPU seconds, so that other load does not count.
 """
 
 import sys
@@ -9,16 +9,16 @@ import sys
 import numpy as np
 
 from experiments.mission.fly import fly_mission, mission_seed
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.random_missions import random_missions
-from experiments.mission.task import MissionTask
 from scenarios.find import find_library
 
-BAR = 0.020
-"""Seconds that 99 % of all plannings are to keep, with 7 trims at depth 4."""
+LIMIT = 0.020
+"""Limit in seconds for 99 % of all plannings, with 7 trims at depth 4."""
 
 
 def main(count: int) -> None:
-    """Prints the quantiles of planning times, and the bar in parts of the 99th percentile."""
+    """Prints planning-time quantiles, and the limit over the 99th percentile."""
     library = find_library("gtmax-sim")
     for policy in ("nominal", "worst-case"):
         times: list[float] = []
@@ -36,7 +36,7 @@ def main(count: int) -> None:
         median, most, slowest = (float(np.quantile(times, share)) for share in (0.5, 0.99, 1.0))
         print(
             f"{policy:<12} {len(times)} plannings: median {1e3 * median:.2f} ms, 99 % {1e3 * most:.2f} ms, "
-            f"slowest {1e3 * slowest:.2f} ms; the bar is {BAR / most:.1f} times the 99 %"
+            f"slowest {1e3 * slowest:.2f} ms; the limit is {LIMIT / most:.1f} times the 99 %"
         )
 
 

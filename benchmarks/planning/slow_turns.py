@@ -1,11 +1,11 @@
-"""Whether slow turns are planned exactly.
+"""Exactness of plans with slow turns.
 
-Run by `python -m benchmarks.planning.slow_turns 1 300`, the seed and the seconds.
+Run by `python -m benchmarks.planning.slow_turns 1 300`; arguments: seed, seconds.
 
 Random libraries of yaw rates from 1e-9 to 0.4 rad/s, some equal, some 0; goals near the ends of random walks,
-1 m to 25 km away, tolerances of 0 to 3 m, headings wanted or not. Every walk on its own: random times are
-moved to the goal by Newton's method, the best of them improved by SLSQP, and what they lead to is moved to
-the goal again, exactly. It shares the equations of motion with the proofs, and nothing with the search.
+1 m to 25 km away, tolerances of 0 to 3 m, headings wanted or not. Each walk alone: random times are moved to
+the goal by Newton's method, the best of them improved by SLSQP, and the results moved to the goal again. It
+shares the equations of motion with the proofs, and nothing with the search.
 """
 
 import sys
@@ -24,14 +24,14 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.se2 import SE2, Twist
-from planner.kernel.exact import ExactSearch, least_costs_of_each
+from planner.kernel.exact import ExactSearch, least_costs
 from planner.kernel.tables import tables
-from planner.proof.dual_bound import Problems
-from planner.walks.kinematics import motion
+from planner.proof.dual_bound import WalkProblems
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 
 STARTS, IMPROVED = 200, 8
-"""Random times of a walk, and how many of them are improved."""
+"""Random starts of a walk, and the number improved."""
 
 AGREEMENT = 1e-4
 """Seconds by which another plan may be faster, ..."""
@@ -49,7 +49,7 @@ Times = Float[np.ndarray, "trims"]
 
 
 def main(seed: int, seconds: float) -> int:
-    """Prints the counts; returns how many walks and searches are wrong."""
+    """Prints the counts; returns the number of wrong walks and searches."""
     rng, began = np.random.default_rng(seed), perf_counter()
     missions = compared = reached = same = wrong = 0
     while perf_counter() - began < seconds:
@@ -58,12 +58,11 @@ def main(seed: int, seconds: float) -> int:
         missions += 1
         least = inf
         for table in tables(library, (0.0,), mission.start_trim, mission.max_trims, None):
-            hidden = table.equal_turns > 2 and mission.goal_heading is not None
-            costs = least_costs_of_each(table, mission)
+            costs = least_costs(table, mission)
             least = min(least, float(costs.min()))
             for walk, cost in zip(map(tuple, table.walks.tolist()), costs.tolist(), strict=True):
                 other = _least(library, walk, mission, rng)
-                if hidden or min(cost, other) > LONGEST:
+                if min(cost, other) > LONGEST:
                     continue
                 compared += 1
                 reached += other < inf
@@ -110,7 +109,7 @@ def _maneuver(rng: np.random.Generator, number: int, left: Trim, reached: Trim) 
 
 
 def _mission(rng: np.random.Generator, library: Library) -> Mission:
-    """Returns a mission to where a random walk ends, or near there, or anywhere."""
+    """Returns a random mission, at or near a walk's end or anywhere."""
     distance, depth = 10 ** rng.uniform(0, 4.3), int(rng.choice([1, 2, 2, 3, 3, 3, 4]))
     trim, start = (
         int(rng.choice([trim.id for trim in library.trims])),
@@ -118,7 +117,7 @@ def _mission(rng: np.random.Generator, library: Library) -> Mission:
     )
     tolerance = float(rng.choice([0.0, 0.0, 0.01, 0.3, 1.0, 3.0]))
     every = walks(library, trim, max_trims=depth)
-    numbers = motion(library, every[int(rng.integers(len(every)))], 0.0)
+    numbers = walk_motion(library, every[int(rng.integers(len(every)))], 0.0)
     free = rng.random(len(numbers.velocities)) < 0.75
     end = start
     for _ in range(9):
@@ -150,30 +149,30 @@ def _mission(rng: np.random.Generator, library: Library) -> Mission:
 
 
 def _heading_margin(library: Library, walk: tuple[int, ...], mission: Mission) -> float:
-    """Returns the seconds that a heading's margin may be worth."""
+    """Returns the seconds that a heading's margin may save."""
     rates = [abs(library.trim(trim).velocity.yaw_rate) for trim in walk]
     slowest = min((rate for rate in rates if rate), default=1.0)
     return INSIDE / slowest if mission.goal_heading is not None else 0.0
 
 
 class _Walk:
-    """One walk to the goal, its tolerances as the mission has them."""
+    """One walk to the goal, with the mission's tolerances."""
 
     def __init__(self, library: Library, walk: tuple[int, ...], mission: Mission) -> None:
-        self.problems, self.mission = Problems.of([motion(library, walk, 0.0)], mission), mission
+        self.problems, self.mission = WalkProblems.of([walk_motion(library, walk, 0.0)], mission), mission
         self.distance = hypot(*mission.goal) + 1.0
         self.turned = mission.goal_heading is not None
 
-    def flown(self, times: Times) -> tuple[complex, np.ndarray, float]:
-        """Returns by how much times miss the goal, how the end moves with each, and the wanted heading."""
-        velocity, end, psi = self.problems.flown(times[None])
+    def propagate(self, times: Times) -> tuple[complex, np.ndarray, float]:
+        """Returns the miss, its gradient and the heading error."""
+        velocity, end, psi = self.problems.propagate(times[None])
         off = float(psi[0] + self.problems.turned[0]) - (self.problems.heading or 0.0)
         return complex(end[0] - self.problems.goal), velocity[0], off - 2 * pi * round(off / (2 * pi))
 
     def corrected(self, times: Times, rounds: int) -> Times:
-        """Returns times moved to the goal by the least step that leads there, again and again."""
+        """Returns times after repeated least-norm corrections to the goal."""
         for _ in range(rounds):
-            miss, velocity, off = self.flown(times)
+            miss, velocity, off = self.propagate(times)
             tolerance, width = self.mission.tolerance, self.mission.heading_tolerance
             rows: list[np.ndarray] = []
             wrong: list[float] = []
@@ -193,8 +192,8 @@ class _Walk:
         return times
 
     def cost(self, times: Times) -> float:
-        """Returns what times cost; infinite where they do not reach the goal, or only by rounding's grace."""
-        miss, _, off = self.flown(times)
+        """Returns the cost of times; infinite where they miss the goal."""
+        miss, _, off = self.propagate(times)
         there = abs(miss) <= (self.mission.tolerance or 1e-9)
         if self.turned:
             there &= abs(off) <= (self.mission.heading_tolerance or 1e-12)
@@ -218,7 +217,7 @@ def _least(library: Library, walk: tuple[int, ...], mission: Mission, rng: np.ra
         times = np.where((longest < 50 * times) & (rng.random(len(walk)) < 0.7), turn, times)
         times = np.where(rng.random(len(walk)) < 0.75, np.minimum(times, longest), 0.0)
         times = one.corrected(times, 6)
-        miss, _, off = one.flown(times)
+        miss, _, off = one.propagate(times)
         away = max(abs(miss) - mission.tolerance, 0.0) + one.turned * 0.1 * one.distance * abs(off)
         starts.append((float(times.sum()) + 3 * away / fastest, times))
     best = inf
@@ -234,13 +233,13 @@ def _improved(one: _Walk, times: Times, scale: float) -> Times:
     unit = max(mission.tolerance, 1e-3 * one.distance) if mission.tolerance else one.distance
 
     def place(x: Times) -> np.ndarray:
-        miss = one.flown(x * scale)[0]
+        miss = one.propagate(x * scale)[0]
         if mission.tolerance:
             return np.array([(mission.tolerance - abs(miss) ** 2 / mission.tolerance) / (2 * unit)])
         return np.array([miss.real, miss.imag]) / unit
 
     def heading(x: Times) -> np.ndarray:
-        off = one.flown(x * scale)[2]
+        off = one.propagate(x * scale)[2]
         width = mission.heading_tolerance
         return np.array([width - off, width + off]) if width else np.array([off])
 

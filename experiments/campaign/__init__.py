@@ -1,1 +1,1 @@
-"""Identification campaigns: flown, evidence gathered, coverage claims forecast and tested."""
+"""Identification campaigns: flights, evidence, forecasts, coverage tests."""

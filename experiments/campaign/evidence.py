@@ -1,4 +1,4 @@
-"""Logs, read and cut into primitives: what `identify`, `regenerate` and `demo` share; knows no simulator."""
+"""Evidence from logs: reading and segmentation, independent of the simulator."""
 
 from collections.abc import Sequence
 from concurrent.futures import Executor
@@ -16,24 +16,33 @@ from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import PRIMITIVE
 from flightlog.file.reader import read_log
 from flightlog.fingerprint import fingerprint
-from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, evidence, motion_judged
+from identification.segmentation.flight_evidence import (
+    FlightEvidence,
+    StateJudged,
+    extract_evidence,
+    judged_motion_name,
+)
 from identification.segmentation.motion_model import sampled_motion
 from identification.segmentation.motion_walk import walks_of
-from identification.segmentation.segmentation import Walk, cut
-from identification.segmentation.trim_discovery import Resolution, discovered_automaton
-from runtime.progress import shown
+from identification.segmentation.segmentation import ObservedWalk, cut_into_segments
+from identification.segmentation.trim_discovery import Resolution, discover_automaton
+from runtime.progress import show_progress
+
+
+class NoManeuversError(FlightError):
+    """No discovered maneuver was flown to its end."""
 
 
 def gather_evidence(
     paths: Sequence[Path], *, executor: Executor, of: StateJudged = "truth"
 ) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives.
+    """Reads and segments logs.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    cut = executor.map(partial(evidence_of, of=of), paths)
-    return list(shown(cut, total=len(paths), what="identifying"))
+    segmented = executor.map(partial(evidence_of, of=of), paths)
+    return list(show_progress(segmented, total=len(paths), what="identifying"))
 
 
 def gather_motion_evidence(
@@ -43,98 +52,103 @@ def gather_motion_evidence(
     trims: Library | None = None,
     resolution: Resolution | None = None,
 ) -> list[FlightEvidence]:
-    """Reads logs and cuts them into primitives by their motion alone.
+    """Reads logs and segments them by their motion alone.
 
     Args:
-        paths: of the logs.
-        executor: that reads them.
-        trims: the automaton and its maneuver-end rule; where None, what the logs carry, and where they carry
-            none, what their motion shows.
-        resolution: the least difference between two trims that the motion is to show.
+        paths: the log files.
+        executor: executor that reads them.
+        trims: automaton and maneuver-end rule; where None, those of the logs, or else those discovered in the
+            motion.
+        resolution: least difference between two discovered trims.
 
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    seen = list(shown(executor.map(_motion_of, paths), total=len(paths), what="reading"))
-    motions = [one.motion for one in seen]
-    library = trims or seen[0].library
-    found = library is None
+    records = list(show_progress(executor.map(_motion_of, paths), total=len(paths), what="reading"))
+    motions = [record.motion for record in records]
+    library = trims or records[0].library
+    discovered = library is None
     if library is None:
-        library = discovered_automaton(motions, vehicle=seen[0].vehicle, resolution=resolution)
+        library = discover_automaton(motions, vehicle=records[0].vehicle, resolution=resolution)
     walks = walks_of(motions, library)
     cutting = executor.map(_motion_evidence_of, paths, walks, repeat(library))
-    flights = list(shown(cutting, total=len(paths), what="identifying"))
-    return _without_the_unseen(flights, library) if found else flights
+    flights = list(show_progress(cutting, total=len(paths), what="identifying"))
+    return _drop_unobserved_trims(flights, library) if discovered else flights
 
 
 def has_commands(path: Path) -> bool:
-    """Whether a log says when which primitive was commanded."""
+    """Returns True if a log has the commanded primitives."""
     return PRIMITIVE.name in read_log(path).series
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MotionSeen:
-    """What the walk is found from, and what names it."""
+class MotionRecord:
+    """Motion of a log with its vehicle and library."""
 
     vehicle: str
     library: Library | None
     motion: Float[np.ndarray, "n 3"]
 
 
-def _motion_of(path: Path) -> MotionSeen:
+def _motion_of(path: Path) -> MotionRecord:
     log = read_log(path)
     library = log.library() if LIBRARY_ATTACHMENT in log.attachments else None
     try:
-        return MotionSeen(log.header.vehicle, library, sampled_motion(log))
+        return MotionRecord(log.header.vehicle, library, sampled_motion(log))
     except FlightError as error:
         raise FlightError(f"{path}: {error}") from None
 
 
-def _motion_evidence_of(path: Path, walk: Walk, library: Library) -> FlightEvidence:
+def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> FlightEvidence:
     log = read_log(path)
     return FlightEvidence(
         str(path),
         fingerprint(log),
         log.header,
         library,
-        cut(log, walk, library),
+        cut_into_segments(log, walk, library),
         log.duration,
         found_by="motion",
-        judged=motion_judged(log),
+        judged=judged_motion_name(log),
     )
 
 
-def _without_the_unseen(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
-    """Leaves out discovered trims that no coast shows: passing through a velocity is not holding it."""
+def _drop_unobserved_trims(flights: list[FlightEvidence], library: Library) -> list[FlightEvidence]:
+    """Drops discovered trims without a coast, and maneuvers without an end."""
     held = {coast.trim for flight in flights for coast in flight.segments.coasts}
     rule = library.conditions.maneuver_end
-    if not held or rule is None:
-        raise FlightError("no trim is held long enough to count as reached; see --resolution and --trims")
-    performed = {segment.id for flight in flights for segment in flight.segments.maneuvers}
+    ended = {part.id for flight in flights for part in flight.segments.maneuvers if part.settled}
+    maneuvers = tuple(
+        row for row in library.maneuvers if {row.from_trim, row.to_trim} <= held and row.id in ended
+    )
+    if rule is None or not maneuvers:
+        raise NoManeuversError(
+            f"expected a maneuver between two held trims, flown to its end, got none with {len(held)} of "
+            f"{len(library.trims)} trims held for {rule.dwell if rule else 0.0:g} s: change --resolution, "
+            "give --trims, or longer flights with steps between trims"
+        )
     bands = {trim: band for trim, band in rule.bands.items() if trim in held}
     kept = replace(
         library,
         trims=tuple(trim for trim in library.trims if trim.id in held),
-        maneuvers=tuple(
-            row for row in library.maneuvers if {row.from_trim, row.to_trim} <= held and row.id in performed
-        ),
+        maneuvers=maneuvers,
         conditions=replace(library.conditions, maneuver_end=replace(rule, bands=bands)),
     )
     return [replace(flight, library=kept, trims_commanded=False) for flight in flights]
 
 
 def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
-    """Reads one log and cuts it into primitives.
+    """Reads and segments one log.
 
     Raises:
         FlightError: the log is broken or lacks something.
     """
     log = read_log(path)
-    return evidence(log, name=str(path), sha256=fingerprint(log), of=of)
+    return extract_evidence(log, name=str(path), sha256=fingerprint(log), of=of)
 
 
 def log_paths(logs: list[Path]) -> list[Path]:
-    """Returns the logs named, and those in the folders named.
+    """Returns the given logs and those in the given folders.
 
     Raises:
         FlightError: there are none.

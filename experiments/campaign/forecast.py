@@ -1,4 +1,4 @@
-"""What a campaign will take on this machine, said before it is flown."""
+"""Forecast of a campaign's duration on this machine."""
 
 from concurrent.futures import Executor
 from contextlib import suppress
@@ -10,7 +10,7 @@ from time import perf_counter
 
 from flight.automaton.library import Library
 from flight.mission.campaign import Campaign
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from identification.identify import identify
 from identification.segmentation.flight_evidence import FlightEvidence
 from identification.statistics.samples import NeverFlownError
@@ -18,22 +18,22 @@ from runtime.executor import worker_pool
 from sim.campaign_flight import fly_specification
 from sim.loop.specification import FlightSpecification
 
-from .campaign import MEASURING, campaign_library, specify_campaign
 from .evidence import evidence_of
+from .fly_campaign import MEASURING, campaign_library, specify_campaign
 
-# Each worker is measured by one flight, and one more for every so many that it has to fly; three at most.
+# Test flights per worker: one, and one more for every `_FLIGHTS_PER_ROUND` flights per worker; at most three.
 _FLIGHTS_PER_ROUND, _MOST_ROUNDS = 30, 3
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """What a campaign will take, judged from flights like its own.
+    """Forecast of a campaign from similar flights.
 
     Attributes:
-        flight_hours: of all flights.
-        minutes: on this machine.
-        measured: flights that it is judged from.
-        speed: flight time over the time that it took with all workers busy: flying, logging, identifying.
+        flight_hours: total flight hours.
+        minutes: minutes on this machine.
+        measured: number of flights measured.
+        speed: flight time over computing time with all workers busy: flying, logging, identifying.
     """
 
     flight_hours: float
@@ -41,32 +41,32 @@ class Forecast:
     measured: int
     speed: float
 
-    def said(self) -> str:
-        """Returns the forecast for people."""
+    def describe(self) -> str:
+        """Returns the forecast in one sentence."""
         return (
-            f"about {self.flight_hours:.1f} flight hours and {self.minutes:.1f} minutes here "
-            f"({self.measured} flights like these went {self.speed:.0f} times as fast as they last)"
+            f"about {self.flight_hours:.1f} flight hours, {self.minutes:.1f} minutes on this machine "
+            f"({self.measured} test flights ran {self.speed:.0f} times as fast as real time)"
         )
 
 
-def forecast(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
-    """Flies a few flights, none of them the campaign's, and judges the whole from them.
+def forecast_campaign(campaign: Campaign, *, wind: str, seed: int, flights: int, workers: int) -> Forecast:
+    """Forecasts a campaign from a few other flights.
 
     Args:
-        campaign: what is to be flown.
+        campaign: the campaign.
         wind: wind class.
-        seed: of the campaign.
-        flights: how many.
-        workers: processes that share them.
+        seed: seed of the campaign.
+        flights: number of flights.
+        workers: number of processes.
     """
     began = perf_counter()
     with worker_pool(workers) as executor:
-        return forecast_by(
+        return forecast_with_executor(
             executor, campaign, wind=wind, seed=seed, flights=flights, workers=workers, began=began
         )
 
 
-def forecast_by(
+def forecast_with_executor(
     executor: Executor,
     campaign: Campaign,
     *,
@@ -76,31 +76,31 @@ def forecast_by(
     workers: int,
     began: float,
 ) -> Forecast:
-    """Returns the forecast from as many flights at once as there are workers.
+    """Forecasts a campaign from flights in all workers at once.
 
-    Each worker first flies a short one, which pays for what is built once in each, as the campaign will pay
-    again. What is measured then is what happens to every flight: it is flown, written, read again, cut,
-    handed back and identified, while the other workers do the same.
+    Each worker first flies a short flight, which covers the set-up that the campaign pays again. Then every
+    step of a flight is measured with all workers busy: it is flown, written, read, segmented, returned and
+    identified.
 
     Args:
-        executor: lends the workers.
-        campaign: what is to be flown.
+        executor: executor with the workers.
+        campaign: the campaign.
         wind: wind class.
-        seed: of the campaign.
-        flights: how many.
-        workers: processes that share them.
-        began: when the executor was asked for them, by `perf_counter`.
+        seed: seed of the campaign.
+        flights: number of flights.
+        workers: number of processes.
+        began: time when the executor was started, by `perf_counter`.
     """
     library = campaign_library(campaign, wind)
     rounds = min(_MOST_ROUNDS, 1 + flights // (_FLIGHTS_PER_ROUND * workers))
     specifications = specify_campaign(
         campaign, library, seed=seed, flights=rounds * workers, wind=wind, role=MEASURING
     )
-    fly = partial(_flown_and_cut, library=library)
-    list(executor.map(fly, [_shortened(one) for one in specifications[:workers]]))
+    fly = partial(_fly_and_cut, library=library)
+    list(executor.map(fly, [_shorten(one) for one in specifications[:workers]]))
     ready = perf_counter()
     cut = list(executor.map(fly, specifications))
-    # So few flights may not show each maneuver to its end; the time that was taken counts all the same.
+    # So few flights may lack settled maneuvers; their time counts all the same.
     with suppress(NeverFlownError):
         identify(cut, name=campaign.name)
     took, flown = perf_counter() - ready, sum(flight.duration for flight in cut)
@@ -113,16 +113,16 @@ def forecast_by(
     )
 
 
-def _shortened(specification: FlightSpecification) -> FlightSpecification:
+def _shorten(specification: FlightSpecification) -> FlightSpecification:
     return specification.model_copy(
         update={"trims": specification.trims[:2], "coasting_times": specification.coasting_times[:2]}
     )
 
 
-def _flown_and_cut(specification: FlightSpecification, library: Library) -> FlightEvidence:
-    """Returns what identification keeps of a flight that leaves nothing else behind."""
+def _fly_and_cut(specification: FlightSpecification, library: Library) -> FlightEvidence:
+    """Returns the evidence of a flight whose log is temporary."""
     log = fly_specification(specification, library)
     with TemporaryDirectory(prefix="maneuver-") as folder:
         path = Path(folder) / f"{specification.name}.mcap"
-        publish_log(log, path, force=False)
+        write_log(log, path, force=False)
         return evidence_of(path)

@@ -1,1 +1,1 @@
-"""The fault matrix: flights with faults, and their outcomes."""
+"""Fault matrix: flights with faults, and their outcomes."""

@@ -1,13 +1,11 @@
-"""A fault matrix: what goes wrong, whether it must be survived, and what is expected then."""
+"""Fault matrix: faults, contract and expected behaviour."""
 
 from dataclasses import dataclass
 from pathlib import Path
 
-from pydantic import Field, FiniteFloat
-
 from experiments.mission.safe_envelope import SafeEnvelope
 from flight.mission.fault import Fault, parse_fault
-from flight.schema import FileModel, read_toml
+from flight.schema import FileModel, read_toml, refusing
 from scenarios.find import FAULTS, find_file
 
 
@@ -16,10 +14,10 @@ class FaultCase:
     """One row of a fault matrix.
 
     Attributes:
-        fault: what goes wrong.
-        contract: whether the mission must go on and reach its goal; outside the contract the vehicle may be
-            lost, but must say so.
-        expected: what is expected, for people.
+        fault: the injected fault.
+        contract: True if the mission must reach its goal; outside the contract the vehicle may be lost, but
+            must raise an alarm.
+        expected: expected behaviour, as a text.
     """
 
     fault: Fault
@@ -29,27 +27,20 @@ class FaultCase:
 
 @dataclass(frozen=True, slots=True)
 class FaultMatrix:
-    """Faults that are flown one at a time, and the envelope in which a flight counts as safe."""
+    """Faults to fly one at a time, and the safe envelope."""
 
     name: str
     envelope: SafeEnvelope
     cases: tuple[FaultCase, ...]
 
     def __post_init__(self) -> None:
-        """Refuses a matrix without a fault, or with one twice."""
+        """Checks that there are faults, each once."""
         words = [case.fault.words for case in self.cases]
         if not words:
             raise ValueError("fault: expected one or more, got none")
         twice = next((one for one in words if words.count(one) > 1), None)
         if twice is not None:
-            raise ValueError(f"fault: {twice!r} is there twice")
-
-
-class _Envelope(FileModel):
-    tilt: FiniteFloat = Field(gt=0)
-    height: FiniteFloat = Field(gt=0)
-    position: FiniteFloat = Field(gt=0)
-    heading: FiniteFloat = Field(gt=0)
+            raise ValueError(f"fault: expected different faults, got {twice!r} twice")
 
 
 class _Case(FileModel):
@@ -60,7 +51,7 @@ class _Case(FileModel):
 
 class _MatrixFile(FileModel):
     name: str
-    envelope: _Envelope
+    envelope: SafeEnvelope
     fault: tuple[_Case, ...]
 
 
@@ -68,17 +59,12 @@ def read_fault_matrix(path: Path) -> FaultMatrix:
     """Reads `faults/NAME.toml`.
 
     Raises:
-        BadFileError: the file is missing, is no TOML, or names a fault that there is not.
+        BadFileError: the file is missing, is not TOML, or names an unknown fault.
     """
-    return read_toml(path, _MatrixFile, _to_matrix)
-
-
-def _to_matrix(content: _MatrixFile) -> FaultMatrix:
-    return FaultMatrix(
-        name=content.name,
-        envelope=SafeEnvelope(**content.envelope.model_dump()),
-        cases=tuple(FaultCase(parse_fault(row.words), row.contract, row.expected) for row in content.fault),
-    )
+    content = read_toml(path, _MatrixFile)
+    with refusing(path):
+        cases = tuple(FaultCase(parse_fault(row.words), row.contract, row.expected) for row in content.fault)
+        return FaultMatrix(content.name, content.envelope, cases)
 
 
 def find_fault_matrix(name: str) -> FaultMatrix:

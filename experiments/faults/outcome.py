@@ -1,35 +1,39 @@
-"""What a flight in which something was wrong came to: safe, lost and said so, or wrong."""
+"""Outcome of a flight with a fault."""
 
 from enum import StrEnum
 
 from experiments.mission.result import MissionResult
 
 GRACE = 1.0
-"""Seconds after leaving the safe envelope within which a vehicle must have said that something is wrong."""
+"""Largest delay of an alarm after leaving the safe envelope, seconds."""
 
 
 class Outcome(StrEnum):
-    """What is true of a flight, beside what the vehicle said of it."""
+    """Outcome of a flight: truth compared with alarms and declared arrival."""
 
     SAFE = "safe"
-    LOST = "lost and said so"
-    WRONG = "wrong"
+    DETECTED_LOSS = "detected loss"
+    UNDETECTED_FAILURE = "undetected failure"
 
 
-def outcome(row: MissionResult) -> Outcome:
-    """Returns what a flight came to.
+def outcome_of(row: MissionResult) -> Outcome:
+    """Returns the outcome of a flight.
 
-    `wrong` is whoever says to be at the goal and is not, or leaves the safe envelope and does not say so in
-    time; a flight that ends without the goal, and says that, inside the envelope, is `safe`.
+    An undetected failure declares arrival away from the goal, or leaves the safe envelope without an alarm in
+    time; a flight that gives up inside the envelope is safe.
     """
     if row.claimed and not row.reached:
-        return Outcome.WRONG
+        return Outcome.UNDETECTED_FAILURE
     if row.left is None:
         return Outcome.SAFE
-    said = min((alarm.time for alarm in row.serious_alarms), default=None)
-    return Outcome.LOST if said is not None and said <= row.left.time + GRACE else Outcome.WRONG
+    alarmed = min((alarm.time for alarm in row.serious_alarms), default=None)
+    return (
+        Outcome.DETECTED_LOSS
+        if alarmed is not None and alarmed <= row.left.time + GRACE
+        else Outcome.UNDETECTED_FAILURE
+    )
 
 
-def acted(row: MissionResult) -> bool:
-    """Returns whether every fault of a flight was seen to act."""
+def all_faults_acted(row: MissionResult) -> bool:
+    """Returns True if every fault of a flight had an effect."""
     return bool(row.effects) and all(effect > 0 for effect in row.effects)

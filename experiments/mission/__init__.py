@@ -1,1 +1,1 @@
-"""Missions flown in closed loop: policies by name, flights, results and their store."""
+"""Closed-loop missions: policies, flights, results and their store."""

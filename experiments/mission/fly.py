@@ -1,4 +1,4 @@
-"""Missions flown in closed loop: what `fly`, `validate` and `demo` share."""
+"""Closed-loop mission flights for `fly`, `validate` and `demo`."""
 
 import hashlib
 from collections.abc import Iterator
@@ -7,77 +7,82 @@ from math import isfinite
 
 import numpy as np
 
-from experiments.campaign.campaign import derived_seed
+from experiments.campaign.fly_campaign import derived_seed
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Vehicle
-from flightlog.alarm import ALARM, Alarm, alarms_of
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
+from flight.plan.plan import Plan
+from flightlog.alarm import ALARM, Alarm, alarms_from_series
+from flightlog.arrival import arrival_text
+from flightlog.attachment_names import (
+    ARRIVAL_ATTACHMENT,
+    MISSION_ATTACHMENT,
+    MISSION_PLAN_ATTACHMENT,
+    PLANS_ATTACHMENT,
+)
 from flightlog.decision import DECISION, decision_series
 from flightlog.fault_record import fault_effects
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_gammas
-from planner.closed_loop.flight_record import Flown
-from planner.closed_loop.receding_horizon import fly
-from planner.closed_loop.tube import leaves_tube
-from planner.commitment.committed import Committed
-from planner.kernel.build import search_backend
-from planner.policies.adaptive_gamma import CalibratedGamma
-from planner.policies.nominal import Nominal
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.closed_loop.tube import tube_exit_time
+from planner.kernel.build import SEARCH_BACKEND
+from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
 from sim.loop.backend import Backend
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
-from sim.wind.wind import wind_class
 
-from .blame import Performance, performances
-from .mission_log import mission_json, mission_specification, plans_json
-from .policies import FlownPolicy
-from .result import MissionResult, leg_flown
-from .safe_envelope import Exit, first_exit
-from .task import MissionTask, Plant
+from .error_attribution import Performance, performances
+from .mission_log import mission_json, mission_plan_json, mission_specification, plans_json
+from .mission_task import MissionTask, Plant
+from .policies import planner_of
+from .result import MissionResult, downsample_leg
+from .safe_envelope import EnvelopeExit, first_exit
 from .timed_planner import TimedPlanner
 
-# Beside those of `campaign_flights`.
+# Distinct from the stream keys of `fly_campaign`.
 _MISSION_STREAM = 102
 _GAMMA_STREAM = 103
 
 TUBES = (1.0, 0.7)
-"""Shares of the library's errors that tubes are made of: what it claims, and what it does not."""
+"""Scales of the library's errors for tubes: the claim, and a control with smaller errors."""
 
 
 def mission_seed(seed: int, mission: str, number: int) -> int:
-    """Returns the seed of one flight of a mission: other air than any campaign's, or other mission's.
+    """Returns the seed of one flight of a mission.
 
-    Policies are compared in the same air: they share it.
+    It differs from the seeds of campaigns and other missions; policies share it, so that they are compared in
+    the same wind.
     """
     name = int.from_bytes(hashlib.sha256(mission.encode()).digest()[:4], "little")
     return derived_seed(seed, _MISSION_STREAM, name, number)
 
 
 def fly_mission(task: MissionTask) -> MissionResult:
-    """Flies a mission once, and keeps the helicopter's log where one is wanted."""
+    """Flies a mission once and writes its log if requested."""
     result, log = fly_and_log(task)
     if log is not None and task.log is not None:
-        publish_log(log, task.log, force=task.force)
+        write_log(log, task.log, force=task.force)
     return result
 
 
 def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
-    """Flies a mission once, writes nothing, and returns what it came to, with the helicopter's log."""
-    judged: tuple[Performance, ...] = ()
+    """Flies a mission once; returns its result and the helicopter's log."""
+    flown_primitives: tuple[Performance, ...] = ()
     log: FlightLog | None = None
     alarms: tuple[Alarm, ...] = ()
-    left: Exit | None = None
+    left: EnvelopeExit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
+    stated = plan_as_stated(task)
     planner = TimedPlanner(_planner(task), task.library)
     planner.warm_up(task.mission)
     if task.plant == "helicopter":
-        flown, log = fly_helicopter(task, planner)
-        judged, left = performances(log), first_exit(log, task.envelope)
-        alarms = alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+        flown, log = fly_helicopter(task, planner, stated=stated)
+        flown_primitives, left = performances(log), first_exit(log, task.envelope)
+        alarms = alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
         effects = fault_effects(log)
         left_tube = tuple((share, _left_tube(task.library, flown, share)) for share in TUBES)
     else:
@@ -92,16 +97,17 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
         reached=flown.reached,
         claimed=flown.claimed,
         flown_time=flown.flown_time,
+        planned_time=stated.cost if stated.found else None,
         predicted_time=flown.predicted_time if isfinite(flown.predicted_time) else None,
         closest=flown.closest if isfinite(flown.closest) else None,
-        activations=flown.activations,
+        replans=flown.replans,
         failures=flown.failures,
-        fallbacks=flown.fallbacks,
+        safe_stops=flown.safe_stops,
         reason=flown.reason,
         log=task.log,
         planning_times=tuple(planner.times),
-        performances=judged,
-        legs=tuple(leg_flown(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
+        performances=flown_primitives,
+        legs=tuple(downsample_leg(step, leg) for step, leg in zip(flown.steps, flown.legs, strict=True)),
         alarms=alarms,
         left=left,
         effects=effects,
@@ -110,13 +116,18 @@ def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
     return result, log
 
 
+def plan_as_stated(task: MissionTask) -> Plan:
+    """Returns the plan for the mission as stated, without latency."""
+    return _planner(task).plan(task.stated_mission)
+
+
 def plant_name(plant: Plant) -> str:
-    """Returns what flies in a word or two."""
+    """Returns the name of a plant."""
     return plant if isinstance(plant, str) else f"gamma {plant:+g}"
 
 
-def fly_automaton(task: MissionTask, planner: Planner | None = None) -> Flown:
-    """Flies a mission by the library's own model, moved by the library's own errors (thesis, chapter 7)."""
+def fly_automaton(task: MissionTask, planner: Planner | None = None) -> FlightRecord:
+    """Flies a mission by the automaton with its errors (thesis, chapter 7)."""
     mission = task.mission
     gamma: float | Iterator[float]
     if isinstance(task.plant, float):
@@ -132,49 +143,44 @@ def fly_helicopter(
     task: MissionTask,
     planner: Planner | None = None,
     *,
+    stated: Plan | None = None,
     parameters: Parameters | None = None,
     backend: Backend | None = None,
-) -> tuple[Flown, FlightLog]:
-    """Flies a mission by the simulated helicopter, and returns what it came to with its log.
+) -> tuple[FlightRecord, FlightLog]:
+    """Flies a mission by the simulated helicopter; returns record and log.
 
     Args:
-        task: what is flown.
-        planner: that of the task where None.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
-        backend: what evaluates the vehicle's expressions; the best that there is where None.
+        task: the flight.
+        planner: planner; that of the task where None.
+        stated: plan for the mission as stated; made where None.
+        parameters: vehicle parameters; those of `models/gtmax.toml` where None.
+        backend: backend of the vehicle's expressions; the best available where None.
     """
     mission = task.mission
     task.library.trim(mission.start_trim)
     specification = mission_specification(task)
     helicopter = SimulatedHelicopter(specification, task.library, parameters=parameters, backend=backend)
     flown = _close_loop(helicopter, task, planner)
-    log = helicopter.log({MISSION_ATTACHMENT: mission_json(task), PLANS_ATTACHMENT: plans_json(flown)})
+    log = helicopter.log(
+        {
+            MISSION_ATTACHMENT: mission_json(task),
+            MISSION_PLAN_ATTACHMENT: mission_plan_json(task, stated or plan_as_stated(task)),
+            PLANS_ATTACHMENT: plans_json(flown),
+            ARRIVAL_ATTACHMENT: arrival_text(flown.arrival),
+        }
+    )
     series = {**log.series, DECISION.name: decision_series(flown.decisions)}
-    return flown, replace(log, header=log.header.planned_by(search_backend()), series=series)
-
-
-def planner_of(
-    policy: FlownPolicy, library: Library, *, gamma: float, max_nodes: int | None = None
-) -> Planner:
-    """Returns the planner of a policy for a library."""
-    if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes)
-    if policy == "calibrated":
-        wind = wind_class(library.conditions.wind).wind_at_20_ft
-        return CalibratedGamma(library, wind, max_nodes=max_nodes)
-    if policy == "committed":
-        return Committed(library, gamma, max_nodes=max_nodes)
-    return WorstCase(library, gamma, max_nodes=max_nodes)
+    return flown, replace(log, header=log.header.with_search_backend(SEARCH_BACKEND), series=series)
 
 
 def _planner(task: MissionTask) -> Planner:
     return planner_of(task.policy, task.library, gamma=task.gamma, max_nodes=task.max_nodes)
 
 
-def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> Flown:
+def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) -> FlightRecord:
     planner = planner or _planner(task)
-    learn = planner.learn if isinstance(planner, TimedPlanner | CalibratedGamma) else None
-    return fly(
+    learn = planner.learn if isinstance(planner, TimedPlanner | AdaptiveGammaPlanner) else None
+    return fly_closed_loop(
         vehicle,
         task.mission,
         planner=planner,
@@ -184,5 +190,5 @@ def _close_loop(vehicle: Vehicle, task: MissionTask, planner: Planner | None) ->
     )
 
 
-def _left_tube(library: Library, flown: Flown, share: float) -> float | None:
-    return leaves_tube(library, flown.steps, flown.legs, flown.times, share=share)
+def _left_tube(library: Library, flown: FlightRecord, share: float) -> float | None:
+    return tube_exit_time(library, flown.steps, flown.legs, flown.times, share=share)

@@ -1,23 +1,28 @@
-"""What the log of a closed-loop flight carries beside the motion: what was asked, and what was planned."""
+"""Attachments of a closed-loop flight's log: mission and plans."""
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import dataclass, replace
 
-from flight.plan.plan import plan_content
+from flight.file_value import FileValue
+from flight.plan.plan import Plan, plan_text, with_mission
+from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
-from flightlog.identity import identity
-from planner.closed_loop.flight_record import Flown
-from planner.kernel.build import search_backend
-from sim.flight_header import flight_header, flight_inputs
+from flightlog.identity import flight_identity
+from flightlog.mission_attachments import LoggedPlan, plannings_text
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.settings import Settings
+from planner.kernel.build import SEARCH_BACKEND
+from sim.flight_header import flight_attachments, flight_header
 from sim.loop.backend import Backend
-from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, pose
+from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification, specified_pose
 from sim.vehicle.parameters import read_parameters
 
-from .task import MissionTask
+from .mission_task import MissionTask
+from .policies import FlownPolicy
 
 
 def mission_specification(task: MissionTask) -> FlightSpecification:
-    """Returns the flight of a mission, without what decides in it."""
+    """Returns the flight specification of a mission, without its planner."""
     mission = task.mission
     return FlightSpecification(
         kind="mission",
@@ -25,43 +30,56 @@ def mission_specification(task: MissionTask) -> FlightSpecification:
         seed=task.seed,
         wind=task.wind,
         altitude=task.library.conditions.altitude or DEFAULT_ALTITUDE,
-        start=pose(mission.start),
+        start=specified_pose(mission.start),
         start_trim=mission.start_trim,
-    ).depart(task.departure)
+    ).with_options(task.flight_options)
 
 
 def mission_identity(task: MissionTask) -> dict[str, str]:
-    """Returns which flight the log of a mission must be of."""
+    """Returns the identity of a mission's flight."""
     specification, parameters = mission_specification(task), read_parameters()
     header = flight_header(specification, parameters, backend=Backend.INTERPRETED)
-    inputs = flight_inputs(specification, task.library, parameters)
-    return identity(header.planned_by(search_backend()), {**inputs, MISSION_ATTACHMENT: mission_json(task)})
+    inputs = flight_attachments(specification, task.library, parameters)
+    return flight_identity(
+        header.with_search_backend(SEARCH_BACKEND), {**inputs, MISSION_ATTACHMENT: mission_json(task)}
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Asked(FileValue):
+    """Planner and loop settings of a flight, logged beside its mission.
+
+    Attributes:
+        policy: which planner.
+        gamma: uncertainty level of the worst-case planner.
+        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
+        settings: how the loop was closed. Latencies of a flight that is repeated are left out: those charged
+            stand with the plans, so that a flight and its repetition have the same log.
+    """
+
+    policy: FlownPolicy
+    gamma: float
+    max_nodes: int | None
+    settings: Settings
 
 
 def mission_json(task: MissionTask) -> bytes:
-    """Returns what a mission is flown from: mission, planner, and how the loop is closed.
-
-    Latencies of a flight that is repeated are left out: those charged stand with the plans, so that a flight
-    and its repetition have the same log.
-    """
-    latency = replace(task.settings.latency, recorded=None)
-    content = {
-        **asdict(task.mission),
-        "policy": task.policy,
-        "gamma": task.gamma,
-        "max_nodes": task.max_nodes,
-        "settings": asdict(replace(task.settings, latency=latency)),
-    }
+    """Returns mission, planner and loop settings as JSON."""
+    settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
+    asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
+    content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)
     return json.dumps(content, indent=1).encode()
 
 
-def plans_json(flown: Flown) -> bytes:
-    """Plans with the time each was asked for, and the seconds charged for it.
+def mission_plan_json(task: MissionTask, plan: Plan) -> bytes:
+    """Returns the plan for the mission as stated, without its solve time."""
+    return plan_text(with_mission(replace(plan, solve_time=0.0), task.stated_mission)).encode()
 
-    The time each took by the clock would not repeat; it is there only where it was measured, and charged.
+
+def plans_json(flown: FlightRecord) -> bytes:
+    """Returns the plans with their times and applied latencies as JSON.
+
+    Measured solve times would differ in a repetition, so only applied latencies are stored.
     """
-    plans = [
-        {"time": time, "latency": latency, **plan_content(replace(plan, solve_time=0.0))}
-        for time, latency, plan in zip(flown.times, flown.latencies, flown.plans, strict=True)
-    ]
-    return json.dumps(plans, indent=1).encode()
+    plans = [replace(plan, solve_time=0.0) for plan in flown.plans]
+    return plannings_text(list(map(LoggedPlan, flown.times, flown.latencies, plans)))

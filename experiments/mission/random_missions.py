@@ -1,4 +1,4 @@
-"""Missions drawn by chance, where a mission makes sense: some way off, and with a plan that survives."""
+"""Random missions with a worst-case plan."""
 
 from math import cos, pi, sin
 
@@ -8,50 +8,52 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.policies.worst_case import WorstCase
+from planner.policies.policy import Planner
+from planner.policies.worst_case import worst_case_planner
 
-# Beside those of `campaign_flights` and `mission_flights`.
+# Distinct from the stream keys of `fly_campaign` and `fly`.
 _DRAW_STREAM = 104
 
 NEAREST, FARTHEST = 10.0, 60.0
-"""Metres to the goal: a fast turn is 10 m across, and the thesis's missions are 9 to 36 m long."""
+"""Range of goal distances, m; a fast turn is 10 m wide, the thesis's missions are 9 to 36 m long."""
 
 TOLERANCE = 0.9144
-"""Metres; the thesis's 3 ft."""
+"""Goal tolerance, m; the thesis's 3 ft."""
 
 DRAWS = 50
-"""How often a mission is drawn before it is said that there is none."""
+"""Largest number of draws for one mission."""
 
 
 class NoMissionError(FlightError):
-    """Nothing that was drawn can be reached at the level that it is to be planned for."""
+    """No drawn mission has a worst-case plan."""
 
     def __init__(self, library: Library, gamma: float) -> None:
         super().__init__(
-            f"of {DRAWS} missions drawn none has a worst-case plan at gamma {gamma:g} with {library.name}"
+            f"library {library.name}: expected a worst-case plan at gamma {gamma:g} for one of {DRAWS} "
+            "random missions, none has a plan"
         )
 
 
 def random_missions(library: Library, *, count: int, seed: int, gamma: float) -> tuple[Mission, ...]:
-    """Returns missions from any trim to a goal anywhere around, each with a plan at the level.
+    """Draws missions with random trims and goals, and a plan each.
 
-    A mission depends on the seed, its number and the library alone. How many draws had no plan is no part of
-    what is proved with these missions: they are what a planner would accept.
+    A mission depends on the seed, its number and the library alone. Results with these missions hold for
+    missions that a planner accepts; the number of rejected draws does not matter.
 
     Args:
-        library: with which each must have a worst-case plan.
-        count: how many.
-        seed: of all chance.
-        gamma: uncertainty level at which each must be reachable.
+        library: library with which each must have a worst-case plan.
+        count: number of missions.
+        seed: seed of all random numbers.
+        gamma: gamma at which each must be reachable.
 
     Raises:
-        NoMissionError: the level leaves nothing to be reached.
+        NoMissionError: no drawn mission has a plan.
     """
-    planner = WorstCase(library, gamma)
+    planner = worst_case_planner(library, gamma)
     return tuple(_draw(library, planner, number, seed, gamma) for number in range(1, count + 1))
 
 
-def _draw(library: Library, planner: WorstCase, number: int, seed: int, gamma: float) -> Mission:
+def _draw(library: Library, planner: Planner, number: int, seed: int, gamma: float) -> Mission:
     rng = np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(_DRAW_STREAM, number)))
     trims = [trim.id for trim in library.trims]
     for _ in range(DRAWS):

@@ -1,49 +1,41 @@
-"""A flight flown again from what its log carries: specification, library, vehicle, mission, latencies."""
+"""Repetition of a logged flight from the log's attachments."""
 
-import json
 from dataclasses import replace
-from typing import Any
-
-from pydantic import TypeAdapter, ValidationError
 
 from flight.errors import BadFileError, FlightError
 from flight.mission.mission import Mission
-from flight.schema import first_problem
+from flight.schema import parse_json
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
 from flightlog.log import FlightLog
-from planner.closed_loop.settings import Settings
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
-from sim.replay import AnotherVehicleError, backend_named, refuse_another_vehicle
+from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matches
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import mission_specification
-from .policies import FLOWN_POLICIES
+from .mission_log import Asked, mission_specification
+from .mission_task import MissionTask
 from .recorded_latency import recorded_latency
-from .task import MissionTask
-
-_MISSION, _SETTINGS = TypeAdapter(Mission), TypeAdapter(Settings)
 
 
-def fly_again(log: FlightLog) -> FlightLog:
-    """Flies what a log says was flown, with the log's own vehicle and numeric back-end.
+def repeat_flight(log: FlightLog) -> FlightLog:
+    """Repeats a logged flight with the log's vehicle and numeric back-end.
 
-    What the clock said of planning is an input: the latencies in the log are charged again.
+    Planning latencies are an input: those of the log are applied again.
 
     Raises:
-        AnotherVehicleError: the vehicle or the back-end of the log is not here.
-        FlightError: the log is not of a flight of this program, or lacks something.
+        VehicleMismatchError: the vehicle or the back-end of the log is not available.
+        FlightError: the log is not of this program's simulator, or lacks something.
     """
     for name in (SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT):
         if name not in log.attachments:
             raise FlightError(
-                f"it has no {name}: only flights of this program's own simulator are flown again, "
-                f"this is of kind {log.header.kind!r}"
+                f"expected a log of this program's simulator with {name}, got one of kind "
+                f"{log.header.kind!r} without it"
             )
-    refuse_another_vehicle(log)
+    check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
     specification = parse_specification(log.attachments[SPECIFICATION_ATTACHMENT], SPECIFICATION_ATTACHMENT)
     parameters = parse_parameters(log.attachments[VEHICLE_ATTACHMENT], VEHICLE_ATTACHMENT)
@@ -56,44 +48,33 @@ def _fly_mission(
     log: FlightLog, specification: FlightSpecification, parameters: Parameters, backend: Backend
 ) -> FlightLog:
     task = mission_task(log, specification)
-    if log.header.search_backend != search_backend():
-        raise AnotherVehicleError(
-            "search for plans", log.header.search_backend or "unnamed", search_backend()
-        )
+    if log.header.search_backend != SEARCH_BACKEND:
+        raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
         raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
 
 
 def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionTask:
-    """Returns the closed-loop flight that a log is of.
+    """Returns the closed-loop flight of a log.
 
     Raises:
-        BadFileError: what the log says of it is broken.
+        BadFileError: the log's description of it is broken.
     """
-    try:
-        asked: dict[str, Any] = json.loads(log.attachments[MISSION_ATTACHMENT])
-        policy, gamma, max_nodes = (asked.pop(name) for name in ("policy", "gamma", "max_nodes"))
-        if policy not in FLOWN_POLICIES:
-            raise BadFileError(
-                MISSION_ATTACHMENT, f"policy: expected one of {FLOWN_POLICIES}, got {policy!r}"
-            )
-        settings = _SETTINGS.validate_python(asked.pop("settings"))
-        mission = _MISSION.validate_python(asked)
-    except ValidationError as error:
-        raise BadFileError(MISSION_ATTACHMENT, first_problem(error)) from None
-    except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise BadFileError(MISSION_ATTACHMENT, f"is no mission that was flown: {error}") from None
+    text = log.attachments[MISSION_ATTACHMENT]
+    mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")
+    asked = parse_json(text, MISSION_ATTACHMENT, Asked, extra="ignore")
+    settings = asked.settings
     if settings.latency.measured:
         settings = replace(settings, latency=recorded_latency(log, source=MISSION_ATTACHMENT))
     return MissionTask(
         mission=mission,
         library=log.library(),
-        policy=policy,
-        gamma=gamma,
+        policy=asked.policy,
+        gamma=asked.gamma,
         wind=specification.wind,
         seed=specification.seed,
         settings=settings,
-        max_nodes=max_nodes,
-        departure=specification.departure,
+        max_nodes=asked.max_nodes,
+        flight_options=specification.flight_options,
     )

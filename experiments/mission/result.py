@@ -1,4 +1,4 @@
-"""What a closed-loop flight came to, as it is kept and counted."""
+"""Stored result of a closed-loop flight."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,23 +8,23 @@ import numpy as np
 
 from flight.automaton.vehicle import Leg
 from flightlog.alarm import ADVICE, Alarm
-from planner.closed_loop.remaining_plan import Step
+from planner.closed_loop.remaining_plan import PlanStep
 
-from .blame import Performance
+from .error_attribution import Performance
 from .policies import FlownPolicy
-from .safe_envelope import Exit
+from .safe_envelope import EnvelopeExit
 
 TRACK_STEP = 0.2
-"""Seconds between the points of a track that is kept for pictures."""
+"""Spacing of a stored track's points, seconds."""
 
 
 @dataclass(frozen=True, slots=True)
-class LegFlown:
+class FlownLeg:
     """One primitive of a closed-loop flight, for pictures.
 
     Attributes:
-        trim: id of the trim held at its begin.
-        to_trim: id of the trim that a maneuver leads to; None for a coast.
+        trim: id of the trim at its start.
+        to_trim: id of a maneuver's target trim; None for a coast.
         start: seconds since the flight's start.
         duration: seconds.
         track: north and east in metres, to the millimetre, along the true track.
@@ -39,17 +39,20 @@ class LegFlown:
 
 @dataclass(frozen=True, slots=True)
 class MissionResult:
-    """What a closed-loop flight came to: `planner.closed_loop.flight_record.Flown` without plans.
+    """Result of a closed-loop flight: its `FlightRecord` without plans.
 
     Attributes:
-        planning_times: seconds of the processor that each planning took; they do not repeat.
-        performances: of the helicopter's primitives beside their errors.
-        legs: what was flown.
-        alarms: that the helicopter raised.
-        left: where it left its safe envelope; None where it did not.
-        effects: the largest of each of its faults, in the order asked for; 0 where one did not act.
-        left_tube: seconds since the start at which the helicopter left the tube of the library's errors, by
-            the share of them that the tube is made of; None where it did not.
+        planned_time: seconds of the plan for the mission as stated; None without one.
+        predicted_time: seconds to the goal predicted by the loop at its start, with latency and aim; None
+            without a plan.
+        planning_times: CPU seconds of each replan; they differ between repetitions.
+        performances: deviations of the helicopter's primitives.
+        legs: primitives flown.
+        alarms: alarms of the helicopter.
+        left: first exit from the safe envelope; None where there was none.
+        effects: largest effect of each fault, in the given order; 0 without effect.
+        left_tube: scale of the library's errors, and time in seconds at which the helicopter left their tube;
+            None where it did not.
     """
 
     mission: str
@@ -61,18 +64,19 @@ class MissionResult:
     reached: bool
     claimed: bool
     flown_time: float
+    planned_time: float | None
     predicted_time: float | None
     closest: float | None
-    activations: int
+    replans: int
     failures: int
-    fallbacks: int
+    safe_stops: int
     reason: str
     log: Path | None
     planning_times: tuple[float, ...] = ()
     performances: tuple[Performance, ...] = ()
-    legs: tuple[LegFlown, ...] = ()
+    legs: tuple[FlownLeg, ...] = ()
     alarms: tuple[Alarm, ...] = ()
-    left: Exit | None = None
+    left: EnvelopeExit | None = None
     effects: tuple[float, ...] = ()
     left_tube: tuple[tuple[float, float | None], ...] = ()
 
@@ -82,8 +86,8 @@ class MissionResult:
         return tuple(alarm for alarm in self.alarms if alarm.kind not in ADVICE)
 
 
-def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
-    """Returns the trims of a flight of one leg or more, in their order, and the seconds each was held."""
+def flown_walk(legs: Sequence[FlownLeg]) -> tuple[list[int], list[float]]:
+    """Returns a flight's trims and their coasting times; needs a leg."""
     trims, held = [legs[0].trim], [0.0]
     for leg in legs:
         if leg.to_trim is None:
@@ -94,10 +98,10 @@ def walk_flown(legs: Sequence[LegFlown]) -> tuple[list[int], list[float]]:
     return trims, held
 
 
-def leg_flown(step: Step, leg: Leg) -> LegFlown:
-    """Keeps a point of the track now and then, and both ends."""
+def downsample_leg(step: PlanStep, leg: Leg) -> FlownLeg:
+    """Reduces a leg's track to points `TRACK_STEP` apart and both ends."""
     times = leg.track[:, 0]
     wanted = np.arange(times[0], times[-1], TRACK_STEP)
     rows = np.unique(np.minimum(np.append(np.searchsorted(times, wanted), len(times)), len(times) - 1))
     track = tuple((round(row[1], 3), round(row[2], 3)) for row in leg.track[rows].tolist())
-    return LegFlown(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)
+    return FlownLeg(step.trim, step.to_trim, round(float(times[0]), 3), round(leg.duration, 3), track)

@@ -1,4 +1,4 @@
-"""Missions that are kept as they are flown, so that a long validation can be stopped and started again."""
+"""Store of mission results, so that a validation can be resumed."""
 
 import hashlib
 import json
@@ -11,30 +11,30 @@ from flight.automaton.library_file import library_hash
 from flight.errors import BadFileError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import difference, identity
-from planner.kernel.build import search_backend
-from runtime.atomic_write import refuse_folder, remove_partials
-from runtime.code_version import code_version
-from runtime.executor import Means
-from runtime.job import Done, Found, State, refuse_other_code
-from runtime.job_store import accept_others, complete, refuse_to_replace
-from runtime.progress import shown
-from sim.loop.specification import Departure
+from flightlog.identity import flight_identity, identity_difference
+from planner.kernel.build import SEARCH_BACKEND
+from runtime.atomic_write import check_output_folder, remove_partial_files
+from runtime.code_version import code_version, evaluation_version
+from runtime.executor import JobExecutor
+from runtime.job import JobResult, JobState, JobStatus, check_code_version
+from runtime.job_store import allow_other_files, check_no_replacement, complete
+from runtime.progress import show_progress
+from sim.loop.specification import FlightOptions
 from sim.vehicle.parameters import model_hash
 
 from .fly import fly_and_log, fly_mission
 from .mission_log import mission_identity
+from .mission_task import MissionTask
 from .result import MissionResult
-from .task import MissionTask
 
 FLIGHTS = "flights"
-"""Folder of the flights that are kept."""
+"""Folder of the stored results."""
 
 _RESULT = TypeAdapter(MissionResult)
 
 
-class _Kept(BaseModel):
-    """What a flight came to, and the SHA-256 of that, by which a damaged file is known."""
+class _StoredResult(BaseModel):
+    """A result and its SHA-256."""
 
     model_config = ConfigDict(extra="forbid", frozen=True)
 
@@ -43,78 +43,82 @@ class _Kept(BaseModel):
 
 
 @dataclass(frozen=True, slots=True)
-class KeptTask:
-    """A flight, and the file that keeps what it came to (a `runtime.job.Work`).
+class StoredTask:
+    """A flight and the file of its result (a `runtime.job.Job`).
 
     Attributes:
-        task: what is flown.
-        path: of the file; its name is a digest of all that is flown, so another flight has another file.
-        code: version that flies it.
+        task: the flight.
+        path: the result's file; its name is a digest of all inputs, so other flights have other files.
+        code: code version of the flight.
     """
 
     task: MissionTask
     path: Path
     code: str
 
-    def found(self) -> Found[MissionResult]:
-        """Returns what is kept, if it is whole and its log, where one was wanted, is there and its own."""
+    def status(self) -> JobStatus[MissionResult]:
+        """Returns the state of the result and of its log, if requested."""
         log = self._log()
-        if log.state is State.ANOTHER or not self.path.exists():
-            return Found(log.state if log.state is State.ANOTHER else State.MISSING, why=log.why)
+        if log.state is JobState.ANOTHER or not self.path.exists():
+            return JobStatus(
+                log.state if log.state is JobState.ANOTHER else JobState.MISSING, reason=log.reason
+            )
         try:
-            kept = _Kept.model_validate_json(self.path.read_bytes())
+            stored = _StoredResult.model_validate_json(self.path.read_bytes())
         except (OSError, ValidationError):
-            return Found(State.DAMAGED, why=f"{self.path} is damaged: it is no result of a flight")
-        if _digest(kept.result) != kept.sha256:
-            return Found(State.DAMAGED, why=f"{self.path} is damaged: it does not match its checksum")
-        return Found(log.state, kept.result if log.state is State.WHOLE else None, log.why)
+            return JobStatus(JobState.DAMAGED, reason=f"{self.path} is damaged: expected a flight's result")
+        if _digest(stored.result) != stored.sha256:
+            return JobStatus(
+                JobState.DAMAGED, reason=f"{self.path} is damaged: it does not match its checksum"
+            )
+        return JobStatus(log.state, stored.result if log.state is JobState.WHOLE else None, log.reason)
 
-    def done(self) -> Done[MissionResult]:
-        """Flies.
+    def run(self) -> JobResult[MissionResult]:
+        """Flies the mission; returns the files to write.
 
         Raises:
-            OtherCodeError: this process has other code than the one that asked.
+            OtherCodeError: this process has another code version than the requesting one.
         """
-        refuse_other_code(self.code, code_here())
+        check_code_version(self.code, code_identity())
         result, log = fly_and_log(self.task)
-        kept = _Kept(sha256=_digest(result), result=result).model_dump_json().encode()
+        stored = _StoredResult(sha256=_digest(result), result=result).model_dump_json().encode()
         path = self.task.log
         logs = () if path is None or log is None else ((path, log_bytes(log)),)
-        return Done((*logs, (self.path, kept)), result)
+        return JobResult((*logs, (self.path, stored)), result)
 
-    def _log(self) -> Found[None]:
-        """Returns whether the flight's log is there; where none is wanted, all is."""
+    def _log(self) -> JobStatus[None]:
+        """Returns the state of the log; whole where none is requested."""
         path = self.task.log
         if path is None:
-            return Found(State.WHOLE)
+            return JobStatus(JobState.WHOLE)
         if not path.exists():
-            return Found(State.MISSING)
+            return JobStatus(JobState.MISSING)
         try:
             log = read_log(path, topics=())
         except BadFileError as error:
-            return Found(State.DAMAGED, why=str(error))
-        wrong = difference(mission_identity(self.task), identity(log.header, log.attachments))
+            return JobStatus(JobState.DAMAGED, reason=str(error))
+        wrong = identity_difference(mission_identity(self.task), flight_identity(log.header, log.attachments))
         if wrong is not None:
-            return Found(State.ANOTHER, why=f"{path} is of another flight: {wrong}")
-        return Found(State.WHOLE)
+            return JobStatus(JobState.ANOTHER, reason=f"{path} is of another flight: {wrong}")
+        return JobStatus(JobState.WHOLE)
 
 
 def _digest(result: MissionResult) -> str:
     return hashlib.sha256(_RESULT.dump_json(result)).hexdigest()
 
 
-def code_here() -> str:
-    """Returns the version of the code that flies missions here, and how it searches for plans."""
-    return f"{code_version()}, plans {search_backend()}"
+def code_identity() -> str:
+    """Returns the digests of the code that flies and evaluates missions."""
+    return f"{code_version()}, judged by {evaluation_version()}, plans {SEARCH_BACKEND}"
 
 
-def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: str) -> KeptTask:
-    """Returns the flight with the file that keeps it: another flight has another file."""
-    code = code_here()
+def stored_task(task: MissionTask, folder: Path) -> StoredTask:
+    """Returns the flight with the path of its result."""
+    code = code_identity()
     content = {
         "code": code,
-        "model": model_sha256,
-        "library": library_sha256,
+        "model": model_hash(),
+        "library": library_hash(task.library),
         "mission": asdict(task.mission),
         "policy": task.policy,
         "gamma": task.gamma,
@@ -123,47 +127,50 @@ def kept(task: MissionTask, folder: Path, *, library_sha256: str, model_sha256: 
         "seed": task.seed,
         "settings": asdict(task.settings),
         "max_nodes": task.max_nodes,
-        "departure": TypeAdapter(Departure).dump_python(task.departure, mode="json"),
+        "departure": TypeAdapter(FlightOptions).dump_python(task.flight_options, mode="json"),
         "envelope": asdict(task.envelope),
         "log": None if task.log is None else str(task.log),
     }
     words = json.dumps(content, sort_keys=True, default=str)
     name = hashlib.sha256(words.encode()).hexdigest()[:24]
-    return KeptTask(task, folder / f"{name}.json", code)
+    return StoredTask(task, folder / f"{name}.json", code)
 
 
-def keep_all(tasks: list[MissionTask], folder: Path) -> list[KeptTask]:
+def stored_tasks(tasks: list[MissionTask], folder: Path) -> list[StoredTask]:
     """Returns the flights with the files that keep them."""
-    hashes = {id(task.library): library_hash(task.library) for task in tasks}
-    model = model_hash()
-    return [kept(task, folder, library_sha256=hashes[id(task.library)], model_sha256=model) for task in tasks]
+    return [stored_task(task, folder) for task in tasks]
 
 
-def fly_all(
-    tasks: list[MissionTask], *, folder: Path | None, logs: Path | None, means: Means, force: bool
+def fly_tasks(
+    tasks: list[MissionTask],
+    *,
+    folder: Path | None,
+    logs: Path | None,
+    job_executor: JobExecutor,
+    force: bool,
 ) -> list[MissionResult]:
-    """Flies what is not kept yet, and returns all flights in their order.
+    """Flies the missing flights; returns all results in order.
 
     Args:
         tasks: the flights.
-        folder: that keeps them; None keeps nothing.
+        folder: folder of stored results; None stores nothing.
         logs: folder of their logs.
-        means: what flies.
-        force: write into folders that hold something else.
+        job_executor: executor of the flights.
+        force: write into folders with other files.
 
     Raises:
-        AlreadyExistsError: a folder holds something that is no validation, and `force` is not set.
+        AlreadyExistsError: a folder has files that are not of a validation, and `force` is not set.
         FlightError: a log that would be overwritten is of another flight, and `force` is not set.
     """
     if folder is None:
         if logs is not None:
-            refuse_folder(logs, force=force)
-        flown = means.executor.map(fly_mission, tasks)
-        return list(shown(flown, total=len(tasks), what="flying missions"))
+            check_output_folder(logs, force=force)
+        flown = job_executor.executor.map(fly_mission, tasks)
+        return list(show_progress(flown, total=len(tasks), what="flying missions"))
     if not (folder / FLIGHTS).is_dir():
-        refuse_folder(folder, force=force)
+        check_output_folder(folder, force=force)
     for path in (task.log for task in tasks if task.log is not None):
-        remove_partials(path.parent, of=path.name)
-    flights = keep_all(tasks, folder / FLIGHTS)
-    check = accept_others if force else refuse_to_replace
-    return complete(flights, folder / FLIGHTS, means=means, what="flying missions", check=check)
+        remove_partial_files(path.parent, of=path.name)
+    flights = stored_tasks(tasks, folder / FLIGHTS)
+    check = allow_other_files if force else check_no_replacement
+    return complete(flights, folder / FLIGHTS, job_executor=job_executor, what="flying missions", check=check)

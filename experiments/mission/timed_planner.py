@@ -1,4 +1,4 @@
-"""A planner whose answers are timed, apart from what else the machine does."""
+"""Planner with measured CPU times."""
 
 from dataclasses import replace
 from time import thread_time
@@ -7,16 +7,16 @@ from flight.automaton.library import Library
 from flight.automaton.vehicle import Leg
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from planner.policies.adaptive_gamma import CalibratedGamma
+from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
 from planner.policies.policy import Planner
 
 
 class TimedPlanner:
-    """Answers as another planner does, and notes the processor's seconds of every answer.
+    """Wrapper of a planner that records CPU times.
 
     Args:
-        planner: the one that answers.
-        library: planned with.
+        planner: the planner.
+        library: library of the planner.
     """
 
     def __init__(self, planner: Planner, library: Library) -> None:
@@ -24,17 +24,17 @@ class TimedPlanner:
         self.times: list[float] = []
 
     def warm_up(self, mission: Mission) -> None:
-        """Asks once from every trim, as before a departure: what a planner prepares once is prepared then."""
+        """Plans once from every trim, to fill caches before the flight."""
         for trim in self._library.trims:
             self._planner.plan(replace(mission, start_trim=trim.id))
 
     def learn(self, leg: Leg) -> None:
-        """Hands a leg that was flown on to a planner that learns from it."""
-        if isinstance(self._planner, CalibratedGamma):
+        """Passes a flown leg to a planner that learns from it."""
+        if isinstance(self._planner, AdaptiveGammaPlanner):
             self._planner.learn(leg)
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the other planner's answer."""
+        """Returns the planner's plan and records its CPU time."""
         began = thread_time()
         plan = self._planner.plan(mission)
         self.times.append(round(thread_time() - began, 6))

@@ -1,1 +1,1 @@
-"""The thesis's printed tables beside the computed ones."""
+"""Printed tables of the thesis compared with computed ones."""

@@ -1,11 +1,9 @@
-"""Costs that the thesis prints beside those computed from its tables."""
+"""Costs of the thesis: printed and computed."""
 
 from dataclasses import dataclass, replace
 
+from experiments.mission.policies import FlownPolicy, planner_of
 from flight.automaton.library import Library
-from planner.kernel.build import kernel
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
 from planner.walks.walk import walks
 from scenarios.find import find_library, find_mission
 
@@ -15,7 +13,7 @@ TABLE_11 = (35, 57, 57, 46, 46, 46, 46)
 """Sequences of up to four trims from each start trim (thesis, Table 11)."""
 
 MISPRINT = (
-    "not reproduced: the optimum of Tables 7 and 8 is trims 1-3-5-2, decided by gamma -1; "
+    "not reproduced: the optimum of Tables 7 and 8 is trims 1-3-5-2 with the worst case at gamma -1; "
     "the printed figure is below it"
 )
 
@@ -26,8 +24,11 @@ START_NOT_PRINTED = (
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
-    """One printed figure beside the computed one; `verdict` is `same`, `differs`, or why it may differ."""
+class PrintedComparison:
+    """One figure, printed and computed.
+
+    `verdict` is `same`, `differs`, or the reason for a difference.
+    """
 
     table: int
     what: str
@@ -39,14 +40,14 @@ class Comparison:
 
 @dataclass(frozen=True, slots=True)
 class PrintedCost:
-    """An open-loop cost that the thesis prints.
+    """A printed open-loop cost.
 
     Attributes:
         table: number of the table.
         mission: name of the shipped mission.
-        gamma: uncertainty level of the row; None for the nominal policy.
-        seconds: as printed.
-        explanation: why it cannot be reproduced; empty where it can.
+        gamma: gamma of the row; None for the nominal policy.
+        seconds: printed seconds.
+        explanation: reason why it cannot be reproduced; empty where it can.
     """
 
     table: int
@@ -57,7 +58,7 @@ class PrintedCost:
 
     @property
     def library(self) -> str:
-        """The shipped library that the mission is planned with."""
+        """Name of the mission's library."""
         return "thesis-kinematic" if self.mission.startswith("kinematic") else "thesis-gtmax"
 
 
@@ -82,28 +83,26 @@ PRINTED = (
     PrintedCost(25, "gtmax-2", 0.6, 15.20568435, START_NOT_PRINTED),
     PrintedCost(26, "gtmax-2", 0.7, 15.56276175, START_NOT_PRINTED),
 )
-"""Nominal costs once for each mission, worst-case costs for each row (thesis, Tables 12 to 26)."""
+"""Nominal costs once per mission, worst-case costs per row (thesis, Tables 12 to 26)."""
 
 AGREEMENT = 1e-4
-"""Seconds within which a computed cost is the printed one."""
+"""Tolerance of equal costs, seconds."""
 
 
-def sequence_counts(library: Library) -> list[Comparison]:
-    """Returns Table 11 beside the walks that the library has."""
+def compare_sequence_counts(library: Library) -> list[PrintedComparison]:
+    """Compares Table 11 with the library's numbers of walks."""
     rows = []
     for trim, printed in zip(library.trims, TABLE_11, strict=True):
         computed = len(walks(library, trim.id, max_trims=4))
         verdict = "same" if computed == printed else "differs"
-        rows.append(Comparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
+        rows.append(PrintedComparison(11, f"sequences from trim {trim.id}", printed, computed, "", verdict))
     return rows
 
 
-def examples() -> list[Comparison]:
-    """Returns problems 4.3, 4.4 and appendix B's tables beside what is computed; none without a compiler."""
-    if kernel() is None:
-        return []
+def compare_examples() -> list[PrintedComparison]:
+    """Returns problems 4.3, 4.4 and appendix B's tables beside what is computed."""
     return [
-        Comparison(
+        PrintedComparison(
             table=table,
             what=what,
             printed=printed,
@@ -115,18 +114,18 @@ def examples() -> list[Comparison]:
     ]
 
 
-def compare(printed: PrintedCost) -> Comparison:
-    """Returns a printed cost beside the computed one."""
+def compare_cost(printed: PrintedCost) -> PrintedComparison:
+    """Compares a printed cost with the computed one."""
     library = find_library(printed.library)
-    # Chapter 7 meets the goal exactly before the loop is closed.
+    # Open-loop plans of chapter 7 meet the goal exactly.
     mission = replace(find_mission(printed.mission), tolerance=0.0)
-    planner = Nominal(library) if printed.gamma is None else WorstCase(library, printed.gamma)
-    plan = planner.plan(mission)
-    policy = "nominal" if printed.gamma is None else f"worst case, gamma {printed.gamma:g}"
+    policy: FlownPolicy = "nominal" if printed.gamma is None else "worst-case"
+    plan = planner_of(policy, library, gamma=printed.gamma or 0.0).plan(mission)
+    words = "nominal" if printed.gamma is None else f"worst case, gamma {printed.gamma:g}"
     same = plan.found and abs(plan.cost - printed.seconds) <= AGREEMENT
-    return Comparison(
+    return PrintedComparison(
         table=printed.table,
-        what=f"{printed.mission}, {policy}",
+        what=f"{printed.mission}, {words}",
         printed=printed.seconds,
         computed=plan.cost if plan.found else None,
         sequence="-".join(map(str, plan.sequence)),

@@ -1,4 +1,4 @@
-"""Tables 12 to 26 again: open and closed loop, the thesis's figures beside those of its own tables."""
+"""Tables 12 to 26 in open and closed loop: printed and computed."""
 
 import csv
 import io
@@ -6,18 +6,18 @@ from collections.abc import Iterable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, fields, replace
 
-from experiments.mission.fly import fly_mission, planner_of
-from experiments.mission.policies import FlownPolicy
+from experiments.mission.fly import fly_mission
+from experiments.mission.mission_task import MissionTask
+from experiments.mission.policies import FlownPolicy, planner_of
 from experiments.mission.result import MissionResult
-from experiments.mission.task import MissionTask
-from experiments.validation.scorecard_files import number
+from experiments.validation.scorecard_files import format_number
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
-from runtime.progress import shown
+from runtime.progress import show_progress
 from scenarios.find import find_library, find_mission
 
 TOLERANCE = 0.9144
-"""Metres; the thesis's 3 ft. Its kinematic library is in metres, and no unit of its missions is certain."""
+"""Goal tolerance, m: the thesis's 3 ft; the units of its kinematic missions are unclear."""
 
 LOOPS = {
     "thesis": Settings(
@@ -32,14 +32,14 @@ LOOPS = {
     ),
     "ours": Settings(max_activations=120, final_tolerance=TOLERANCE),
 }
-"""The loop that section 6.3 describes, and the one flown here; for a minute at least.
+"""Settings of the loop of section 6.3, and of ours, for at least a minute.
 
-The thesis prints neither its activation interval nor its limit: a second, and a minute, are chosen."""
+The thesis prints neither the replan interval nor the limit: one second and one minute are assumed."""
 
 
 @dataclass(frozen=True, slots=True)
 class PrintedLoop:
-    """One line of a table, as printed: seconds of the plan and of the flight, and whether it was given up."""
+    """One printed line: seconds of plan and flight; True where given up."""
 
     table: int
     mission: str
@@ -71,29 +71,29 @@ _PRINTED = (
 
 
 def printed_loops() -> Iterator[PrintedLoop]:
-    """Yields the tables' lines, the nominal policy before the worst case."""
+    """Yields the tables' lines, nominal before worst case."""
     for table, mission, gamma, plan, flight, gave_up, robust_plan, robust_flight, robust_gave_up in _PRINTED:
         yield PrintedLoop(table, mission, gamma, "nominal", plan, flight, gave_up)
         yield PrintedLoop(table, mission, gamma, "worst-case", robust_plan, robust_flight, robust_gave_up)
 
 
 @dataclass(frozen=True, slots=True)
-class LoopCompared:
-    """A line of a table beside what is computed from the thesis's own library.
+class LoopComparison:
+    """A table's line, printed and computed with the thesis's library.
 
     Attributes:
         table: number of the table.
         mission: name of the shipped mission.
-        gamma: uncertainty level of plan and plant.
-        policy: which planner.
-        printed_plan: seconds of the plan.
-        plan: seconds of ours, the goal met exactly; None where there is none.
-        printed_flight: seconds of the flight.
-        printed_gave_up: whether it ended at the limit of plannings.
-        thesis_loop_minus: seconds of ours in the thesis's loop, the plant at -gamma; None where given up.
-        thesis_loop_plus: likewise at +gamma.
-        our_loop_minus: likewise in our loop, at -gamma.
-        our_loop_plus: likewise at +gamma.
+        gamma: gamma of plan and plant.
+        policy: policy of the planner.
+        printed_plan: printed seconds of the plan.
+        plan: computed seconds of the plan that meets the goal exactly; None without a plan.
+        printed_flight: printed seconds of the flight.
+        printed_gave_up: True if it ended at the limit of replans.
+        thesis_loop_minus: computed seconds in the thesis's loop, plant at -gamma; None where given up.
+        thesis_loop_plus: the same at +gamma.
+        our_loop_minus: the same in our loop at -gamma.
+        our_loop_plus: the same in our loop at +gamma.
     """
 
     table: int
@@ -110,12 +110,14 @@ class LoopCompared:
     our_loop_plus: float | None
 
 
-def compare_loops(executor: Executor) -> list[LoopCompared]:
-    """Returns every line of Tables 12 to 26 beside ours; the automaton flies at minus and at plus gamma."""
+def compare_loops(executor: Executor) -> list[LoopComparison]:
+    """Compares every line of Tables 12 to 26 at both gammas."""
     lines = list(printed_loops())
     tasks = [task for line in lines for task in _tasks(line)]
-    flown = list(shown(executor.map(fly_mission, tasks), total=len(tasks), what="flying Tables 12 to 26"))
-    return [_compared(line, flown[4 * place : 4 * place + 4]) for place, line in enumerate(lines)]
+    flown = list(
+        show_progress(executor.map(fly_mission, tasks), total=len(tasks), what="flying Tables 12 to 26")
+    )
+    return [_compare(line, flown[4 * place : 4 * place + 4]) for place, line in enumerate(lines)]
 
 
 def _tasks(line: PrintedLoop) -> list[MissionTask]:
@@ -137,11 +139,11 @@ def _tasks(line: PrintedLoop) -> list[MissionTask]:
     ]
 
 
-def _compared(line: PrintedLoop, flown: Sequence[MissionResult]) -> LoopCompared:
+def _compare(line: PrintedLoop, flown: Sequence[MissionResult]) -> LoopComparison:
     mission = replace(find_mission(line.mission), tolerance=0.0)
     plan = planner_of(line.policy, find_library(_library(line.mission)), gamma=line.gamma).plan(mission)
     times = [row.flown_time if row.reached else None for row in flown]
-    return LoopCompared(
+    return LoopComparison(
         table=line.table,
         mission=line.mission,
         gamma=line.gamma,
@@ -161,8 +163,8 @@ def _library(mission: str) -> str:
     return "thesis-kinematic" if mission.startswith("kinematic") else "thesis-gtmax"
 
 
-def pattern(rows: Iterable[LoopCompared]) -> dict[str, tuple[int, int, int]]:
-    """Returns how many lines reached the goal, by policy: printed, thesis's loop, ours; at both signs."""
+def count_arrivals_by_policy(rows: Iterable[LoopComparison]) -> dict[str, tuple[int, int, int]]:
+    """Returns arrivals by policy: printed, thesis's loop, our loop."""
     found = {}
     known = list(rows)
     for policy in ("nominal", "worst-case"):
@@ -175,10 +177,10 @@ def pattern(rows: Iterable[LoopCompared]) -> dict[str, tuple[int, int, int]]:
     return found
 
 
-def loops_csv(rows: Sequence[LoopCompared]) -> str:
-    """Returns the lines as CSV; an empty field where a flight was given up, or there is no plan."""
+def loops_csv(rows: Sequence[LoopComparison]) -> str:
+    """Returns the lines as CSV; empty fields for given-up flights."""
     stream = io.StringIO()
-    writer = csv.DictWriter(stream, [field.name for field in fields(LoopCompared)], lineterminator="\n")
+    writer = csv.DictWriter(stream, [field.name for field in fields(LoopComparison)], lineterminator="\n")
     writer.writeheader()
     writer.writerows(asdict(row) for row in rows)
     return stream.getvalue()
@@ -190,15 +192,15 @@ HEADS = (
 )
 
 
-def loops_markdown(rows: Sequence[LoopCompared]) -> str:
-    """Returns the lines as a table."""
+def loops_markdown(rows: Sequence[LoopComparison]) -> str:
+    """Returns the lines as a Markdown table."""
     lines = ["| " + " | ".join(HEADS) + " |", "| " + " | ".join(["---"] * len(HEADS)) + " |"]
     for row in rows:
         flight = (
             f"gave up at {row.printed_flight:.2f}" if row.printed_gave_up else f"{row.printed_flight:.2f}"
         )
         cells = [str(row.table), row.mission, f"{row.gamma:g}", row.policy, f"{row.printed_plan:.3f}"]
-        cells += [number(row.plan, 3), flight]
+        cells += [format_number(row.plan, 3), flight]
         cells += [_time(time) for time in (row.thesis_loop_minus, row.thesis_loop_plus)]
         cells += [_time(time) for time in (row.our_loop_minus, row.our_loop_plus)]
         lines.append("| " + " | ".join(cells) + " |")

@@ -1,7 +1,7 @@
-"""Libraries of the thesis, from its printed tables.
+"""Libraries of the thesis from its printed tables.
 
-The tables stand in `printed/` as they are printed, one CSV each; nothing is corrected. Rows that
-contradict the rest of their table carry a note in the library.
+`printed/` has one CSV per table, uncorrected. Rows that contradict the rest of their table have a note in the
+library.
 """
 
 import csv
@@ -40,7 +40,7 @@ GTMAX_NOTES = {
 
 
 def thesis_kinematic() -> Library:
-    """Returns Tables 7 and 8: metres, trim errors as signed fractions of the nominal value."""
+    """Returns the library of Tables 7 and 8, in metres."""
     trims, maneuvers = "tables_1_7_kinematic_trims.csv", "tables_2_5_6_8_kinematic_maneuvers.csv"
     return Library(
         name="thesis-kinematic",
@@ -54,7 +54,7 @@ def thesis_kinematic() -> Library:
 
 
 def thesis_gtmax() -> Library:
-    """Returns Tables 9 and 10, their feet converted to metres."""
+    """Returns the library of Tables 9 and 10, converted to metres."""
     trims, maneuvers = "tables_3_9_gtmax_trims.csv", "table_10_gtmax_maneuvers.csv"
     return Library(
         name="thesis-gtmax",
@@ -78,7 +78,7 @@ def _kinematic_trim(row: Row) -> Trim:
         "side": Decimal(row["error_u_side_percent"]),
         "yaw_rate": Decimal(row["error_yaw_rate_percent"]),
     }
-    # Adding 0 turns the minus zero of 10 % of -0 into zero.
+    # Adding 0 changes -0.0 into 0.0.
     error = {name: float(percent[name] / 100 * velocity[name]) + 0.0 for name in velocity}
     return Trim(
         id=int(row["trim"]),

@@ -1,1 +1,1 @@
-"""Many missions flown and compared with their plans: grid, scorecards, pictures, trials."""
+"""Validation by many flights: grid, scorecards, pictures, trials."""

@@ -1,4 +1,4 @@
-"""Plans flown open loop in worlds that differ from the library: where uncertainty alone leads."""
+"""Picture of open-loop plans in worlds with different errors."""
 
 from collections.abc import Mapping, Sequence
 
@@ -12,39 +12,39 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flight.plan.planned_track import planned_track
 from review.pictures import palette
-from review.pictures.marks import dart, draw_goal, note
+from review.pictures.marks import annotate_pose, draw_goal, draw_heading_marker
 from review.pictures.stroke import Stroke
 
 from .flight_style import MANEUVERED
 
 LEVELS = (
-    ("as the library says", 0.0, palette.ALARM),
-    ("all errors taken away", -1.0, palette.GOAL),
-    ("all errors added", 1.0, palette.TRUE),
+    ("nominal", 0.0, palette.ALARM),
+    ("all errors subtracted", -1.0, palette.GOAL),
+    ("all errors added", 1.0, palette.TRUE_COLOR),
 )
 
 
 def bundle_picture(
     mission: Mission, library: Library, plans: Mapping[str, Plan], worlds: Sequence[Library], *, gamma: float
 ) -> Figure:
-    """Returns a panel for each policy: its plan's coasting times, flown in one world after the other.
+    """Returns a panel per policy with its plan in all worlds.
 
     Args:
-        mission: of all the plans.
-        library: planned with.
-        plans: by policy.
-        worlds: libraries with the same primitives and other numbers, drawn faintly.
-        gamma: uncertainty level of the two strong lines beside the plan.
+        mission: mission of the plans.
+        library: library of the plans.
+        plans: plans by policy.
+        worlds: libraries with the same primitives and other values, drawn faintly.
+        gamma: gamma of the two strong lines beside the plan.
     """
-    figure = palette.page(5.6 * max(len(plans), 1), 6.0)
+    figure = palette.new_figure(5.6 * max(len(plans), 1), 6.0)
     panels = figure.subplots(1, max(len(plans), 1), squeeze=False)[0]
     handles: list[Line2D] = []
     for axes, (policy, plan) in zip(panels, plans.items(), strict=False):
-        palette.dress(axes)
+        palette.format_axes(axes)
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("east, m", fontsize=palette.TEXT_SIZE)
         walk = " ".join(map(str, plan.sequence)) or "none"
-        palette.headline(axes, f"{mission.name}, {policy}, open loop: trims {walk}")
+        palette.draw_headline(axes, f"{mission.name}, {policy}, open loop: trims {walk}")
         handles = _draw(axes, mission, library, plan, worlds=worlds, gamma=gamma)
     everything = Bbox.union([axes.dataLim for axes in panels])
     for axes in panels:
@@ -73,9 +73,9 @@ def _draw(
         for words, sign, color in LEVELS:
             _draw_level(axes, mission, library, plan, gamma=sign * gamma, color=color)
             handles.append(Stroke(color, 1.8).entry(f"gamma {sign * gamma:+g}: {words}"))
-        handles.append(faint.entry(f"{len(worlds)} worlds, every primitive with errors of its own"))
-    dart(axes, mission.start, fill=palette.INK)
-    note(axes, mission.start, "start", away=-1.2)
+        handles.append(faint.entry(f"{len(worlds)} worlds with independent errors of every primitive"))
+    draw_heading_marker(axes, mission.start, fill=palette.INK)
+    annotate_pose(axes, mission.start, "start", away=-1.2)
     return handles
 
 

@@ -1,4 +1,4 @@
-"""Closed loop from above: what was planned, and what was flown, both policies in one picture."""
+"""Plan view of closed-loop flights and plans of several policies."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,34 +10,34 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flight.plan.planned_track import planned_track
 from review.pictures import palette
-from review.pictures.map_axes import dress_map
-from review.pictures.marks import dart, draw_goal, note
+from review.pictures.map_axes import format_map_axes
+from review.pictures.marks import annotate_pose, draw_goal, draw_heading_marker
 from review.pictures.stroke import Stroke
 
-from .flight_style import MANEUVERED, FlightDrawn, draw_flight, policies_of, policy_color
+from .flight_style import MANEUVERED, FlightTrack, draw_flight, policies_of, policy_color
 
 
 def closed_loop_picture(
     mission: Mission,
     library: Library,
     plans: Mapping[str, Plan],
-    flights: Sequence[FlightDrawn],
+    flights: Sequence[FlightTrack],
     *,
     title: str,
 ) -> Figure:
-    """Returns the picture of one mission: north up, east right, one metre as long as the other.
+    """Returns the picture of one mission, north up, with equal scales.
 
     Args:
-        mission: where from and where to.
-        library: planned with.
-        plans: by policy, the plan at the start; drawn broad and pale.
-        flights: what was flown; the first of each policy strong, the others thin.
-        title: what the picture shows.
+        mission: the mission.
+        library: library of the plans.
+        plans: plan at the start by policy; drawn broad and pale.
+        flights: flights; the first of each policy is drawn strong, the others thin.
+        title: title of the picture.
     """
-    figure = palette.page(7.6, 6.6)
+    figure = palette.new_figure(7.6, 6.6)
     axes = figure.add_subplot()
-    dress_map(axes)
-    palette.headline(axes, title)
+    format_map_axes(axes)
+    palette.draw_headline(axes, title)
     handles: list[Line2D] = []
     for policy in policies_of(flights):
         flown = [flight for flight in flights if flight.policy == policy]
@@ -49,12 +49,12 @@ def closed_loop_picture(
         for place, flight in enumerate(reversed(flown)):
             first = place == len(flown) - 1
             draw_flight(axes, flight, width=2.0 if first else 0.8, opacity=1.0 if first else 0.45)
-        handles.append(Stroke(policy_color(policy), 2.0).entry(_flown(policy, flown)))
-    handles.append(Stroke(palette.INK, 1.4).entry("trim held"))
+        handles.append(Stroke(policy_color(policy), 2.0).entry(_arrival_label(policy, flown)))
+    handles.append(Stroke(palette.INK, 1.4).entry("coast"))
     handles.append(Stroke(palette.INK, 1.4, dashes=MANEUVERED).entry("maneuver"))
     handles.append(draw_goal(axes, mission.destination))
-    dart(axes, mission.start, fill=palette.INK)
-    note(axes, mission.start, "start", away=-1.2)
+    draw_heading_marker(axes, mission.start, fill=palette.INK)
+    annotate_pose(axes, mission.start, "start", away=-1.2)
     axes.margins(0.08)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=2, frameon=False, fontsize=palette.SMALL_TEXT + 0.5
@@ -71,7 +71,7 @@ def _draw_plan(figure: Figure, stroke: Stroke, plan: Plan, library: Library, mis
         stroke.draw(figure.axes[0], line[:, 1], line[:, 0])
 
 
-def _flown(policy: str, flown: Sequence[FlightDrawn]) -> str:
+def _arrival_label(policy: str, flown: Sequence[FlightTrack]) -> str:
     times = sorted(flight.flown_time for flight in flown if flight.reached)
     if not times:
         return f"{policy}: flown, goal reached in 0 of {len(flown)}"

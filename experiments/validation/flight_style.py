@@ -1,4 +1,4 @@
-"""A closed-loop flight as pictures need it, and how each policy looks in all of them."""
+"""Track and style of closed-loop flights in pictures."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -11,18 +11,18 @@ from review.pictures import palette
 from review.pictures.stroke import Dashes, Stroke
 
 MANEUVERED: Dashes = (0.0, (2.5, 1.5))
-"""Maneuvers are dashed, trims solid (as in the thesis's figures)."""
+"""Dashes of maneuvers; coasts are solid, as in the thesis's figures."""
 
-POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE, "committed": palette.GOAL}
+POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE_COLOR, "committed": palette.GOAL}
 POLICY_MARKS = {"nominal": "s", "worst-case": "o", "committed": "^"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class LegDrawn:
+class LegTrack:
     """One primitive flown.
 
     Attributes:
-        trim: id of the trim held; of the trim left by a maneuver.
+        trim: id of the trim; for a maneuver, of the trim left.
         maneuver: id of the maneuver; None for a coast.
         duration: seconds.
         track: north and east in metres.
@@ -35,16 +35,16 @@ class LegDrawn:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FlightDrawn:
-    """One closed-loop flight.
+class FlightTrack:
+    """Track of one closed-loop flight.
 
     Attributes:
-        policy: which planner.
-        reached: whether it reached the goal.
+        policy: policy of the planner.
+        reached: True if it reached the goal.
         flown_time: seconds to the goal, or of the whole flight.
-        predicted_time: seconds promised; None without a plan.
-        level: uncertainty level to draw it over; None where there is none.
-        legs: what was flown, in order.
+        predicted_time: predicted seconds; None without a plan.
+        level: gamma of the plan; None without one.
+        legs: primitives in the order flown.
     """
 
     policy: str
@@ -52,11 +52,11 @@ class FlightDrawn:
     flown_time: float
     predicted_time: float | None
     level: float | None
-    legs: tuple[LegDrawn, ...]
+    legs: tuple[LegTrack, ...]
 
 
-def draw_flight(axes: Axes, flight: FlightDrawn, *, width: float, opacity: float) -> None:
-    """Draws a flight's track in its policy's colour: trims solid, maneuvers dashed."""
+def draw_flight(axes: Axes, flight: FlightTrack, *, width: float, opacity: float) -> None:
+    """Draws a flight's track in its policy's colour."""
     color = policy_color(flight.policy)
     for leg in flight.legs:
         dashes: Dashes = "solid" if leg.maneuver is None else MANEUVERED
@@ -69,8 +69,8 @@ def policy_color(policy: str) -> str:
     return POLICY_COLORS.get(policy, palette.INK)
 
 
-def policies_of(flights: Iterable[FlightDrawn]) -> tuple[str, ...]:
-    """Returns the policies flown, each once, the shipped ones in their order."""
+def policies_of(flights: Iterable[FlightTrack]) -> tuple[str, ...]:
+    """Returns the distinct policies of flights, shipped ones first."""
     flown = {flight.policy for flight in flights}
     order = [policy for policy in POLICY_COLORS if policy in flown]
     return (*order, *sorted(flown - set(order)))

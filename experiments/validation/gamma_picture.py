@@ -1,4 +1,4 @@
-"""Success, promises kept and time against the uncertainty level."""
+"""Picture of success, predicted time and flown time over gamma."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,20 +10,20 @@ from review.pictures import palette
 from .flight_style import POLICY_MARKS, policy_color
 
 ASIDE = 0.012
-"""By how much one policy's marks stand beside the other's, so that both are seen."""
+"""Offset between the marks of policies, so that both are visible."""
 
 
 @dataclass(frozen=True, slots=True)
-class LevelFlown:
-    """All flights of one policy at one level.
+class LevelSummary:
+    """Summary of one policy's flights at one gamma.
 
     Attributes:
-        policy: which planner.
-        level: uncertainty level.
-        reached: share of flights that reached the goal, with the two ends of its interval.
-        inside: share that did so within the promised time, likewise.
+        policy: policy of the planner.
+        level: gamma.
+        reached: share of flights that reached the goal, with the ends of its interval.
+        inside: share that did so within the predicted time, with the ends of its interval.
         flown_time: median seconds of those that reached it; None without one.
-        predicted_time: median seconds promised; None without a plan.
+        predicted_time: median predicted seconds; None without a plan.
     """
 
     policy: str
@@ -34,18 +34,18 @@ class LevelFlown:
     predicted_time: float | None
 
 
-def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figure:
-    """Returns three panels over the level: who reaches the goal, who as promised, and the time it takes.
+def gamma_picture(rows: Sequence[LevelSummary], *, title: str, axis: str) -> Figure:
+    """Returns panels of arrivals, arrivals within the predicted time, and times.
 
     Args:
-        rows: one for each policy and level.
-        title: what was flown.
-        axis: what the level is.
+        rows: one per policy and gamma.
+        title: title of the picture.
+        axis: label of the gamma axis.
     """
-    figure = palette.page(7.6, 8.2)
+    figure = palette.new_figure(7.6, 8.2)
     above, middle, below = figure.subplots(3, 1, sharex=True)
     for axes in (above, middle, below):
-        palette.dress(axes)
+        palette.format_axes(axes)
     for place, policy in enumerate(dict.fromkeys(row.policy for row in rows)):
         own = sorted((row for row in rows if row.policy == policy), key=lambda row: row.level)
         color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
@@ -66,7 +66,7 @@ def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figur
             )
         for name, dashes in (("flown_time", "solid"), ("predicted_time", (0, (4, 2)))):
             known = [(row.level, getattr(row, name)) for row in own if getattr(row, name) is not None]
-            words = f"{policy}, {'flown' if name == 'flown_time' else 'promised'}"
+            words = f"{policy}, {'flown' if name == 'flown_time' else 'predicted'}"
             below.plot(
                 *zip(*known, strict=True) if known else ([], []),
                 color=color,
@@ -79,10 +79,10 @@ def gamma_picture(rows: Sequence[LevelFlown], *, title: str, axis: str) -> Figur
         axes.set_ylim(-0.04, 1.04)
     below.set_ylim(bottom=0.0)
     above.set_ylabel("share that reaches the goal", fontsize=palette.TEXT_SIZE)
-    middle.set_ylabel("share within the promised time", fontsize=palette.TEXT_SIZE)
+    middle.set_ylabel("share within the predicted time", fontsize=palette.TEXT_SIZE)
     below.set_ylabel("median time, s", fontsize=palette.TEXT_SIZE)
     below.set_xlabel(axis, fontsize=palette.TEXT_SIZE)
-    palette.headline(above, title)
+    palette.draw_headline(above, title)
     above.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left")
     below.legend(frameon=False, fontsize=palette.SMALL_TEXT + 0.5, loc="lower left", ncols=2)
     return figure

@@ -1,12 +1,12 @@
-"""What a validation flies: missions, policies, levels, plants, winds and seeds, every combination."""
+"""Grid of a validation: missions, policies, gammas, plants, winds, seeds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from experiments.mission.fly import mission_seed
+from experiments.mission.mission_task import MissionTask, Plant
 from experiments.mission.policies import FlownPolicy
-from experiments.mission.task import MissionTask, Plant
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
@@ -15,7 +15,7 @@ from planner.closed_loop.settings import Settings
 
 @dataclass(frozen=True, slots=True)
 class Grid:
-    """What is flown: every combination, each as often."""
+    """Combinations of missions, policies, gammas, plants and winds to fly."""
 
     missions: tuple[Mission, ...]
     policies: Sequence[FlownPolicy]
@@ -30,7 +30,7 @@ class Grid:
     logs: Path | None
 
     def tasks(self) -> list[MissionTask]:
-        """Returns every flight once; under every policy a mission meets the same air, or the same levels."""
+        """Returns every distinct flight; policies share the wind of a mission."""
         tasks = [
             self._task(mission, policy, gamma, plant=plant, wind=wind, number=number)
             for mission in self.missions
@@ -63,11 +63,11 @@ class Grid:
     def _plants(self, gamma: float) -> list[tuple[Plant, str]]:
         if not self.true_gammas:
             return [("helicopter", wind) for wind in self.winds]
-        plants = [_true(word, gamma) for word in self.true_gammas]
+        plants = [_true_plant(word, gamma) for word in self.true_gammas]
         if self.flights != 1 and any(isinstance(plant, float) for plant in plants):
             raise FlightError(
-                f"--plant automaton knows chance only with --true-gamma random: expected --flights 1, "
-                f"got {self.flights}"
+                f"--plant automaton repeats a flight exactly except with --true-gamma random: expected "
+                f"--flights 1, got {self.flights}"
             )
         return [(plant, "none") for plant in plants]
 
@@ -75,7 +75,7 @@ class Grid:
         return task.mission.name, task.policy, task.gamma, task.plant, task.wind, task.seed
 
 
-def _true(word: str, gamma: float) -> Plant:
+def _true_plant(word: str, gamma: float) -> Plant:
     match word:
         case "random":
             return "random"

@@ -1,4 +1,4 @@
-"""How often each trim and each maneuver was flown, the policies side by side (thesis, figures 37 to 48)."""
+"""Picture of trim and maneuver usage (thesis, Figures 37 to 48)."""
 
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -10,43 +10,43 @@ from matplotlib.figure import Figure
 from flight.automaton.library import Library
 from review.pictures import palette
 
-from .flight_style import FlightDrawn, LegDrawn, policies_of, policy_color
+from .flight_style import FlightTrack, LegTrack, policies_of, policy_color
 
 
-def occurrence_picture(flights: Sequence[FlightDrawn], library: Library, *, title: str) -> Figure:
-    """Returns bars: the share of the time in each trim, and of all maneuvers that each one is.
+def occurrence_picture(flights: Sequence[FlightTrack], library: Library, *, title: str) -> Figure:
+    """Returns bars of coasting time by trim and of maneuver counts.
 
     Args:
-        flights: of one policy or more.
-        library: names trims and maneuvers.
-        title: what was flown.
+        flights: flights of one policy or more.
+        library: library of trims and maneuvers.
+        title: title of the picture.
     """
-    figure = palette.page(9.6, 6.4)
+    figure = palette.new_figure(9.6, 6.4)
     above, below = figure.subplots(2, 1)
     trims = [trim.id for trim in library.trims]
     _bars(above, flights, trims, lambda leg: leg.trim if leg.maneuver is None else None, weigh=True)
     above.set_xticks(range(len(trims)), [f"{trim.id}\n{trim.name}" for trim in library.trims])
     above.set_ylabel("share of coasting time", fontsize=palette.TEXT_SIZE)
-    palette.headline(above, f"{title}: trims")
+    palette.draw_headline(above, f"{title}: trims")
     maneuvers = [maneuver.id for maneuver in library.maneuvers]
     _bars(below, flights, maneuvers, lambda leg: leg.maneuver, weigh=False)
     labels = [f"{one.id}\n{one.from_trim}\N{EN DASH}{one.to_trim}" for one in library.maneuvers]
     below.set_xticks(range(len(maneuvers)), labels)
     below.set_ylabel("share of maneuvers", fontsize=palette.TEXT_SIZE)
-    palette.headline(below, "Maneuvers, by number and by the trims that they join")
-    palette.legend_above(above, list(above.containers))
+    palette.draw_headline(below, "Maneuvers, by id and trims")
+    palette.draw_legend_above(above, list(above.containers))
     return figure
 
 
 def _bars(
     axes: Axes,
-    flights: Sequence[FlightDrawn],
+    flights: Sequence[FlightTrack],
     ids: Sequence[int],
-    which: Callable[[LegDrawn], int | None],
+    which: Callable[[LegTrack], int | None],
     *,
     weigh: bool,
 ) -> None:
-    palette.dress(axes)
+    palette.format_axes(axes)
     axes.grid(visible=False, axis="x")
     policies = policies_of(flights)
     width = 0.8 / max(len(policies), 1)

@@ -1,4 +1,4 @@
-"""The pictures of a validation, drawn from the flights that it kept."""
+"""Pictures of a validation from its stored results."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -6,33 +6,33 @@ from pathlib import Path
 
 import numpy as np
 
-from experiments.mission.fly import planner_of
-from experiments.mission.result import LegFlown, MissionResult
+from experiments.mission.policies import FlownPolicy, planner_of
+from experiments.mission.result import FlownLeg, MissionResult
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
-from review.pictures.flight_picture import publish_picture
+from review.pictures.flight_picture import write_picture
 
 from .bundle_picture import bundle_picture
 from .closed_loop_picture import closed_loop_picture
-from .flight_style import FlightDrawn, LegDrawn
-from .gamma_picture import LevelFlown, gamma_picture
+from .flight_style import FlightTrack, LegTrack
+from .gamma_picture import LevelSummary, gamma_picture
 from .occurrence_picture import occurrence_picture
 from .prediction_picture import prediction_picture
-from .scorecard import Cell, Share
-from .time_bound_trial import Promise
+from .scorecard import Proportion, ScorecardCell
+from .time_bound_trial import TimeBoundTrial
 
 MOST_MAPS = 24
-"""Maps of what was flown, all plants and winds together; more would not be looked at."""
+"""Largest number of maps over all plants and winds."""
 
 MOST_BUNDLES = 8
-"""Missions whose plans are drawn in other worlds."""
+"""Largest number of missions with bundle pictures."""
 
 MOST_FLIGHTS = 8
-"""Flights of one policy on one map."""
+"""Largest number of flights of one policy on one map."""
 
 WORLDS = 40
-"""Worlds that a plan is flown in open loop."""
+"""Number of worlds of a bundle picture."""
 
 
 def write_validation_pictures(
@@ -41,62 +41,64 @@ def write_validation_pictures(
     missions: Sequence[Mission],
     library: Library,
     *,
-    totals: Sequence[Cell],
-    promises: Sequence[Promise],
+    totals: Sequence[ScorecardCell],
+    time_bounds: Sequence[TimeBoundTrial],
 ) -> None:
-    """Writes maps of the first missions, bundles, occurrences, success over the level, predicted over flown.
+    """Writes all pictures of a validation.
 
     Args:
-        folder: where they go.
-        results: every flight.
-        missions: what was flown.
-        library: planned with.
-        totals: all missions together, a cell for each condition.
-        promises: calibrated times.
+        folder: output folder.
+        results: all flights.
+        missions: missions flown.
+        library: library of the plans.
+        totals: cells of all missions together, one per condition.
+        time_bounds: calibrated time bounds.
     """
     highest = max((row.gamma for row in results), default=0.0)
     places = list(dict.fromkeys((row.plant, row.wind) for row in results))
     for place in places:
         rows = [row for row in results if (row.plant, row.wind) == place]
-        own = [promise for promise in promises if (promise.plant, promise.wind) == place]
-        _place(folder, rows, missions[: max(MOST_MAPS // len(places), 1)], library, promises=own)
+        own = [bound for bound in time_bounds if (bound.plant, bound.wind) == place]
+        _draw_condition(folder, rows, missions[: max(MOST_MAPS // len(places), 1)], library, time_bounds=own)
     for mission in missions[:MOST_BUNDLES]:
         plans = _plans(mission, library, tuple(dict.fromkeys(row.policy for row in results)), highest)
         figure = bundle_picture(mission, library, plans, _worlds(library), gamma=highest or 1.0)
-        publish_picture(figure, folder / f"bundle-{mission.name}.png", force=True)
-    _over_levels(folder / "gamma.png", totals, library)
+        write_picture(figure, folder / f"bundle-{mission.name}.png", force=True)
+    _draw_over_levels(folder / "gamma.png", totals, library)
 
 
-def _place(
+def _draw_condition(
     folder: Path,
     rows: Sequence[MissionResult],
     missions: Sequence[Mission],
     library: Library,
     *,
-    promises: Sequence[Promise],
+    time_bounds: Sequence[TimeBoundTrial],
 ) -> None:
-    """Draws what one plant did in one wind: the nominal policy, and the worst case at its highest level."""
+    """Draws one plant in one wind, worst case at the highest gamma."""
     highest = max(row.gamma for row in rows)
     own = [row for row in rows if row.policy == "nominal" or row.gamma == highest]
     plant, wind = own[0].plant, own[0].wind
     words = f"{plant}, wind {wind}" if wind != "none" else f"automaton, {plant}"
     stem = words.replace(",", "").replace("wind ", "").replace("+", "").replace(" ", "-")
     for mission in missions:
-        _map(folder / f"map-{mission.name}-{stem}.png", mission, library, own, gamma=highest, words=words)
-    flights = [_drawn(row, library) for row in own]
+        _draw_map(
+            folder / f"map-{mission.name}-{stem}.png", mission, library, own, gamma=highest, words=words
+        )
+    flights = [_flight_track(row, library) for row in own]
     title = f"{library.name}, {words}"
     bars = occurrence_picture(flights, library, title=title)
-    publish_picture(bars, folder / f"occurrence-{stem}.png", force=True)
+    write_picture(bars, folder / f"occurrence-{stem}.png", force=True)
     factors: dict[str, float] = {
-        promise.policy: promise.factor
-        for promise in promises
-        if promise.factor is not None and promise.gamma in {0.0, highest}
+        bound.policy: bound.factor
+        for bound in time_bounds
+        if bound.factor is not None and bound.gamma in {0.0, highest}
     }
     points = prediction_picture(flights, factors, title=title)
-    publish_picture(points, folder / f"predicted-{stem}.png", force=True)
+    write_picture(points, folder / f"predicted-{stem}.png", force=True)
 
 
-def _map(
+def _draw_map(
     path: Path,
     mission: Mission,
     library: Library,
@@ -108,24 +110,23 @@ def _map(
     own = [row for row in rows if row.mission == mission.name]
     policies = tuple(dict.fromkeys(row.policy for row in own))
     flights = [
-        _drawn(row, library)
+        _flight_track(row, library)
         for policy in policies
         for row in [row for row in own if row.policy == policy][:MOST_FLIGHTS]
     ]
     plans = _plans(mission, library, policies, gamma)
     figure = closed_loop_picture(mission, library, plans, flights, title=f"{mission.name}: {words}")
-    publish_picture(figure, path, force=True)
+    write_picture(figure, path, force=True)
 
 
-def _plans(mission: Mission, library: Library, policies: Sequence[str], gamma: float) -> dict[str, Plan]:
-    return {
-        policy: planner_of(policy, library, gamma=gamma).plan(mission)  # type: ignore[arg-type]
-        for policy in policies
-    }
+def _plans(
+    mission: Mission, library: Library, policies: Sequence[FlownPolicy], gamma: float
+) -> dict[str, Plan]:
+    return {policy: planner_of(policy, library, gamma=gamma).plan(mission) for policy in policies}
 
 
 def _worlds(library: Library) -> list[Library]:
-    """Returns libraries in which every primitive has errors of its own, evenly between minus and plus."""
+    """Returns libraries with independent uniform errors of every primitive."""
     rng = np.random.default_rng(0)
     worlds = []
     for _ in range(WORLDS):
@@ -140,23 +141,21 @@ def _worlds(library: Library) -> list[Library]:
     return worlds
 
 
-def _over_levels(path: Path, totals: Sequence[Cell], library: Library) -> None:
-    """Draws success and time over the level that the automaton truly has, or that was planned for."""
+def _draw_over_levels(path: Path, totals: Sequence[ScorecardCell], library: Library) -> None:
+    """Draws success and time over the true gamma, or the planned one."""
     of_plant = [cell for cell in totals if cell.plant.startswith("gamma ")]
-    rows = [_level(cell, float(cell.plant.removeprefix("gamma "))) for cell in of_plant]
-    axis = "true uncertainty level of the automaton"
+    rows = [_level_summary(cell, float(cell.plant.removeprefix("gamma "))) for cell in of_plant]
+    axis = "true gamma of the automaton"
     if not rows:
         first = [cell for cell in totals if (cell.plant, cell.wind) == (totals[0].plant, totals[0].wind)]
-        rows = [_level(cell, cell.gamma) for cell in first]
-        axis = "uncertainty level planned for"
+        rows = [_level_summary(cell, cell.gamma) for cell in first]
+        axis = "gamma of the plans"
     if max(sum(row.policy == policy for row in rows) for policy in {row.policy for row in rows}) > 1:
-        publish_picture(
-            gamma_picture(rows, title=f"{library.name}: all missions", axis=axis), path, force=True
-        )
+        write_picture(gamma_picture(rows, title=f"{library.name}: all missions", axis=axis), path, force=True)
 
 
-def _level(cell: Cell, level: float) -> LevelFlown:
-    return LevelFlown(
+def _level_summary(cell: ScorecardCell, level: float) -> LevelSummary:
+    return LevelSummary(
         policy=cell.policy,
         level=level,
         reached=_with_interval(cell.reached),
@@ -166,21 +165,21 @@ def _level(cell: Cell, level: float) -> LevelFlown:
     )
 
 
-def _with_interval(share: Share) -> tuple[float, float, float]:
+def _with_interval(share: Proportion) -> tuple[float, float, float]:
     return share.count / share.of, share.low, share.high
 
 
-def _drawn(row: MissionResult, library: Library) -> FlightDrawn:
-    return FlightDrawn(
+def _flight_track(row: MissionResult, library: Library) -> FlightTrack:
+    return FlightTrack(
         policy=row.policy,
         reached=row.reached,
         flown_time=row.flown_time,
         predicted_time=row.predicted_time,
         level=row.gamma,
-        legs=tuple(_leg(leg, library) for leg in row.legs),
+        legs=tuple(_leg_track(leg, library) for leg in row.legs),
     )
 
 
-def _leg(leg: LegFlown, library: Library) -> LegDrawn:
+def _leg_track(leg: FlownLeg, library: Library) -> LegTrack:
     maneuver = None if leg.to_trim is None else library.maneuver(leg.trim, leg.to_trim).id
-    return LegDrawn(leg.trim, maneuver, leg.duration, np.array(leg.track).reshape(-1, 2))
+    return LegTrack(leg.trim, maneuver, leg.duration, np.array(leg.track).reshape(-1, 2))

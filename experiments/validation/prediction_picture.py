@@ -1,4 +1,4 @@
-"""Predicted beside flown: every flight a point."""
+"""Picture of flown over predicted time, one point per flight."""
 
 from collections.abc import Mapping, Sequence
 
@@ -6,42 +6,46 @@ from matplotlib.figure import Figure
 
 from review.pictures import palette
 
-from .flight_style import POLICY_MARKS, FlightDrawn, policies_of, policy_color
+from .flight_style import POLICY_MARKS, FlightTrack, policies_of, policy_color
 
 
-def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, float], *, title: str) -> Figure:
-    """Returns flown over predicted time, the prediction kept below the diagonal.
+def prediction_picture(flights: Sequence[FlightTrack], factors: Mapping[str, float], *, title: str) -> Figure:
+    """Returns the picture of flown over predicted time.
+
+    Flights below the diagonal finish within the predicted time.
 
     Args:
-        flights: those without a plan are left out; those that did not reach the goal stand at the upper edge.
-        factors: by policy, the factor on the prediction that was calibrated.
-        title: what was flown.
+        flights: flights; those without a plan are left out, those that missed the goal are at the upper edge.
+        factors: calibrated factor on the predicted time by policy.
+        title: title of the picture.
     """
-    figure = palette.page(7.2, 6.4)
+    figure = palette.new_figure(7.2, 6.4)
     axes = figure.add_subplot()
-    palette.dress(axes)
-    palette.headline(axes, title)
+    palette.format_axes(axes)
+    palette.draw_headline(axes, title)
     known = [flight for flight in flights if flight.predicted_time is not None]
-    predicted = _predicted(known)
+    predicted = _predicted_times(known)
     flown = [flight.flown_time for flight in known if flight.reached]
     right, top = 1.06 * max(predicted, default=1.0), 1.1 * max([*flown, *predicted], default=1.0)
     for policy in policies_of(known):
         own = [flight for flight in known if flight.policy == policy]
         color, mark = policy_color(policy), POLICY_MARKS.get(policy, "o")
-        kept = [flight for flight in own if flight.reached]
-        inside = sum(flight.flown_time <= time for flight, time in zip(kept, _predicted(kept), strict=True))
+        reached = [flight for flight in own if flight.reached]
+        inside = sum(
+            flight.flown_time <= time for flight, time in zip(reached, _predicted_times(reached), strict=True)
+        )
         axes.plot(
-            _predicted(kept),
-            [flight.flown_time for flight in kept],
+            _predicted_times(reached),
+            [flight.flown_time for flight in reached],
             linestyle="none",
             marker=mark,
             color=color,
             alpha=0.45,
             markersize=4,
             markeredgewidth=0,
-            label=f"{policy}: {inside} of {len(own)} within the prediction",
+            label=f"{policy}: {inside} of {len(own)} within the predicted time",
         )
-        missed = _predicted([flight for flight in own if not flight.reached])
+        missed = _predicted_times([flight for flight in own if not flight.reached])
         axes.plot(missed, [top] * len(missed), linestyle="none", marker="x", color=color, clip_on=False)
         if policy in factors:
             axes.plot(
@@ -50,7 +54,7 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
                 color=color,
                 linewidth=1.2,
                 linestyle=(0, (4, 2)),
-                label=f"{policy}: calibrated, {factors[policy]:.2f} times",
+                label=f"{policy}: time bound, {factors[policy]:.2f} times predicted",
             )
     axes.plot([0, right], [0, right], color=palette.INK, linewidth=1.0, label="flown as predicted")
     axes.set_xlim(0, right)
@@ -61,5 +65,5 @@ def prediction_picture(flights: Sequence[FlightDrawn], factors: Mapping[str, flo
     return figure
 
 
-def _predicted(flights: Sequence[FlightDrawn]) -> list[float]:
+def _predicted_times(flights: Sequence[FlightTrack]) -> list[float]:
     return [flight.predicted_time for flight in flights if flight.predicted_time is not None]

@@ -1,4 +1,4 @@
-"""The scorecard: what many closed-loop flights came to, beside what was promised."""
+"""Scorecard of closed-loop flights against predicted times."""
 
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
@@ -14,8 +14,8 @@ CONFIDENCE = 0.95
 
 
 @dataclass(frozen=True, slots=True)
-class Share:
-    """So many of so many, with the 95 % Wilson interval of the share behind it."""
+class Proportion:
+    """A count of a total, with the share's 95 % Wilson interval."""
 
     count: int
     of: int
@@ -23,10 +23,10 @@ class Share:
     high: float
 
     @classmethod
-    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Share":
-        """Returns the share of what holds, where only groups are independent of one another.
+    def of_groups(cls, groups: Sequence[Sequence[bool]]) -> "Proportion":
+        """Returns the share over groups that are independent of one another.
 
-        The interval is Wilson's for as many trials as there are groups: rather too wide than too narrow.
+        The interval is Wilson's with one trial per group, which is conservative.
         """
         count, of, number = sum(map(sum, groups)), sum(map(len, groups)), len(groups)
         z = NormalDist().inv_cdf(0.5 + CONFIDENCE / 2)
@@ -36,34 +36,35 @@ class Share:
         return cls(count, of, max(middle - half, 0.0), min(middle + half, 1.0))
 
     @classmethod
-    def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Share":
-        """Returns the share of flights for which something holds."""
+    def counted(cls, rows: Sequence[MissionResult], holds: Callable[[MissionResult], bool]) -> "Proportion":
+        """Returns the share of flights that meet a condition."""
         count = sum(map(holds, rows))
         interval = binomtest(count, len(rows)).proportion_ci(CONFIDENCE, method="wilson")
         return cls(count, len(rows), float(interval.low), float(interval.high))
 
 
 @dataclass(frozen=True, slots=True)
-class Cell:
-    """All flights of one mission, or of all, under one policy, by one plant, in one wind.
+class ScorecardCell:
+    """Flights of one mission, or all, with one policy, plant and wind.
 
     Attributes:
         mission: name; `all` for all missions together.
-        policy: which planner.
-        gamma: uncertainty level planned for; 0 for the nominal policy.
-        plant: what flew.
+        policy: policy of the planner.
+        gamma: gamma of the plans; 0 for the nominal policy.
+        plant: name of the plant.
         wind: wind class.
-        reached: flights that reached the goal, on a plan.
-        inside: flights that did so within the time predicted.
+        reached: flights that reached the goal on a plan.
+        inside: flights that did so within the predicted time.
         flown_time: median seconds of the flights that reached it; None without one.
-        flown_time_95: seconds that 95 % of all flights keep; None where more than 5 % did not reach the goal.
-        predicted_time: median of what the first plans promised; None without one.
-        miss: metres by which the worst flight that did not reach the goal missed it; None where all did.
-        activations: median number of plannings in a flight.
-        failures: plannings that gave nothing to fly, all flights together.
-        fallbacks: ways to rest begun, all flights together.
-        planning_time_99: processor's seconds that 99 % of all plannings kept; None without one.
-        reasons: why flights did not reach the goal, each once.
+        flown_time_95: 95 % quantile of the flown time; None where more than 5 % did not reach the goal.
+        planned_time: median time of the plans for the missions as stated; None without one.
+        predicted_time: median predicted time of the first plans; None without one.
+        miss: largest miss distance in metres of flights that did not reach the goal; None where all did.
+        replans: median number of replans per flight.
+        failures: total number of replans without a plan.
+        safe_stops: total number of safe stops begun.
+        planning_time_99: 99 % quantile of the replans' CPU seconds; None without one.
+        reasons: distinct reasons why flights did not reach the goal.
     """
 
     mission: str
@@ -71,39 +72,40 @@ class Cell:
     gamma: float
     plant: str
     wind: str
-    reached: Share
-    inside: Share
+    reached: Proportion
+    inside: Proportion
     flown_time: float | None
     flown_time_95: float | None
+    planned_time: float | None
     predicted_time: float | None
     miss: float | None
-    activations: float
+    replans: float
     failures: int
-    fallbacks: int
+    safe_stops: int
     planning_time_99: float | None
     reasons: tuple[str, ...]
 
     @property
     def flights(self) -> int:
-        """How many were flown."""
+        """Number of flights."""
         return self.reached.of
 
 
-def scorecard(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
-    """Returns a cell for each mission, policy, level, plant and wind, in the order first flown."""
+def scorecard_cells(results: Iterable[MissionResult]) -> tuple[ScorecardCell, ...]:
+    """Returns a cell per mission and condition, in the order flown."""
     groups: dict[tuple[object, ...], list[MissionResult]] = {}
     for row in results:
         groups.setdefault((row.mission, *_condition(row)), []).append(row)
     return tuple(_cell(rows[0].mission, rows) for rows in groups.values())
 
 
-def totals(results: Iterable[MissionResult]) -> tuple[Cell, ...]:
-    """Returns a cell for each policy, level, plant and wind: all missions together."""
-    return tuple(_cell("all", rows) for rows in by_condition(results).values())
+def scorecard_totals(results: Iterable[MissionResult]) -> tuple[ScorecardCell, ...]:
+    """Returns a cell per condition for all missions together."""
+    return tuple(_cell("all", rows) for rows in group_by_condition(results).values())
 
 
-def by_condition(results: Iterable[MissionResult]) -> dict[tuple[object, ...], list[MissionResult]]:
-    """Returns the flights by policy, level, plant and wind."""
+def group_by_condition(results: Iterable[MissionResult]) -> dict[tuple[object, ...], list[MissionResult]]:
+    """Groups the flights by policy, gamma, plant and wind."""
     groups: dict[tuple[object, ...], list[MissionResult]] = {}
     for row in results:
         groups.setdefault(_condition(row), []).append(row)
@@ -114,41 +116,43 @@ def _condition(row: MissionResult) -> tuple[object, ...]:
     return row.policy, row.gamma, row.plant, row.wind
 
 
-def _cell(mission: str, rows: Sequence[MissionResult]) -> Cell:
+def _cell(mission: str, rows: Sequence[MissionResult]) -> ScorecardCell:
     first = rows[0]
     reached = [row for row in rows if row.reached]
+    planned = [row.planned_time for row in rows if row.planned_time is not None]
     predictions = [row.predicted_time for row in rows if row.predicted_time is not None]
     times = [row.flown_time if row.reached else inf for row in rows]
-    plannings = [time for row in rows for time in row.planning_times]
-    return Cell(
+    cpu_times = [time for row in rows for time in row.planning_times]
+    return ScorecardCell(
         mission=mission,
         policy=first.policy,
         gamma=first.gamma,
         plant=first.plant,
         wind=first.wind,
-        reached=Share.counted(rows, lambda row: row.reached),
-        inside=Share.counted(rows, lambda row: ratio(row) <= 1),
+        reached=Proportion.counted(rows, lambda row: row.reached),
+        inside=Proportion.counted(rows, lambda row: time_ratio(row) <= 1),
         flown_time=median(row.flown_time for row in reached) if reached else None,
-        flown_time_95=_finite(quantile(times, 0.95)),
+        flown_time_95=_finite_or_none(quantile(times, 0.95)),
+        planned_time=median(planned) if planned else None,
         predicted_time=median(predictions) if predictions else None,
         miss=max((row.closest for row in rows if not row.reached and row.closest is not None), default=None),
-        activations=median(row.activations for row in rows),
+        replans=median(row.replans for row in rows),
         failures=sum(row.failures for row in rows),
-        fallbacks=sum(row.fallbacks for row in rows),
-        planning_time_99=quantile(plannings, 0.99) if plannings else None,
+        safe_stops=sum(row.safe_stops for row in rows),
+        planning_time_99=quantile(cpu_times, 0.99) if cpu_times else None,
         reasons=tuple(dict.fromkeys(row.reason for row in rows if not row.reached)),
     )
 
 
-def ratio(row: MissionResult) -> float:
-    """Returns the flown time in parts of the predicted one; infinite where the goal was not reached."""
+def time_ratio(row: MissionResult) -> float:
+    """Returns flown over predicted time; infinite without arrival."""
     return row.flown_time / row.predicted_time if row.reached and row.predicted_time else inf
 
 
 def quantile(values: Sequence[float], share: float) -> float:
-    """Returns the smallest value that a share of all values keeps."""
+    """Returns the smallest value not exceeded by a share of the values."""
     return sorted(values)[max(ceil(share * len(values)), 1) - 1]
 
 
-def _finite(value: float) -> float | None:
+def _finite_or_none(value: float) -> float | None:
     return value if isfinite(value) else None

@@ -1,4 +1,4 @@
-"""The scorecard as files: Markdown to read, CSV to count, JSON to go on with."""
+"""Scorecard as Markdown, CSV and JSON."""
 
 import csv
 import io
@@ -6,98 +6,109 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 
-from experiments.mission.blame import Blame
+from experiments.mission.error_attribution import ErrorAttribution
 from experiments.mission.result import MissionResult
-from flight.plural import counted
+from flight.plural import plural
 
-from .scorecard import Cell, Share
-from .time_bound_trial import Promise
-from .tube_trial import TubeCard
+from .scorecard import Proportion, ScorecardCell
+from .time_bound_trial import TimeBoundTrial
+from .tube_trial import TubeTrial
 
 
 @dataclass(frozen=True, slots=True)
 class Scorecard:
-    """What a validation came to.
+    """Results of a validation.
 
     Attributes:
-        command: that makes it again.
-        library: name of the library planned with.
-        totals: a cell for each condition, all missions together.
-        cells: a cell for each mission and condition.
-        promises: calibrated times.
-        blamed: how the primitives kept their errors, by wind class.
-        tubes: how flights kept their tubes, by wind class.
+        command: command that reproduces it.
+        library: name of the library of the plans.
+        totals: a cell per condition, all missions together.
+        cells: a cell per mission and condition.
+        time_bounds: trials of time bounds.
+        attributions: deviations of primitives by wind class.
+        tubes: trials of tubes.
     """
 
     command: str
     library: str
-    totals: tuple[Cell, ...]
-    cells: tuple[Cell, ...]
-    promises: tuple[Promise, ...]
-    blamed: dict[str, tuple[Blame, ...]]
-    tubes: tuple[TubeCard, ...] = ()
+    totals: tuple[ScorecardCell, ...]
+    cells: tuple[ScorecardCell, ...]
+    time_bounds: tuple[TimeBoundTrial, ...]
+    attributions: dict[str, tuple[ErrorAttribution, ...]]
+    tubes: tuple[TubeTrial, ...] = ()
 
 
 HEADS = (
-    *("mission", "policy", "gamma", "plant", "wind", "reached", "95 %", "inside the prediction", "95 %"),
-    *("flown, s", "95 % keep, s", "predicted, s", "worst miss, m", "plannings", "without a plan"),
-    *("ways to rest", "planning 99 %, ms"),
+    *("mission", "policy", "gamma", "plant", "wind", "reached", "95 %", "within predicted time", "95 %"),
+    *(
+        "flown, s",
+        "95 % quantile, s",
+        "planned, s",
+        "predicted, s",
+        "worst miss, m",
+        "replans",
+        "failed replans",
+    ),
+    *("safe stops", "replan CPU 99 %, ms"),
 )
 
-NOTES = """`reached`: the true track entered the tolerance, on a plan; a flight that ends by time-out, by the
-limit of plannings, without a plan or on its way to rest is not. `inside the prediction`: that, within the
-time that the first plan promised. Intervals are Wilson's. `flown` and `predicted` are medians; `95 % keep`
-counts flights that did not reach the goal as endless. Planning times are the processor's."""
+NOTES = """`reached`: the true track entered the tolerance on a plan; flights that end by time-out, by the
+limit of replans, without a plan or on a safe-stop path do not count. `within predicted time`: reached within
+the time that the loop predicts at its start, with its latency and the part of the tolerance that it aims at;
+`planned` is the time of the plan for the mission as stated. Intervals are Wilson's. Times are medians; in the
+`95 % quantile`, flights that did not reach the goal count as infinite. Replan times are CPU times."""
 
 
-PROMISE_HEADS = ("policy", "gamma", "plant", "wind", "to be kept by", "factor", "from", "kept by", "95 %")
+TIME_BOUND_HEADS = ("policy", "gamma", "plant", "wind", "share", "factor", "found on", "within bound", "95 %")
 
-PROMISE_NOTE = """A factor on the predicted time that so many flights or more keep, with 95 % confidence. What
-stands beside the library, found on other missions, is tested on all of these; where nothing does, every
-second mission sets the factor, and the others test it. The interval is Wilson's for as many trials as there
-are missions, however often each was flown."""
+TIME_BOUND_NOTE = """\
+`share` of flights finish within `factor` times the predicted time (95 % confidence). A bound of the
+library, found on other missions, is tested on all of these; without one, every second mission sets the factor
+and the others test it. The interval is Wilson's with one trial per mission, independent of the number of
+flights per mission."""
 
-BLAME_HEADS = (
-    *("primitive", "flights", "performances", "outside", "claimed inside", "chance"),
-    *("furthest", "of", "flight", "at, s"),
+ATTRIBUTION_HEADS = (
+    *("primitive", "flights", "performances", "outside", "claimed inside", "p-value"),
+    *("worst", "of", "flight", "at, s"),
 )
 
-BLAME_NOTE = """Flights in which an error of the library was exceeded, beside the share of flights that the
-library claims to stay inside; `chance` is that of so many outside, or more, if the claim held. The furthest
-deviation is given in parts of the error."""
+ATTRIBUTION_NOTE = """\
+Flights in which an error of the library was exceeded, with the coverage that the
+library claims; `p-value` is the probability of at least this many outside if the claim is true. The worst
+deviation is given over the error."""
 
 
 TUBE_HEADS = (
     "policy",
     "gamma",
     "wind",
-    "errors times",
-    "left it",
+    "error scale",
+    "left tube",
     "allowed share, at most",
-    "chance, at most",
-    "claims are",
+    "p-value, at most",
+    "claims",
 )
 
 TUBE_NOTE = """Flights that left the enclosure of the library's errors with independent signs between two
-plannings, beside the share of flights in which the claims of their primitives, all together, let them. The
-same with smaller errors than the library claims is the control: it has to be refuted."""
+replans, with the share of flights that the claims of their primitives allow together. Smaller errors than the
+library's are the control, which must be refuted."""
 
 
-def markdown(card: Scorecard) -> str:
-    """Returns the scorecard as a page."""
+def scorecard_markdown(card: Scorecard) -> str:
+    """Returns the scorecard as a Markdown page."""
     parts = [
         f"# Scorecard, {card.library}",
         f"    {card.command}",
         "## All missions",
         _table(HEADS, [_row(cell) for cell in card.totals]),
         NOTES,
-        "## Promised times",
-        PROMISE_NOTE,
+        "## Time bounds",
+        TIME_BOUND_NOTE,
         _table(
-            PROMISE_HEADS,
-            [_promise_row(promise) for promise in card.promises],
+            TIME_BOUND_HEADS,
+            [_time_bound_row(bound) for bound in card.time_bounds],
         ),
-        *_blame_parts(card.blamed),
+        *_attribution_parts(card.attributions),
         *_tube_parts(card.tubes),
         "## Every mission",
         _table(HEADS, [_row(cell) for cell in card.cells]),
@@ -107,12 +118,12 @@ def markdown(card: Scorecard) -> str:
         for cell in card.cells
         for reason in cell.reasons
     ]
-    parts += ["## Why goals were not reached", "\n".join(reasons) or "Every goal was reached."]
+    parts += ["## Reasons for missed goals", "\n".join(reasons) or "Every goal was reached."]
     return "\n\n".join(parts) + "\n"
 
 
-def comma_separated(card: Scorecard) -> str:
-    """Returns all cells as CSV; shares as counts with their intervals."""
+def scorecard_csv(card: Scorecard) -> str:
+    """Returns all cells as CSV, with shares as counts and intervals."""
     stream = io.StringIO()
     writer = csv.writer(stream, lineterminator="\n")
     rows = [cell_content(cell) for cell in (*card.totals, *card.cells)]
@@ -121,37 +132,37 @@ def comma_separated(card: Scorecard) -> str:
     return stream.getvalue()
 
 
-def json_text(card: Scorecard, results: Sequence[MissionResult]) -> str:
-    """Returns the scorecard with every flight, without tracks, as JSON."""
+def scorecard_json(card: Scorecard, results: Sequence[MissionResult]) -> str:
+    """Returns the scorecard and all flights as JSON, without tracks."""
     document = {
         **asdict(card),
         "totals": [cell_content(cell) for cell in card.totals],
         "cells": [cell_content(cell) for cell in card.cells],
-        "flights": [flight_content(row) for row in results],
+        "flights": [result_content(row) for row in results],
     }
     return json.dumps(document, indent=1) + "\n"
 
 
-def flight_content(row: MissionResult) -> dict[str, object]:
-    """Returns a flight as plain JSON values, without its track and primitives."""
+def result_content(row: MissionResult) -> dict[str, object]:
+    """Returns a result as plain JSON values, without track and primitives."""
     content = asdict(row)
     for heavy in ("planning_times", "performances", "legs"):
         del content[heavy]
     return {**content, "log": None if row.log is None else str(row.log)}
 
 
-def _blame_parts(blamed: dict[str, tuple[Blame, ...]]) -> list[str]:
+def _attribution_parts(attributions: dict[str, tuple[ErrorAttribution, ...]]) -> list[str]:
     parts = []
-    for wind, rows in blamed.items():
+    for wind, rows in attributions.items():
         parts += [
-            f"## Which primitive to blame, wind {wind}",
-            BLAME_NOTE,
-            _table(BLAME_HEADS, [_blame_row(row) for row in rows]),
+            f"## Errors exceeded by primitive, wind {wind}",
+            ATTRIBUTION_NOTE,
+            _table(ATTRIBUTION_HEADS, [_attribution_row(row) for row in rows]),
         ]
     return parts
 
 
-def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
+def _tube_parts(tubes: Sequence[TubeTrial]) -> list[str]:
     rows = [
         [
             tube.policy,
@@ -160,7 +171,7 @@ def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
             f"{tube.share:g}",
             f"{tube.left}/{tube.flights}",
             f"{tube.allowed:.3f}",
-            f"{tube.chance:.2g}",
+            f"{tube.p_value:.2g}",
             "refuted" if tube.refuted else "not refuted",
         ]
         for tube in tubes
@@ -168,22 +179,22 @@ def _tube_parts(tubes: Sequence[TubeCard]) -> list[str]:
     return ["## Tubes", TUBE_NOTE, _table(TUBE_HEADS, rows)] if rows else []
 
 
-def _blame_row(row: Blame) -> list[str]:
+def _attribution_row(row: ErrorAttribution) -> list[str]:
     return [
         f"{row.kind} {row.id}",
         str(row.flights),
         str(row.performances),
         str(row.outside),
-        number(row.claimed, 3),
+        format_number(row.claimed, 3),
         "-" if row.p_value is None else f"{row.p_value:.2g}",
-        number(row.worst.share),
+        format_number(row.worst.share),
         row.worst.scalar,
         row.flight,
-        number(row.worst.time),
+        format_number(row.worst.time),
     ]
 
 
-def _row(cell: Cell) -> list[str]:
+def _row(cell: ScorecardCell) -> list[str]:
     return [
         cell.mission,
         cell.policy,
@@ -192,47 +203,48 @@ def _row(cell: Cell) -> list[str]:
         cell.wind,
         *_share(cell.reached),
         *_share(cell.inside),
-        number(cell.flown_time),
-        number(cell.flown_time_95),
-        number(cell.predicted_time),
-        number(cell.miss),
-        f"{cell.activations:g}",
+        format_number(cell.flown_time),
+        format_number(cell.flown_time_95),
+        format_number(cell.planned_time),
+        format_number(cell.predicted_time),
+        format_number(cell.miss),
+        f"{cell.replans:g}",
         str(cell.failures),
-        str(cell.fallbacks),
-        number(None if cell.planning_time_99 is None else 1e3 * cell.planning_time_99),
+        str(cell.safe_stops),
+        format_number(None if cell.planning_time_99 is None else 1e3 * cell.planning_time_99),
     ]
 
 
-def _promise_row(promise: Promise) -> list[str]:
+def _time_bound_row(bound: TimeBoundTrial) -> list[str]:
     return [
-        promise.policy,
-        f"{promise.gamma:g}",
-        promise.plant,
-        promise.wind,
-        f"{promise.share:.0%}",
-        number(promise.factor),
-        ("the library: " if promise.stated else "")
-        + f"{counted(promise.missions, 'mission')}, {counted(promise.flights, 'flight')}",
-        *_share(promise.kept),
+        bound.policy,
+        f"{bound.gamma:g}",
+        bound.plant,
+        bound.wind,
+        f"{bound.share:.0%}",
+        format_number(bound.factor),
+        ("the library: " if bound.stated else "")
+        + f"{plural(bound.missions, 'mission')}, {plural(bound.flights, 'flight')}",
+        *_share(bound.kept),
     ]
 
 
-def _share(share: Share) -> list[str]:
-    return [f"{share.count}/{share.of}", interval(share)]
+def _share(share: Proportion) -> list[str]:
+    return [f"{share.count}/{share.of}", format_interval(share)]
 
 
-def interval(share: Share) -> str:
-    """Returns the interval of a share, in words for a table."""
+def format_interval(share: Proportion) -> str:
+    """Returns the interval of a share for a table."""
     return f"{share.low:.3f}-{share.high:.3f}"
 
 
-def number(value: float | None, digits: int = 2) -> str:
-    """Returns a number for a table; a dash where there is none."""
+def format_number(value: float | None, digits: int = 2) -> str:
+    """Returns a number for a table; a dash for None."""
     return "-" if value is None else f"{value:.{digits}f}"
 
 
-def cell_content(cell: Cell) -> dict[str, object]:
-    """Returns a cell as a flat row of plain values: a share as a count and its interval."""
+def cell_content(cell: ScorecardCell) -> dict[str, object]:
+    """Returns a cell as a flat row of plain values."""
     flat: dict[str, object] = {"flights": cell.flights}
     for key, value in asdict(cell).items():
         if isinstance(value, dict):

@@ -1,4 +1,4 @@
-"""Times that are promised with plans: found on one set of missions, put to the test on another."""
+"""Time bounds of plans, found on some missions and tested on others."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,28 +8,28 @@ from scipy.stats import binom
 
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import MissionResult
-from flight.plan.time_bound import TimePromise
+from flight.plan.time_bound import TimeBound
 
-from .scorecard import CONFIDENCE, Share, by_condition, ratio
+from .scorecard import CONFIDENCE, Proportion, group_by_condition, time_ratio
 
 ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, slots=True)
-class Promise:
-    """A time that is promised with a plan, made on one set of missions and put to the test on another.
+class TimeBoundTrial:
+    """A time bound with its test on other missions.
 
     Attributes:
-        policy: which planner.
-        gamma: uncertainty level planned for.
-        plant: what flew.
+        policy: policy of the planner.
+        gamma: gamma of the plans.
+        plant: name of the plant.
         wind: wind class.
-        share: of flights that are to reach the goal within the promised time.
-        factor: promised time in parts of the predicted one; None where too few missions reached their goal.
-        missions: of the set that it was made on.
-        flights: likewise.
-        kept: flights of the other set that kept it; the interval is for as many trials as it has missions.
-        stated: whether it stood beside the library; where not, every second mission made it.
+        share: share of flights that reach the goal within the bound.
+        factor: bound over predicted time; None for too few missions that reached their goal.
+        missions: number of missions that it was found on.
+        flights: number of flights that it was found on.
+        kept: test flights within the bound; the interval has one trial per mission.
+        stated: True for a bound of the library; otherwise every second mission set it.
     """
 
     policy: FlownPolicy
@@ -40,26 +40,26 @@ class Promise:
     factor: float | None
     missions: int
     flights: int
-    kept: Share
+    kept: Proportion
     stated: bool = False
 
 
-def promises(
-    results: Iterable[MissionResult], *, share: float, stated: Sequence[TimePromise] = (), seed: int = -1
-) -> tuple[Promise, ...]:
-    """Returns what can be promised, tested on missions that did not make it.
+def time_bound_trials(
+    results: Iterable[MissionResult], *, share: float, stated: Sequence[TimeBound] = (), seed: int = -1
+) -> tuple[TimeBoundTrial, ...]:
+    """Tests time bounds on missions other than those they were found on.
 
-    What stands beside the library is tested on all missions, unless they are those that it was made on.
-    Otherwise every second mission sets the factor, and the others test it.
+    A bound of the library is tested on all missions, unless it was found on them. Otherwise every second
+    mission sets the factor, and the others test it.
 
     Args:
-        results: of all flights.
-        share: of flights that are to keep the promise.
-        stated: what stands beside the library.
-        seed: that the missions were drawn with.
+        results: results of all flights.
+        share: share of flights within the bound.
+        stated: time bounds of the library.
+        seed: seed of the missions.
     """
     made = []
-    for rows in by_condition(results).values():
+    for rows in group_by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
         condition = (first.policy, first.gamma, first.wind, share)
         own = [
@@ -71,26 +71,26 @@ def promises(
             factor, known = own[0].factor, (own[0].missions, own[0].flights)
             tested = groups
         else:
-            factor = kept_factor(groups[::2], share)
+            factor = time_factor(groups[::2], share)
             known, tested = (len(groups[::2]), sum(map(len, groups[::2]))), groups[1::2]
         if tested:
-            made.append(_promise(first, share, factor, known, tested, stated=tested is groups))
+            made.append(_time_bound_trial(first, share, factor, known, tested, stated=tested is groups))
     return tuple(made)
 
 
-def time_promises(
+def find_time_bounds(
     results: Iterable[MissionResult], *, share: float, seed: int
-) -> tuple[tuple[TimePromise, ...], tuple[str, ...]]:
-    """Returns what all missions together promise, and of which policies too few flights were there."""
+) -> tuple[tuple[TimeBound, ...], tuple[str, ...]]:
+    """Returns the time bounds of all missions, and policies without one."""
     made, lacking = [], []
-    for rows in by_condition(results).values():
+    for rows in group_by_condition(results).values():
         first, groups = rows[0], _by_mission(rows)
-        factor = kept_factor(groups, share)
+        factor = time_factor(groups, share)
         if not isfinite(factor):
             lacking.append(first.policy)
             continue
         made.append(
-            TimePromise(
+            TimeBound(
                 policy=first.policy,
                 gamma=first.gamma,
                 wind=first.wind,
@@ -104,19 +104,19 @@ def time_promises(
     return tuple(made), tuple(lacking)
 
 
-def kept_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
-    """Returns the multiple of the predicted time that a share of flights keeps, of other missions too.
+def time_factor(groups: Sequence[Sequence[MissionResult]], share: float) -> float:
+    """Returns the factor on the predicted time for a share of flights.
 
-    It is a tolerance limit (Wilks 1941): with 95 % confidence no smaller share of flights to come keeps it.
-    Flights of one mission resemble one another, so a mission is the sample, and each counts the same however
-    often it was flown.
+    It is a tolerance limit (Wilks 1941): with 95 % confidence at least this share of future flights is within
+    it. Flights of one mission are alike, so a mission is the sample, with the same weight for any number of
+    flights.
     """
     number = len(groups)
-    # As many missions as no more than the share would hold with 95 % confidence.
+    # Least number of missions within the factor that proves the share with 95 % confidence.
     rank = int(binom.ppf(CONFIDENCE, number, share)) + 1
     if rank > number:
         return inf
-    weighted = sorted((ratio(row), 1.0 / len(group)) for group in groups for row in group)
+    weighted = sorted((time_ratio(row), 1.0 / len(group)) for group in groups for row in group)
     seen = 0.0
     for value, weight in weighted:
         seen += weight
@@ -132,7 +132,7 @@ def _by_mission(rows: Sequence[MissionResult]) -> list[list[MissionResult]]:
     return list(groups.values())
 
 
-def _promise(
+def _time_bound_trial(
     first: MissionResult,
     share: float,
     factor: float,
@@ -140,9 +140,9 @@ def _promise(
     tested: Sequence[Sequence[MissionResult]],
     *,
     stated: bool,
-) -> Promise:
-    kept = [[isfinite(factor) and ratio(row) <= factor for row in group] for group in tested]
-    return Promise(
+) -> TimeBoundTrial:
+    kept = [[isfinite(factor) and time_ratio(row) <= factor for row in group] for group in tested]
+    return TimeBoundTrial(
         policy=first.policy,
         gamma=first.gamma,
         plant=first.plant,
@@ -151,6 +151,6 @@ def _promise(
         factor=factor if isfinite(factor) else None,
         missions=known[0],
         flights=known[1],
-        kept=Share.of_groups(kept),
+        kept=Proportion.of_groups(kept),
         stated=stated,
     )

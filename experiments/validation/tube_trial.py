@@ -1,4 +1,4 @@
-"""How often flights left their tube, beside how often the library's claims allow it."""
+"""Test of tubes: exits compared with those that the claims allow."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,23 +12,23 @@ from flight.automaton.library import Library
 
 _Key = tuple[FlownPolicy, float, str, float]
 
-DOUBT = 0.01
-"""Chance below which a claim counts as refuted."""
+LEVEL = 0.01
+"""P-value below which a claim counts as refuted."""
 
 
 @dataclass(frozen=True, slots=True)
-class TubeCard:
+class TubeTrial:
     """Flights of one policy in one wind class against one tube.
 
     Attributes:
-        policy: which planner.
-        gamma: uncertainty level planned for.
+        policy: policy of the planner.
+        gamma: gamma of the plans.
         wind: wind class.
-        share: of the library's errors that the tube is made of.
-        flights: in which every primitive flown claims a coverage.
-        left: that left their tube.
-        allowed: by the claims, at most, on the average.
-        chance: of so many that left it, or more, if the claims held; an upper limit.
+        share: scale of the library's errors for the tube.
+        flights: flights in which every primitive has a coverage claim.
+        left: flights that left their tube.
+        allowed: mean upper limit of the share that the claims allow to leave.
+        p_value: upper limit of the probability of at least this many exits if the claims are true.
     """
 
     policy: FlownPolicy
@@ -38,22 +38,21 @@ class TubeCard:
     flights: int
     left: int
     allowed: float
-    chance: float
+    p_value: float
 
     @property
     def refuted(self) -> bool:
-        """Whether the flights contradict the claims."""
-        return self.chance < DOUBT
+        """True if the flights contradict the claims."""
+        return self.p_value < LEVEL
 
 
-def tube_cards(results: Iterable[MissionResult], library: Library) -> tuple[TubeCard, ...]:
-    """Returns a card for each policy, level, wind class and tube.
+def tube_trials(results: Iterable[MissionResult], library: Library) -> tuple[TubeTrial, ...]:
+    """Returns a trial per policy, gamma, wind class and tube.
 
-    A primitive claims a share of flights in which all its performances stay inside its errors. A flight that
-    leaves its tube has left the errors of one of its primitives: that happens in no larger share of flights
-    than what the claims of its different primitives leave, all together, whatever else they have in common.
-    Flights of one policy are independent of one another; those of two meet the same air. Their allowed shares
-    differ.
+    A primitive's coverage is the share of flights in which all its performances stay inside its errors. A
+    flight that leaves its tube has exceeded the errors of one of its primitives; by the union bound, the
+    share of such flights is at most the sum of the complements of the coverages. Flights of one policy are
+    independent and have different allowed shares; policies share the wind.
     """
     found: dict[_Key, list[tuple[bool, float]]] = {}
     for row in results:
@@ -62,11 +61,11 @@ def tube_cards(results: Iterable[MissionResult], library: Library) -> tuple[Tube
             if allowed is not None:
                 key = (row.policy, row.gamma, row.wind, share)
                 found.setdefault(key, []).append((left is not None, allowed))
-    return tuple(_card(*key, flights=flights) for key, flights in found.items())
+    return tuple(_tube_trial(*key, flights=flights) for key, flights in found.items())
 
 
 def allowed_share(row: MissionResult, library: Library) -> float | None:
-    """Returns the share of such flights that may leave their tube; None where a primitive claims nothing."""
+    """Returns the share allowed to leave the tube; None without claims."""
     trims = {leg.trim for leg in row.legs if leg.to_trim is None}
     changes = {(leg.trim, leg.to_trim) for leg in row.legs if leg.to_trim is not None}
     statistics = [library.trim(trim).statistics for trim in trims]
@@ -77,12 +76,12 @@ def allowed_share(row: MissionResult, library: Library) -> float | None:
     return min(1.0, sum(1.0 - coverage for coverage in claimed))
 
 
-def _card(
+def _tube_trial(
     policy: FlownPolicy, gamma: float, wind: str, share: float, *, flights: Sequence[tuple[bool, float]]
-) -> TubeCard:
+) -> TubeTrial:
     left = sum(gone for gone, _ in flights)
     allowed = [share for _, share in flights]
-    return TubeCard(
+    return TubeTrial(
         policy=policy,
         gamma=gamma,
         wind=wind,
@@ -90,12 +89,12 @@ def _card(
         flights=len(flights),
         left=left,
         allowed=float(np.mean(allowed)),
-        chance=float(count_law(allowed)[left:].sum()),
+        p_value=float(count_distribution(allowed)[left:].sum()),
     )
 
 
-def count_law(shares: Sequence[float]) -> Float[np.ndarray, "n"]:
-    """Returns the law of how many of independent things happen, each with a chance of its own."""
+def count_distribution(shares: Sequence[float]) -> Float[np.ndarray, "n"]:
+    """Returns the Poisson-binomial distribution of a count."""
     law = np.ones(1)
     for share in shares:
         law = np.append(law, 0.0) * (1.0 - share) + np.append(0.0, law) * share

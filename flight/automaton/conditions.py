@@ -1,7 +1,11 @@
 """The conditions that a library was found under and is meant for."""
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from flight.file_value import FileValue
 
 from .maneuver_end import ManeuverEnd
 
@@ -9,8 +13,8 @@ TrimErrorKind = Literal["instantaneous", "averaged", "assumed"]
 
 
 @dataclass(frozen=True)
-class Conditions:
-    """Where a library's numbers hold.
+class Conditions(FileValue):
+    """Conditions under which a library's numbers hold.
 
     Attributes:
         wind: wind class, such as `gtmax`; `not stated` for a library from a book.
@@ -24,10 +28,17 @@ class Conditions:
     """
 
     wind: str = "not stated"
-    altitude: float | None = None
+    altitude: Annotated[float | None, Field(description="metres above ground")] = None
     maneuver_end: ManeuverEnd | None = None
     trim_error_kind: TrimErrorKind = "assumed"
-    coasting_range: tuple[float, float] | None = None
-    vehicle_hash: str | None = None
-    speed_range: tuple[float, float] | None = None
-    entry_trims: tuple[int, ...] | None = None
+    coasting_range: Annotated[
+        tuple[float, float] | None, Field(description="shortest and longest coast flown, seconds")
+    ] = None
+    vehicle_hash: Annotated[str | None, Field(description="SHA-256 of the vehicle's parameters")] = None
+    speed_range: Annotated[
+        tuple[float, float] | None,
+        Field(description="lowest and highest forward speed commanded, metres per second"),
+    ] = None
+    entry_trims: Annotated[
+        tuple[int, ...] | None, Field(description="trims left by maneuvers that were flown")
+    ] = None

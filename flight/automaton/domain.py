@@ -1,15 +1,15 @@
-"""Where a library holds: what is flown or planned outside its domain is named, never refused."""
+"""Domain of a library, and warnings for flights and plans outside it."""
 
 from collections.abc import Sequence
 
 from .library import Library
 
 # Metres and metres per second: what differs by less is the same.
-_SAME = 1e-6
+_SPEED_TOLERANCE = 1e-6
 
 
-def vehicle_departures(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
-    """Returns a sentence where another vehicle flies than the library was identified from.
+def vehicle_domain_warnings(library: Library, *, vehicle_hash: str) -> tuple[str, ...]:
+    """Returns a warning where another vehicle flies than was identified.
 
     Args:
         library: states its domain in its conditions; older ones in their provenance.
@@ -21,10 +21,10 @@ def vehicle_departures(library: Library, *, vehicle_hash: str) -> tuple[str, ...
     return (f"the vehicle is {vehicle_hash[:12]}, the library was identified from {known[:12]}",)
 
 
-def air_departures(
+def air_domain_warnings(
     library: Library, *, wind: str, stronger: bool, altitude: float | None = None
 ) -> tuple[str, ...]:
-    """Returns a sentence for wind stronger than the library's, and for another altitude.
+    """Returns warnings for stronger wind and for another altitude.
 
     Args:
         library: states wind class and altitude.
@@ -36,15 +36,15 @@ def air_departures(
     if stronger:
         said.append(f"the wind is {wind}, stronger than {library.conditions.wind}")
     known = library.conditions.altitude
-    if None not in (known, altitude) and abs((known or 0.0) - (altitude or 0.0)) > _SAME:
+    if None not in (known, altitude) and abs((known or 0.0) - (altitude or 0.0)) > _SPEED_TOLERANCE:
         said.append(f"the altitude is {altitude:g} m, the library's is {known:g} m")
     return tuple(said)
 
 
-def walk_departures(
+def walk_domain_warnings(
     library: Library, trims: Sequence[int], coasting_times: Sequence[float]
 ) -> tuple[str, ...]:
-    """Returns a sentence for each kind of departure of a walk: trims, speeds, coasts that were never flown.
+    """Returns warnings for trims, speeds and coasts that were never flown.
 
     A coast between two maneuvers that is shorter than any flown is a departure even where it is no coast at
     all: every maneuver of the flights was entered from a trim that had been held for a time. The first trim
@@ -60,19 +60,21 @@ def walk_departures(
     if conditions.entry_trims is not None:
         strange = sorted(set(trims[:-1]) - set(conditions.entry_trims))
         if strange:
-            said.append(f"trims {_listed(strange)} are left by no maneuver that was flown")
+            said.append(f"no data: maneuvers leaving trims {_listed(strange)} were never flown")
     if conditions.speed_range is not None:
         slow, fast = conditions.speed_range
         speeds = {trim: library.trim(trim).velocity.forward for trim in trims}
-        outside = sorted(t for t, v in speeds.items() if not slow - _SAME <= v <= fast + _SAME)
+        outside = sorted(
+            t for t, v in speeds.items() if not slow - _SPEED_TOLERANCE <= v <= fast + _SPEED_TOLERANCE
+        )
         if outside:
             said.append(f"trims {_listed(outside)} are outside the speeds flown, {slow:g} to {fast:g} m/s")
     if conditions.coasting_range is not None:
-        said += _coast_departures(library, trims, coasting_times, *conditions.coasting_range)
+        said += _coast_domain_warnings(library, trims, coasting_times, *conditions.coasting_range)
     return tuple(said)
 
 
-def _coast_departures(
+def _coast_domain_warnings(
     library: Library,
     trims: Sequence[int],
     coasting_times: Sequence[float],
@@ -80,20 +82,22 @@ def _coast_departures(
     longest: float,
 ) -> list[str]:
     coasts = list(zip(trims, coasting_times, strict=True))
-    short = sorted({trim for trim, time in coasts[1:-1] if time < shortest - _SAME})
-    long = sorted({trim for trim, time in coasts if time > longest + _SAME})
+    short = sorted({trim for trim, time in coasts[1:-1] if time < shortest - _SPEED_TOLERANCE})
+    long = sorted({trim for trim, time in coasts if time > longest + _SPEED_TOLERANCE})
     averaged = library.conditions.trim_error_kind == "averaged"
     said = []
     if short:
-        unbounded = "; averaged errors do not bound them" if averaged else ""
-        said.append(f"{_held(short)} for less than {shortest:.1f} s, as never flown{unbounded}")
+        unbounded = "; averaged errors do not bound it" if averaged else ""
+        said.append(
+            f"coast {_trims_phrase(short)} (< {shortest:.1f} s) is shorter than any in the data{unbounded}"
+        )
     if long:
-        said.append(f"{_held(long)} for more than {longest:.1f} s, as never flown")
+        said.append(f"coast {_trims_phrase(long)} (> {longest:.1f} s) is longer than any in the data")
     return said
 
 
-def _held(trims: Sequence[int]) -> str:
-    return f"trim {trims[0]} is held" if len(trims) == 1 else f"trims {_listed(trims)} are held"
+def _trims_phrase(trims: Sequence[int]) -> str:
+    return f"in trim {trims[0]}" if len(trims) == 1 else f"in trims {_listed(trims)}"
 
 
 def _listed(trims: Sequence[int]) -> str:

@@ -1,17 +1,27 @@
-"""A motion-primitive library: the maneuver automaton with the numbers of its vertices and edges."""
+"""Motion-primitive library: the maneuver automaton with its numbers."""
 
+import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from hashlib import sha256
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
+
+from pydantic import Field, GetPydanticSchema, JsonValue, WithJsonSchema
 
 from flight.errors import FlightError, NoManeuverError, UnknownTrimError
+from flight.file_value import FileValue, InForm
+from flight.schema import json_content, schema_named
 
 from .conditions import Conditions
-from .maneuver import Maneuver
-from .statistics import Interpolated
+from .maneuver import Maneuver, ManeuverRow
+from .statistics import InterpolationClaim
 from .trim import Trim
+
+SCHEMA = "maneuver-library/1"
+
+_Json = Annotated[Any, GetPydanticSchema(lambda _, handler: handler(JsonValue))]
 
 
 class InconsistentLibraryError(FlightError):
@@ -19,37 +29,41 @@ class InconsistentLibraryError(FlightError):
 
 
 @dataclass(frozen=True)
-class Library:
+class Library(FileValue):
     """Trims joined by maneuvers (thesis, 2.4), immutable and consistent by construction.
 
     Attributes:
+        schema: of its file.
         name: short name, also the file's.
         description: one sentence for people.
         vehicle: what was flown.
-        trims: vertices, unique ids.
-        maneuvers: edges, unique ids, at most one for each ordered pair of trims.
         conditions: where the numbers hold.
         provenance: where they come from, as plain JSON values.
+        trims: vertices, unique ids.
+        maneuvers: edges, unique ids, at most one for each ordered pair of trims.
 
     Raises:
         InconsistentLibraryError: two primitives share an id, a maneuver joins an unknown trim, two
             maneuvers join the same trims, or there is no trim.
     """
 
+    schema: Annotated[str, schema_named(SCHEMA), WithJsonSchema({"const": SCHEMA})] = field(
+        init=False, default=SCHEMA, repr=False
+    )
     name: str
     description: str
     vehicle: str
-    trims: tuple[Trim, ...]
-    maneuvers: tuple[Maneuver, ...]
-    conditions: Conditions = field(default_factory=Conditions)
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    conditions: Conditions = field(default_factory=Conditions, kw_only=True)
+    provenance: Mapping[str, _Json] = field(default_factory=dict, kw_only=True)
+    trims: Annotated[tuple[Trim, ...], Field(min_length=1)]
+    maneuvers: tuple[Annotated[Maneuver, InForm(ManeuverRow, ManeuverRow.maneuver, ManeuverRow.of)], ...]
 
     def __post_init__(self) -> None:
         """Refuses a library that contradicts itself."""
         if not self.trims:
             raise InconsistentLibraryError("trims: a library has at least one trim, got none")
-        _refuse_duplicates("trims", [trim.id for trim in self.trims])
-        _refuse_duplicates("maneuvers", [maneuver.id for maneuver in self.maneuvers])
+        _check_unique_ids("trims", [trim.id for trim in self.trims])
+        _check_unique_ids("maneuvers", [maneuver.id for maneuver in self.maneuvers])
         edges: dict[tuple[int, int], int] = {}
         for place, maneuver in enumerate(self.maneuvers):
             for end, trim in (("from", maneuver.from_trim), ("to", maneuver.to_trim)):
@@ -64,15 +78,25 @@ class Library:
                     f"from trim {edge[0]} to trim {edge[1]}"
                 )
             edges[edge] = maneuver.id
-        self._refuse_missing_bands()
+        self._check_bands()
 
-    def _refuse_missing_bands(self) -> None:
+    def _check_bands(self) -> None:
         rule = self.conditions.maneuver_end
         if rule is not None and set(rule.bands) != set(self._trims):
             raise InconsistentLibraryError(
                 f"conditions.maneuver_end.band: one band for each of the trims {sorted(self._trims)}, "
                 f"got {sorted(rule.bands)}"
             )
+
+    @property
+    def text(self) -> str:
+        """Text of its file: numbers round-trip exactly, equal libraries give equal bytes."""
+        return json.dumps(json_content(self), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+    @cached_property
+    def sha256(self) -> str:
+        """SHA-256 of its text, as hexadecimal digits; worked out once."""
+        return sha256(self.text.encode()).hexdigest()
 
     @cached_property
     def _trims(self) -> dict[int, Trim]:
@@ -86,8 +110,8 @@ class Library:
         return edges
 
     @property
-    def interpolated(self) -> tuple[Interpolated, ...]:
-        """What is claimed of each primitive whose errors were interpolated; empty where all were flown."""
+    def interpolated(self) -> tuple[InterpolationClaim, ...]:
+        """Claim for each interpolated primitive; empty where all were flown."""
         claims = [trim.interpolated for trim in self.trims] + [row.interpolated for row in self.maneuvers]
         return tuple(claim for claim in claims if claim is not None)
 
@@ -117,7 +141,7 @@ class Library:
             raise NoManeuverError(from_trim, to_trim, reachable) from None
 
     def successors(self, trim_id: int) -> tuple[int, ...]:
-        """Returns the ids of the trims that one maneuver reaches, in the library's order."""
+        """Returns the trims that one maneuver reaches, in the library's order."""
         return tuple(self._maneuvers[self.trim(trim_id).id])
 
     def maneuvers_along(self, trims: Iterable[int]) -> tuple[Maneuver, ...]:
@@ -126,7 +150,7 @@ class Library:
         return tuple(self.maneuver(a, b) for a, b in pairwise(walk))
 
 
-def _refuse_duplicates(kind: str, ids: list[int]) -> None:
+def _check_unique_ids(kind: str, ids: list[int]) -> None:
     for place, number in enumerate(ids):
         if number in ids[:place]:
             raise InconsistentLibraryError(

@@ -1,4 +1,4 @@
-"""What two libraries have different, number by number, primitive by primitive."""
+"""Differences between two libraries, number by number."""
 
 import json
 from collections.abc import Iterator
@@ -13,7 +13,7 @@ Value = str | float | int | bool | None
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class LibraryDifference:
     """One place in which two libraries differ.
 
     Attributes:
@@ -29,19 +29,19 @@ class Difference:
     second: Value
 
 
-def differences(first: Library, second: Library) -> tuple[Difference, ...]:
-    """Returns where two libraries differ, as their files would; primitives are matched by their ids."""
+def library_differences(first: Library, second: Library) -> tuple[LibraryDifference, ...]:
+    """Returns the differences of two libraries; primitives are matched by id."""
     one, two = _parts(first), _parts(second)
-    found: list[Difference] = []
+    found: list[LibraryDifference] = []
     for part in [*one, *(part for part in two if part not in one)]:
         if part not in two:
-            found.append(Difference(part, "", "there", None))
+            found.append(LibraryDifference(part, "", "there", None))
         elif part not in one:
-            found.append(Difference(part, "", None, "there"))
+            found.append(LibraryDifference(part, "", None, "there"))
         else:
             places = dict.fromkeys([*one[part], *two[part]])
             found += [
-                Difference(part, place, one[part].get(place), two[part].get(place))
+                LibraryDifference(part, place, one[part].get(place), two[part].get(place))
                 for place in places
                 if one[part].get(place) != two[part].get(place)
             ]
@@ -50,13 +50,13 @@ def differences(first: Library, second: Library) -> tuple[Difference, ...]:
 
 def _parts(library: Library) -> dict[str, dict[str, Value]]:
     content = json.loads(library_text(library))
-    parts = {f"trim {row['id']}": dict(_leaves(row)) for row in content.pop("trims")}
-    parts |= {f"maneuver {row['id']}": dict(_leaves(row)) for row in content.pop("maneuvers")}
-    return {"library": dict(_leaves(content)), **parts}
+    parts = {f"trim {row['id']}": dict(_flatten(row)) for row in content.pop("trims")}
+    parts |= {f"maneuver {row['id']}": dict(_flatten(row)) for row in content.pop("maneuvers")}
+    return {"library": dict(_flatten(content)), **parts}
 
 
-def _leaves(content: Any, place: str = "") -> Iterator[tuple[str, Value]]:
-    """Yields every value with its place; an empty list or table is a value of its own."""
+def _flatten(content: Any, place: str = "") -> Iterator[tuple[str, Value]]:
+    """Yields every value with its path; an empty container is a value."""
     items = (
         content.items()
         if isinstance(content, dict)
@@ -67,4 +67,4 @@ def _leaves(content: Any, place: str = "") -> Iterator[tuple[str, Value]]:
     if not items:
         yield place, json.dumps(content) if isinstance(content, (dict, list)) else content
     for key, value in items:
-        yield from _leaves(value, f"{place}.{key}" if place else str(key))
+        yield from _flatten(value, f"{place}.{key}" if place else str(key))

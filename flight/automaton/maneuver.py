@@ -1,16 +1,20 @@
-"""A maneuver: a transition between two trims with a fixed duration, displacement and heading change."""
+"""Maneuver: a fixed transition between two trims."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import isfinite
+from typing import Annotated, Self
 
+from pydantic import Field, NonNegativeFloat
+
+from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
-from .statistics import Interpolated, Statistics
+from .statistics import InterpolationClaim, Statistics
 
 
 @dataclass(frozen=True, slots=True)
-class ManeuverError:
-    """Signed errors of a maneuver: seconds, metres forward and to the right at entry, radians."""
+class ManeuverError(FileValue):
+    """Signed errors of a maneuver: s, m forward, m right, rad."""
 
     duration: float
     forward: float
@@ -27,7 +31,7 @@ class ManeuverError:
 
 @dataclass(frozen=True, slots=True)
 class ManeuverOutcome:
-    """What a maneuver does at one uncertainty level: seconds, and displacement in the entry body frame."""
+    """Duration and displacement of a maneuver at one gamma."""
 
     duration: float
     displacement: SE2
@@ -58,7 +62,7 @@ class Maneuver:
     error: ManeuverError
     statistics: Statistics | None = None
     notes: str = ""
-    interpolated: Interpolated | None = None
+    interpolated: InterpolationClaim | None = None
 
     def __post_init__(self) -> None:
         """Refuses a duration that is not a time."""
@@ -75,3 +79,42 @@ class Maneuver:
                 self.displacement.heading + gamma * self.error.heading_change,
             ),
         )
+
+
+@dataclass(frozen=True, slots=True)
+class DisplacementRow(FileValue):
+    """End position of a maneuver in the body frame at entry."""
+
+    forward: Annotated[float, Field(description="metres, along the heading at entry")]
+    side: Annotated[float, Field(description="metres, to the right of the heading at entry")]
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverRow(FileValue):
+    """A maneuver as it stands in files."""
+
+    id: int
+    from_trim: Annotated[int, Field(alias="from")]
+    to_trim: Annotated[int, Field(alias="to")]
+    duration: Annotated[NonNegativeFloat, Field(description="seconds")]
+    displacement: DisplacementRow
+    heading_change: Annotated[float, Field(description="radians, clockwise positive")]
+    error: Annotated[ManeuverError, Field(description="signed; gamma scales it")]
+    statistics: Statistics | None = None
+    notes: Omittable[str] = ""
+    interpolated: InterpolationClaim | None = None
+
+    @classmethod
+    def of(cls, maneuver: Maneuver) -> Self:
+        """Returns the row of a maneuver."""
+        moved = maneuver.displacement
+        shared = {name: getattr(maneuver, name) for name in _SHARED}
+        return cls(displacement=DisplacementRow(moved.x, moved.y), heading_change=moved.heading, **shared)
+
+    def maneuver(self) -> Maneuver:
+        """Returns the maneuver."""
+        moved = SE2(self.displacement.forward, self.displacement.side, self.heading_change)
+        return Maneuver(displacement=moved, **{name: getattr(self, name) for name in _SHARED})
+
+
+_SHARED = tuple(field.name for field in fields(Maneuver) if field.name != "displacement")

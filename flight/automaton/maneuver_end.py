@@ -1,20 +1,24 @@
-"""When a maneuver has ended: one rule for identification and for execution.
+"""Maneuver-end rule, one for identification and execution.
 
 The body velocity and yaw rate are inside the next trim's band, without leaving it, for a dwell time; the end
 is the end of the dwell. A maneuver that does not end before the time-out is counted as timed out.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from math import isfinite
+from typing import Annotated
 
+from pydantic import Field, NonNegativeFloat, PositiveFloat
+
+from flight.file_value import FileValue, InForm
 from flight.se2 import Twist
 
 
 @dataclass(frozen=True, slots=True)
 class Band:
-    """Half widths around a trim's velocity: metres per second, metres per second, radians per second."""
+    """Half widths around a trim's velocity: m/s, m/s, rad/s."""
 
     forward: float
     side: float
@@ -25,8 +29,8 @@ class Band:
         if not all(isfinite(width) and width > 0 for width in (self.forward, self.side, self.yaw_rate)):
             raise ValueError(f"a band has positive half widths, got {self}")
 
-    def holds(self, velocity: Twist, target: Twist) -> bool:
-        """Whether a velocity is inside the band around a target velocity."""
+    def contains(self, velocity: Twist, target: Twist) -> bool:
+        """Returns True where a velocity is inside the band around a target."""
         return (
             abs(velocity.forward - target.forward) <= self.forward
             and abs(velocity.side - target.side) <= self.side
@@ -34,13 +38,40 @@ class Band:
         )
 
 
-@dataclass(frozen=True)
-class ManeuverEnd:
-    """The rule's numbers, fixed before a campaign: a band for each trim, dwell and time-out in seconds."""
+@dataclass(frozen=True, slots=True)
+class BandRow(FileValue):
+    """Half widths around one trim's velocity."""
 
-    bands: Mapping[int, Band]
-    dwell: float
-    timeout: float
+    trim: int
+    forward: Annotated[PositiveFloat, Field(description="metres per second")]
+    side: Annotated[PositiveFloat, Field(description="metres per second")]
+    yaw_rate: Annotated[PositiveFloat, Field(description="radians per second")]
+
+
+def _by_trim(rows: Sequence[BandRow]) -> dict[int, Band]:
+    bands = {row.trim: Band(row.forward, row.side, row.yaw_rate) for row in rows}
+    if len(bands) != len(rows):
+        raise ValueError(f"one for each trim, got {sorted(row.trim for row in rows)}")
+    return bands
+
+
+def _rows(bands: Mapping[int, Band]) -> tuple[BandRow, ...]:
+    return tuple(
+        BandRow(trim, band.forward, band.side, band.yaw_rate) for trim, band in sorted(bands.items())
+    )
+
+
+@dataclass(frozen=True)
+class ManeuverEnd(FileValue):
+    """Numbers of the maneuver-end rule: bands, dwell and time-out in seconds."""
+
+    bands: Annotated[
+        Mapping[int, Band],
+        InForm(Annotated[tuple[BandRow, ...], Field(min_length=1)], _by_trim, _rows),
+        Field(alias="band"),
+    ]
+    dwell: NonNegativeFloat
+    timeout: PositiveFloat
 
     def __post_init__(self) -> None:
         """Refuses times that order wrongly."""
@@ -50,15 +81,15 @@ class ManeuverEnd:
             )
 
 
-class Verdict(Enum):
-    """What the rule says after a sample."""
+class ManeuverStatus(Enum):
+    """Status of a maneuver after a sample."""
 
     UNDER_WAY = "under way"
     ENDED = "ended"
     TIMED_OUT = "timed out"
 
 
-class ManeuverEndJudge:
+class ManeuverEndDetector:
     """Applies the rule to one maneuver, sample by sample.
 
     Args:
@@ -76,12 +107,12 @@ class ManeuverEndJudge:
         self._deadline = entry_time + rule.timeout - 5e-7
         self._inside_since: float | None = None
 
-    def judge(self, time: float, velocity: Twist) -> Verdict:
-        """Takes the body velocity at a time (not decreasing) and says where the maneuver stands."""
-        if not self._band.holds(velocity, self._target):
+    def update(self, time: float, velocity: Twist) -> ManeuverStatus:
+        """Takes a body velocity and returns the maneuver's status; times never decrease."""
+        if not self._band.contains(velocity, self._target):
             self._inside_since = None
         elif self._inside_since is None:
             self._inside_since = time
         if self._inside_since is not None and time - self._inside_since >= self._dwell:
-            return Verdict.ENDED
-        return Verdict.TIMED_OUT if time >= self._deadline else Verdict.UNDER_WAY
+            return ManeuverStatus.ENDED
+        return ManeuverStatus.TIMED_OUT if time >= self._deadline else ManeuverStatus.UNDER_WAY

@@ -1,4 +1,4 @@
-"""The one sign convention of errors, so that gamma = +1 means "fast and wide" for every primitive at once.
+"""Sign convention of errors: gamma = +1 means fast and wide.
 
 Signs come from the *nominal* trims and displacements, never from data, so that they cannot flip with a seed.
 """
@@ -11,16 +11,16 @@ from .maneuver import ManeuverError
 
 
 def signed_trim_error(size: Twist, velocity: Twist) -> Twist:
-    """Returns the error of a trim with the sign of its nominal value, positive where that is 0.
+    """Returns a trim's error with the nominal value's sign, positive at 0.
 
     Args:
         size: absolute errors, metres per second and radians per second.
         velocity: the nominal body velocity.
     """
     return Twist(
-        _like(size.forward, velocity.forward),
-        _like(size.side, velocity.side),
-        _like(size.yaw_rate, velocity.yaw_rate),
+        _with_sign_of(size.forward, velocity.forward),
+        _with_sign_of(size.side, velocity.side),
+        _with_sign_of(size.yaw_rate, velocity.yaw_rate),
     )
 
 
@@ -40,11 +40,11 @@ def signed_maneuver_error(size: ManeuverError, *, left: Twist, reached: Twist) -
     turn = left.yaw_rate + reached.yaw_rate
     return ManeuverError(
         duration=-abs(size.duration),
-        forward=_like(size.forward, -advance or -1.0),
-        side=_like(size.side, -turn or -1.0),
-        heading_change=_like(size.heading_change, turn or -1.0),
+        forward=_with_sign_of(size.forward, -advance or -1.0),
+        side=_with_sign_of(size.side, -turn or -1.0),
+        heading_change=_with_sign_of(size.heading_change, turn or -1.0),
     )
 
 
-def _like(size: float, value: float) -> float:
+def _with_sign_of(size: float, value: float) -> float:
     return copysign(abs(size), value) if value else abs(size)

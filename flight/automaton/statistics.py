@@ -1,8 +1,12 @@
-"""How an error was found: what was observed, how often, and what may be claimed from it."""
+"""Statistics of an error: samples, scatter, coverage claimed."""
 
-from dataclasses import dataclass
-from typing import Final, Literal
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Final, Literal
 
+from pydantic import Field, NonNegativeFloat, NonNegativeInt, PositiveInt
+
+from flight.file_value import FileValue, InForm, Omittable, Share
 from flight.se2 import Twist
 
 Centre = Literal["command", "nominal flights", "same flights"]
@@ -15,7 +19,7 @@ SAME_FLIGHTS: Final = "same flights"
 
 @dataclass(frozen=True, slots=True)
 class ScalarStatistics:
-    """One number of a primitive over all its samples, in the number's own unit.
+    """Statistics of one number of a primitive, in its own unit.
 
     Attributes:
         name: the number's name in the library, such as `forward` or `duration`.
@@ -32,7 +36,27 @@ class ScalarStatistics:
 
 
 @dataclass(frozen=True, slots=True)
-class Statistics:
+class ScalarRow(FileValue):
+    """Statistics of one number of a primitive, as files state them."""
+
+    mean: float
+    standard_deviation: NonNegativeFloat
+    largest_deviation: NonNegativeFloat
+
+
+def _listed(scalars: Mapping[str, ScalarRow]) -> tuple[ScalarStatistics, ...]:
+    return tuple(
+        ScalarStatistics(name, row.mean, row.standard_deviation, row.largest_deviation)
+        for name, row in scalars.items()
+    )
+
+
+def _by_name(scalars: Iterable[ScalarStatistics]) -> dict[str, ScalarRow]:
+    return {row.name: ScalarRow(row.mean, row.standard_deviation, row.largest_deviation) for row in scalars}
+
+
+@dataclass(frozen=True, slots=True)
+class Statistics(FileValue):
     """The evidence behind the errors of one primitive.
 
     Attributes:
@@ -40,26 +64,32 @@ class Statistics:
         timeouts: performances that ended by time-out.
         coverage: share of future samples inside all of the primitive's bounds at once.
         confidence: confidence of that share.
-        scalars: one entry per number.
         discarded: samples that the bounds do not hold, because the flight was lost or a maneuver did not
             settle; the claim accounts for them.
         support: how many numbers were fitted to the samples; None where it is not told.
         centre: where the values come from; None where it is not told.
+        scalars: one entry per number; a file has them by their names.
     """
 
-    samples: int
-    timeouts: int
-    coverage: float
-    confidence: float
-    scalars: tuple[ScalarStatistics, ...]
-    discarded: int = 0
-    support: int | None = None
-    centre: Centre | None = None
+    samples: PositiveInt
+    timeouts: NonNegativeInt
+    coverage: Annotated[Share, Field(description="share of future samples inside all bounds at once")]
+    confidence: Share
+    discarded: Annotated[
+        Omittable[NonNegativeInt], Field(description="samples outside the bounds; absent: none")
+    ] = field(default=0, kw_only=True)
+    support: Annotated[PositiveInt | None, Field(description="numbers fitted to the samples")] = field(
+        default=None, kw_only=True
+    )
+    centre: Annotated[Centre | None, Field(description="where the values come from")] = field(
+        default=None, kw_only=True
+    )
+    scalars: Annotated[tuple[ScalarStatistics, ...], InForm(dict[str, ScalarRow], _listed, _by_name)]
 
 
 @dataclass(frozen=True, slots=True)
-class Interpolated:
-    """What may be claimed of a primitive whose errors were interpolated between flown ones.
+class InterpolationClaim(FileValue):
+    """Coverage claim for primitives interpolated between flown ones.
 
     It is claimed of the kind as a whole: of the trims, or of the maneuvers, that were interpolated, a share
     of at least `coverage` holds `flights` flights with all numbers inside the bounds at once.
@@ -73,17 +103,19 @@ class Interpolated:
         confidence: confidence of that share.
     """
 
-    left_out: int
-    exceeding: int
-    flights: int
-    factor: float
-    coverage: float
-    confidence: float
+    left_out: Annotated[PositiveInt, Field(description="flown primitives, each left out in turn")]
+    exceeding: Annotated[
+        NonNegativeInt, Field(description="of them, those that the others' bounds did not hold")
+    ]
+    flights: Annotated[PositiveInt, Field(description="that each of them was flown in")]
+    factor: Annotated[NonNegativeFloat, Field(description="by which interpolated deviations were inflated")]
+    coverage: Annotated[Share, Field(description="share of primitives that hold so many flights")]
+    confidence: Share
 
 
 @dataclass(frozen=True, slots=True)
-class AveragedError:
-    """The error of a trim's velocity averaged over a coast of some duration.
+class AveragedError(FileValue):
+    """Error of a trim's velocity averaged over a coast.
 
     Attributes:
         shortest: shortest duration that it holds for, seconds; never below the shortest coast flown.
@@ -93,8 +125,8 @@ class AveragedError:
         coverage: share of future flights inside all three bounds at once, at the trim's confidence.
     """
 
-    shortest: float
-    longest: float
+    shortest: Annotated[NonNegativeFloat, Field(description="seconds")]
+    longest: Annotated[NonNegativeFloat, Field(description="seconds")]
     error: Twist
-    samples: int
-    coverage: float
+    samples: PositiveInt
+    coverage: Share

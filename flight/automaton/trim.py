@@ -1,14 +1,18 @@
-"""A trim: a body velocity that the vehicle holds for as long as it likes."""
+"""Trim: a body velocity that the vehicle can hold indefinitely."""
 
 from dataclasses import dataclass
+from typing import Annotated
 
+from pydantic import Field
+
+from flight.file_value import FileValue, Omittable
 from flight.se2 import Twist
 
-from .statistics import AveragedError, Interpolated, Statistics
+from .statistics import AveragedError, InterpolationClaim, Statistics
 
 
 @dataclass(frozen=True, slots=True)
-class Trim:
+class Trim(FileValue):
     """A vertex of the maneuver automaton (thesis, 2.4.1).
 
     Attributes:
@@ -24,10 +28,13 @@ class Trim:
     id: int
     name: str
     velocity: Twist
-    error: Twist
+    error: Annotated[Twist, Field(description="signed; gamma scales it")]
     statistics: Statistics | None = None
-    averaged: tuple[AveragedError, ...] = ()
-    interpolated: Interpolated | None = None
+    averaged: Annotated[
+        Omittable[tuple[AveragedError, ...]],
+        Field(description="errors averaged over a coast, by its duration"),
+    ] = ()
+    interpolated: InterpolationClaim | None = None
 
     def at(self, gamma: float) -> Twist:
         """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""

@@ -1,4 +1,4 @@
-"""What the receding horizon needs of something that flies primitives: a model, a simulator, an autopilot."""
+"""Protocol of vehicles that fly primitives: model, simulator, autopilot."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -20,8 +20,8 @@ class Leg:
         settled: whether the primitive ended by its rule (a coast always does), not by time-out.
         track: true motion including both ends: time since the start in seconds, north and east in metres,
             heading in radians (not wrapped).
-        believed: the same as the vehicle believes it; None where that is the truth.
-        spread: standard deviation of the believed position in metres, the largest on the way, as the vehicle
+        estimated_track: the same as the vehicle believes it; None where that is the truth.
+        standard_deviation: of the believed position in metres, the largest on the way, as the vehicle
             claims it.
         turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
             None where it does not know.
@@ -31,8 +31,8 @@ class Leg:
     duration: float
     settled: bool
     track: Float[np.ndarray, "n 4"]
-    believed: Float[np.ndarray, "n 4"] | None = None
-    spread: float = 0.0
+    estimated_track: Float[np.ndarray, "n 4"] | None = None
+    standard_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
 
@@ -60,7 +60,7 @@ class Vehicle(Protocol):
         """
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver that leaves the trim held now, to its end or its time-out.
+        """Performs a maneuver from the present trim, to its end or time-out.
 
         Raises:
             FlightLostError: the flight ended in the ground or diverged.

@@ -1,16 +1,16 @@
-"""An identification campaign: which automaton is flown, how often, in which wind, ended by which rule."""
+"""Identification campaign: automaton, number of flights, wind, maneuver-end rule."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Annotated
 
-from pydantic import Field, FiniteFloat, PositiveInt
+from pydantic import NonNegativeInt, PositiveFloat, PositiveInt
 
-from flight.automaton.library_schema import ManeuverEndPart
 from flight.automaton.maneuver_end import ManeuverEnd
 from flight.errors import FlightError
-from flight.schema import FileModel, read_toml, schema_named
+from flight.file_value import FileValue, Omittable
+from flight.schema import read_toml, schema_named
 
 SCHEMA = "maneuver-campaign/1"
 """What a file may name itself; one that does not is of this version."""
@@ -24,10 +24,11 @@ class NoRuleForWindError(FlightError):
 
 
 @dataclass(frozen=True)
-class Campaign:
-    """What is fixed before the first flight.
+class Campaign(FileValue):
+    """Settings of a campaign, fixed before its first flight.
 
     Attributes:
+        schema: of its file, which need not say.
         name: short name.
         library: name or path of the library that names the trims and the maneuvers.
         wind: wind class.
@@ -38,14 +39,15 @@ class Campaign:
         maneuver_end: the rule, by wind class.
     """
 
+    schema: Annotated[Omittable[str], schema_named(SCHEMA)] = field(init=False, default=SCHEMA, repr=False)
     name: str
     library: str
     wind: str
-    altitude: float
-    flights: int
+    altitude: PositiveFloat
+    flights: PositiveInt
     coasting_range: tuple[float, float]
     maneuver_end: Mapping[str, ManeuverEnd]
-    nominal_flights: int = 0
+    nominal_flights: Omittable[NonNegativeInt] = 0
 
     def __post_init__(self) -> None:
         """Refuses coasting times in the wrong order."""
@@ -67,35 +69,10 @@ class Campaign:
             raise NoRuleForWindError(self.name, wind, self.maneuver_end) from None
 
 
-class _CampaignFile(FileModel):
-    schema_name: Annotated[str, schema_named(SCHEMA)] = Field(default=SCHEMA, alias="schema")
-    name: str
-    library: str
-    wind: str
-    altitude: FiniteFloat = Field(gt=0)
-    flights: PositiveInt
-    nominal_flights: int = Field(default=0, ge=0)
-    coasting_range: tuple[FiniteFloat, FiniteFloat]
-    maneuver_end: dict[str, ManeuverEndPart]
-
-
 def read_campaign(path: Path) -> Campaign:
     """Reads `campaigns/NAME.toml`.
 
     Raises:
         BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
     """
-    return read_toml(path, _CampaignFile, _to_campaign)
-
-
-def _to_campaign(content: _CampaignFile) -> Campaign:
-    return Campaign(
-        name=content.name,
-        library=content.library,
-        wind=content.wind,
-        altitude=content.altitude,
-        flights=content.flights,
-        coasting_range=content.coasting_range,
-        maneuver_end={wind: part.rule() for wind, part in content.maneuver_end.items()},
-        nominal_flights=content.nominal_flights,
-    )
+    return read_toml(path, Campaign)

@@ -1,4 +1,4 @@
-"""Faults: what goes wrong in a flight, where, from when to when, and by how much.
+"""Faults of a flight: place, kind, start, duration, size.
 
 In words, as on the command line: where, what, start and duration in seconds (`inf` for the rest of the
 flight), then the sizes of its kind: `gps dropout 10 2`, `gyro bias 5 inf 0 0 0.05`, `pedal slow 12 4 0.1`.
@@ -18,8 +18,8 @@ SERVOS = ("lateral", "longitudinal", "collective", "pedal")
 
 
 @dataclass(frozen=True, slots=True)
-class Size:
-    """One number of a fault: its name, its unit, the least and the largest that make sense."""
+class FaultParameter:
+    """Parameter of a fault: name, unit, least and largest value."""
 
     name: str
     unit: str
@@ -29,7 +29,7 @@ class Size:
 
 @dataclass(frozen=True, slots=True)
 class FaultKind:
-    """What can go wrong at a place.
+    """Kind of fault of one place.
 
     Attributes:
         where: sensor, servo, `controller`, `wind` or `vehicle`.
@@ -44,7 +44,7 @@ class FaultKind:
     where: str
     what: str
     meaning: str
-    sizes: tuple[Size, ...]
+    sizes: tuple[FaultParameter, ...]
     effect: str
     unit: str
     ends: bool = False
@@ -56,7 +56,7 @@ class FaultKind:
         return " ".join((self.where, self.what, "START DURATION", *sizes))
 
 
-def _kinds() -> Iterator[FaultKind]:
+def _fault_kinds() -> Iterator[FaultKind]:
     """Yields every kind, sensors first."""
     body, world = ("forward", "right", "down"), ("north", "east", "down")
     readings = dict(
@@ -73,31 +73,31 @@ def _kinds() -> Iterator[FaultKind]:
         )
         yield FaultKind(sensor, "dropout", nothing, (), "readings withheld so far", "-")
         yield FaultKind(sensor, "stuck", "gives its last reading again and again", (), off, unit)
-        sizes = tuple(Size(axis, unit) for axis in axes)
+        sizes = tuple(FaultParameter(axis, unit) for axis in axes)
         yield FaultKind(sensor, "bias", "reads more by a constant", sizes, off, unit)
-        later = (Size("time", "s", low=0.01, high=5.0),)
+        later = (FaultParameter("time", "s", low=0.01, high=5.0),)
         yield FaultKind(sensor, "delay", "each reading comes later, as if it were new", later, off, unit)
     for servo in SERVOS:
         off = f"how much faster a sound {servo} servo would have moved"
         yield FaultKind(servo, "jam", "stays where it is", (), off, "rad/s")
-        left = (Size("share", "-", low=0.0, high=1.0),)
+        left = (FaultParameter("share", "-", low=0.0, high=1.0),)
         yield FaultKind(servo, "slow", "moves at a share of its largest rate", left, off, "rad/s")
-        lag = (Size("time", "s", low=0.01, high=10.0),)
+        lag = (FaultParameter("time", "s", low=0.01, high=10.0),)
         yield FaultKind(servo, "lag", "follows its command with this time constant", lag, off, "rad/s")
     age = "age of the command beyond one control period"
-    late = (Size("time", "s", low=0.01, high=2.0),)
+    late = (FaultParameter("time", "s", low=0.01, high=2.0),)
     yield FaultKind("controller", "late", "each command comes later", late, age, "s")
-    rest = (Size("periods", "-", low=2.0, high=1000.0),)
+    rest = (FaultParameter("periods", "-", low=2.0, high=1000.0),)
     yield FaultKind("controller", "misses", "of so many periods only the first is done", rest, age, "s")
-    gust = tuple(Size(axis, "m/s") for axis in world)
+    gust = tuple(FaultParameter(axis, "m/s") for axis in world)
     blows = "the air's velocity comes and goes, one minus cosine"
     yield FaultKind("wind", "gust", blows, gust, "speed of the gust", "m/s", ends=True)
-    factor = (Size("factor", "-", low=0.1, high=10.0),)
+    factor = (FaultParameter("factor", "-", low=0.1, high=10.0),)
     yield FaultKind("vehicle", "mass", "mass times a factor", factor, "mass beyond what was", "kg")
     yield FaultKind("vehicle", "lift", "main rotor's lift slope times a factor", factor, "factor less 1", "-")
 
 
-KINDS = {(kind.where, kind.what): kind for kind in _kinds()}
+FAULT_KINDS = {(kind.where, kind.what): kind for kind in _fault_kinds()}
 """Every kind of fault by where and what."""
 
 
@@ -119,7 +119,7 @@ class Fault(FileModel):
     size: tuple[FiniteFloat, ...] = ()
 
     @model_validator(mode="after")
-    def _fits_its_kind(self) -> "Fault":
+    def _check_kind(self) -> "Fault":
         kind = self.kind
         if len(self.size) != len(kind.sizes):
             raise ValueError(f"expected {kind.words!r}, got {len(self.size)} sizes")
@@ -136,15 +136,15 @@ class Fault(FileModel):
 
     @property
     def kind(self) -> FaultKind:
-        """What can be said of all faults like this one.
+        """Kind of the fault, with what holds for all of its kind.
 
         Raises:
             ValueError: there is no such kind.
         """
         try:
-            return KINDS[self.where, self.what]
+            return FAULT_KINDS[self.where, self.what]
         except KeyError:
-            raise ValueError(_no_kind(self.where, self.what)) from None
+            raise ValueError(_unknown_kind_message(self.where, self.what)) from None
 
     @property
     def end(self) -> float:
@@ -174,9 +174,9 @@ def parse_fault(words: str) -> Fault:
     parts = words.split()
     where, what = (*parts, "", "")[:2]
     rest = parts[2:]
-    if (where, what) not in KINDS:
-        raise BadFaultError(words, _no_kind(where, what))
-    form = KINDS[where, what].words
+    if (where, what) not in FAULT_KINDS:
+        raise BadFaultError(words, _unknown_kind_message(where, what))
+    form = FAULT_KINDS[where, what].words
     try:
         start, duration, *size = map(float, rest)
     except ValueError:
@@ -192,16 +192,16 @@ def parse_fault(words: str) -> Fault:
             size=tuple(size),
         )
     except ValidationError as error:
-        raise BadFaultError(words, first_problem(error).removeprefix("document: ")) from None
+        raise BadFaultError(words, first_problem(error)) from None
 
 
-def _no_kind(where: str, what: str) -> str:
+def _unknown_kind_message(where: str, what: str) -> str:
     """Says what exists: what can happen there, or where anything can happen."""
-    here = [kind.what for kind in KINDS.values() if kind.where == where]
+    here = [kind.what for kind in FAULT_KINDS.values() if kind.where == where]
     if here:
         return f"no {what!r} of {where}; it knows {here}"
-    return f"no place {where!r}; faults have {_ordered(kind.where for kind in KINDS.values())}"
+    return f"no place {where!r}; faults have {_unique_in_order(kind.where for kind in FAULT_KINDS.values())}"
 
 
-def _ordered(names: Iterable[str]) -> list[str]:
+def _unique_in_order(names: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(names))

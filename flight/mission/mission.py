@@ -8,28 +8,29 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field, FiniteFloat, PositiveInt, model_validator
 
-from flight.schema import FileModel, read_toml, schema_named
+from flight.file_value import FileValue
+from flight.schema import FileModel, read_toml, refusing, schema_named
 from flight.se2 import SE2
 
-from .goal import Destination
+from .destination import Destination, slack_of
 
 SCHEMA = "maneuver-mission/1"
 """What a file may name itself; one that does not is of this version."""
 
-FARTHEST = 1e6
+MAX_COORDINATE = 1e6
 """Metres north or east of the origin that a file may say: a plan's end is checked to 1e-6 m, and numbers of
 this size are 1e-10 m apart."""
 
-MOST_TURNED = 1e3
+MAX_HEADING = 1e3
 """Radians that a heading in a file may say: numbers of this size are 1e-13 rad apart, which is 1e-7 m at the
 end of the farthest way; those of 1e17 are no headings at all."""
 
-MOST_TRIMS = 8
+MAX_TRIMS = 8
 """Trims in a sequence that may be asked for: of more there are more walks than can be searched in minutes."""
 
 
 @dataclass(frozen=True, slots=True)
-class Mission:
+class Mission(FileValue):
     """A motion-planning task in the plane.
 
     Attributes:
@@ -67,21 +68,36 @@ class Mission:
 
     @property
     def destination(self) -> Destination:
-        """Where the mission leads, without the trim wanted there."""
-        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance)
+        """Goal of the mission without the trim wanted there."""
+        slack = slack_of(*self.start.position, *self.goal, self.tolerance)
+        return Destination(self.goal, self.tolerance, self.goal_heading, self.heading_tolerance, slack)
 
 
-def _within(value: float, most: float, unit: str) -> float:
+def _check_magnitude(value: float, most: float, unit: str) -> float:
     if not abs(value) <= most:
         raise ValueError(f"expected a number from {-most:g} to {most:g} {unit}, got {value:g} {unit}")
     return value
 
 
-Place = Annotated[FiniteFloat, AfterValidator(partial(_within, most=FARTHEST, unit="m"))]
+Place = Annotated[FiniteFloat, AfterValidator(partial(_check_magnitude, most=MAX_COORDINATE, unit="m"))]
 """North or east in a file, metres."""
 
-Heading = Annotated[FiniteFloat, AfterValidator(partial(_within, most=MOST_TURNED, unit="rad"))]
+Heading = Annotated[FiniteFloat, AfterValidator(partial(_check_magnitude, most=MAX_HEADING, unit="rad"))]
 """A heading in a file, radians."""
+
+
+def check_file_limits(mission: Mission) -> None:
+    """Checks that a mission is within the limits of files.
+
+    Raises:
+        ValueError: it is not; names the part.
+    """
+    for value in (*mission.start.position, *mission.goal, mission.tolerance):
+        _check_magnitude(value, MAX_COORDINATE, "m")
+    for heading in (mission.start.heading, mission.goal_heading or 0.0):
+        _check_magnitude(heading, MAX_HEADING, "rad")
+    if mission.max_trims > MAX_TRIMS:
+        raise ValueError(f"max_trims: expected at most {MAX_TRIMS}, got {mission.max_trims}")
 
 
 class _Start(FileModel):
@@ -92,7 +108,7 @@ class _Start(FileModel):
 
 class _Goal(FileModel):
     position: tuple[Place, Place]
-    tolerance: FiniteFloat = Field(ge=0, le=FARTHEST)
+    tolerance: FiniteFloat = Field(ge=0, le=MAX_COORDINATE)
     heading: Heading | None = None
     heading_tolerance: FiniteFloat | None = Field(default=None, ge=0)
     trim: int | None = None
@@ -105,7 +121,7 @@ class _Goal(FileModel):
 
 
 class _Planner(FileModel):
-    max_trims: PositiveInt = Field(default=4, le=MOST_TRIMS)
+    max_trims: PositiveInt = Field(default=4, le=MAX_TRIMS)
 
 
 class _MissionFile(FileModel):
@@ -122,9 +138,9 @@ def read_mission(path: Path) -> Mission:
     Raises:
         BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
     """
-
-    def build(content: _MissionFile) -> Mission:
-        tolerance = content.goal.heading_tolerance
+    content = read_toml(path, _MissionFile)
+    tolerance = content.goal.heading_tolerance
+    with refusing(path):
         return Mission(
             name=content.name,
             start=SE2(*content.start.position, content.start.heading),
@@ -136,5 +152,3 @@ def read_mission(path: Path) -> Mission:
             goal_trim=content.goal.trim,
             max_trims=content.planner.max_trims,
         )
-
-    return read_toml(path, _MissionFile, build)

@@ -1,4 +1,4 @@
-"""A sequence: trims to be flown one after the other, a coasting time each; the thesis's scripts."""
+"""Sequence: trims flown in order, with a coasting time each."""
 
 from dataclasses import dataclass
 from math import isfinite
@@ -8,7 +8,7 @@ from typing import Annotated
 import numpy as np
 from pydantic import Field, FiniteFloat, model_validator
 
-from flight.schema import FileModel, read_toml, schema_named
+from flight.schema import FileModel, read_toml, refusing, schema_named
 from flight.se2 import SE2
 
 from .mission import Heading, Place
@@ -82,8 +82,8 @@ def read_sequence(path: Path) -> Sequence:
     Raises:
         BadFileError: the file is missing, is no TOML, or lacks or misnames a part.
     """
-
-    def build(content: _SequenceFile) -> Sequence:
+    content = read_toml(path, _SequenceFile)
+    with refusing(path):
         times = content.coasting_times
         if isinstance(times, _Uniform):
             rng = np.random.default_rng(times.seed)
@@ -95,5 +95,3 @@ def read_sequence(path: Path) -> Sequence:
             coasting_times=tuple(times),
             wind=content.wind,
         )
-
-    return read_toml(path, _SequenceFile, build)

@@ -21,7 +21,7 @@ class WindChange(FileModel):
 
 
 def parse_wind_change(words: str) -> WindChange:
-    """Reads a change of wind from words, as on the command line: `20 light`.
+    """Parses a change of wind from words such as `20 light`.
 
     Raises:
         FlightError: they describe none.

@@ -1,4 +1,4 @@
-"""The proof that no plan is faster, or that there is none: walk by walk, a tree of boxes of coasting times.
+"""Proof of a lower bound: for each walk, trees of boxes of times.
 
 A box is cut in two at one coasting time, again and again; each part that is not cut is refuted by
 multipliers (`docs/planner.md` says how). A tree is written as a line of text, every node before its parts,
@@ -11,6 +11,10 @@ the earlier part first:
 
 from dataclasses import dataclass
 
+from pydantic import PositiveInt
+
+from flight.file_value import FileValue
+
 LARGEST_NUMBER = 1e60
 """Of a multiplier: its square is still a number."""
 
@@ -19,8 +23,8 @@ _LONGEST_PLACE = 4
 
 
 @dataclass(frozen=True, slots=True)
-class Cut:
-    """Divides a box: first the part before the time, then the part after it.
+class BoxSplit:
+    """Split of a box at a coasting time, first part below it.
 
     Attributes:
         place: of the trim in the walk, from 0.
@@ -32,7 +36,7 @@ class Cut:
 
 
 @dataclass(frozen=True, slots=True)
-class Leaf:
+class BoxLeaf:
     """Refutes a box, or says that it is empty.
 
     Attributes:
@@ -47,8 +51,8 @@ class Leaf:
 
 
 @dataclass(frozen=True, slots=True)
-class Refutation:
-    """Why one walk is not faster.
+class InfeasibilityCertificate(FileValue):
+    """Proof that one walk is not faster.
 
     Attributes:
         sequence: trim ids.
@@ -62,30 +66,30 @@ class Refutation:
 
 
 @dataclass(frozen=True, slots=True)
-class Certificate:
-    """The proof of a plan's lower bound; without a lower bound, the proof that there is no plan.
+class Certificate(FileValue):
+    """Proof of a plan's lower bound, or that there is no plan.
 
     Attributes:
         max_trims: longest walk considered.
         refutations: one for each walk.
     """
 
-    max_trims: int
-    refutations: tuple[Refutation, ...]
+    max_trims: PositiveInt
+    refutations: tuple[InfeasibilityCertificate, ...]
 
 
-def write_tree(nodes: list[Cut | Leaf]) -> str:
-    """Returns a tree as text; its nodes are in order, each before its parts."""
+def write_tree(nodes: list[BoxSplit | BoxLeaf]) -> str:
+    """Returns a tree as text, each node before its parts."""
     return " ".join(_token(node) for node in nodes)
 
 
-def read_tree(text: str) -> list[Cut | Leaf]:
+def read_tree(text: str) -> list[BoxSplit | BoxLeaf]:
     """Reads a tree's nodes in order.
 
     Raises:
         ValueError: the text is no tree; says where.
     """
-    nodes: list[Cut | Leaf] = []
+    nodes: list[BoxSplit | BoxLeaf] = []
     for token in text.split():
         try:
             nodes.append(_node(token))
@@ -96,34 +100,36 @@ def read_tree(text: str) -> list[Cut | Leaf]:
     return nodes
 
 
-def _token(node: Cut | Leaf) -> str:
-    if isinstance(node, Cut):
+def _token(node: BoxSplit | BoxLeaf) -> str:
+    if isinstance(node, BoxSplit):
         return f"{node.place}<{node.time!r}"
     if node.kappa is None:
         return "-"
-    shares = ",".join(map(_short, node.shares))
-    return f"{node.kappa}:{_short(node.vector[0])},{_short(node.vector[1])};{shares}"
+    shares = ",".join(map(_shortest_decimal, node.shares))
+    return f"{node.kappa}:{_shortest_decimal(node.vector[0])},{_shortest_decimal(node.vector[1])};{shares}"
 
 
-def _short(value: float) -> str:
+def _shortest_decimal(value: float) -> str:
     text = repr(value)
     return text[:-2] if text.endswith(".0") else text
 
 
-def _node(token: str) -> Cut | Leaf:
+def _node(token: str) -> BoxSplit | BoxLeaf:
     if token == "-":
-        return Leaf()
+        return BoxLeaf()
     if "<" in token:
         place, time = token.split("<")
         if len(place) > _LONGEST_PLACE:
             raise ValueError(place)
-        return Cut(int(place), _number(time))
+        return BoxSplit(int(place), _number(time))
     kappa, rest = token.split(":")
     vector, shares = rest.split(";")
     north, east = vector.split(",")
     if kappa not in {"0", "1"}:
         raise ValueError(kappa)
-    return Leaf(int(kappa), (_number(north), _number(east)), tuple(_number(one) for one in shares.split(",")))
+    return BoxLeaf(
+        int(kappa), (_number(north), _number(east)), tuple(_number(one) for one in shares.split(","))
+    )
 
 
 def _number(text: str) -> float:

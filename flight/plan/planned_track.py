@@ -1,4 +1,4 @@
-"""Where a plan leads, as a line to draw."""
+"""Tracks and tubes of plans, as lines to draw."""
 
 from collections.abc import Sequence
 from itertools import pairwise
@@ -14,7 +14,7 @@ from flight.se2 import SE2, Twist
 POINTS = 40
 """Points drawn for each primitive."""
 
-LEVELS = 5
+TUBE_GAMMAS = 5
 """Lines of a tube."""
 
 Line = Float[np.ndarray, "n 2"]
@@ -28,7 +28,7 @@ def planned_track(
     start: SE2,
     gamma: float = 0.0,
 ) -> tuple[tuple[Line, ...], tuple[Line, ...]]:
-    """Returns the coasts and the maneuvers of a walk as lines of north and east, in metres.
+    """Returns coasts and maneuvers of a walk as lines in metres.
 
     Coasts are the exact flow (thesis, eq. 17-18). A library knows of a maneuver where it leads, not how: it
     is drawn as the cubic that leaves and arrives with the velocities of its two trims.
@@ -52,7 +52,7 @@ def planned_tube(
     start: SE2,
     level: float,
 ) -> Float[np.ndarray, "gammas n 2"]:
-    """Returns where a walk leads with its coasting times kept, at levels from -level to level.
+    """Returns the tracks of a walk at gammas from -level to level.
 
     A line of north and east for each level, in metres; points of one place among the lines belong to the same
     part of the same primitive, so that the area between neighbours is what the walk sweeps.
@@ -64,7 +64,7 @@ def planned_tube(
         start: pose at the beginning.
         level: largest uncertainty level, >= 0.
     """
-    levels = np.linspace(-level, level, LEVELS)
+    levels = np.linspace(-level, level, TUBE_GAMMAS)
     return np.array(
         [
             np.concatenate(_pieces(library, sequence, coasting_times, start=start, gamma=float(gamma)))

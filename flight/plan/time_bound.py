@@ -1,4 +1,4 @@
-"""A time that most flights keep: a factor on what the loop foretells, found by flying other missions.
+"""Time bound: a factor on the predicted time, found by flights.
 
 It is no part of a library, whose numbers are of primitives, but stands beside it: `NAME.times.toml` beside
 `NAME.json`, with the library's hash.
@@ -7,18 +7,22 @@ It is no part of a library, whose numbers are of primitives, but stands beside i
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
-from pydantic import Field, FiniteFloat, PositiveInt
+from pydantic import Field, NonNegativeInt, PositiveFloat, PositiveInt, field_validator
 
+from flight.file_value import FileValue
 from flight.schema import FileModel, read_toml
 
 SUFFIX = ".times.toml"
 
+LARGEST_FACTOR = 1e6
+"""Factor that a file may state: a plan's time times this stays finite."""
+
 
 @dataclass(frozen=True, slots=True)
-class TimePromise:
-    """What share of flights is at the goal within what multiple of the time that the loop foretells.
+class TimeBound(FileValue):
+    """Share of flights that finish within a multiple of the predicted time.
 
     Attributes:
         policy: of the plans.
@@ -35,12 +39,12 @@ class TimePromise:
     policy: str
     gamma: float
     wind: str
-    share: float
-    factor: float
-    missions: int
-    flights: int
-    seed: int
-    time: float | None = None
+    share: Annotated[float, Field(gt=0, lt=1)]
+    factor: Annotated[float, Field(gt=0, le=LARGEST_FACTOR)]
+    missions: PositiveInt
+    flights: PositiveInt
+    seed: NonNegativeInt
+    time: PositiveFloat | None = None
 
     @property
     def source(self) -> str:
@@ -49,46 +53,36 @@ class TimePromise:
 
     @property
     def sentence(self) -> str:
-        """What is promised, for people."""
-        multiple = f"{self.factor:.2f} times what the loop foretells"
-        when = multiple if self.time is None else f"{self.time:.1f} s, {multiple}"
-        return f"{self.share:.0%} of flights are there within {when}, with 95% confidence ({self.source})"
+        """Time bound in words."""
+        multiple = f"{self.factor:.2f} × predicted"
+        when = multiple if self.time is None else f"{self.time:.1f} s ({multiple})"
+        return f"{self.share:.0%} of flights finish within {when}, 95% confidence, from {self.source}"
 
 
-class TimePromisePart(FileModel):
-    """A promise as it stands in files."""
-
-    policy: str
-    gamma: FiniteFloat
-    wind: str
-    share: FiniteFloat = Field(gt=0, lt=1)
-    factor: FiniteFloat = Field(gt=0)
-    missions: PositiveInt
-    flights: PositiveInt
-    seed: int = Field(ge=0)
-    time: FiniteFloat | None = Field(default=None, gt=0)
-
-    def promise(self) -> TimePromise:
-        """Returns it as a value."""
-        return TimePromise(**self.model_dump())
-
-
-class _TimesFile(FileModel):
+class _TimeBoundsFile(FileModel):
     schema_name: Literal["maneuver-times/1"] = Field(alias="schema")
     library_hash: str
-    promise: tuple[TimePromisePart, ...]
+    promise: tuple[TimeBound, ...] = Field(min_length=1)
+
+    @field_validator("promise")
+    @classmethod
+    def _no_time(cls, promises: tuple[TimeBound, ...]) -> tuple[TimeBound, ...]:
+        for place, one in enumerate(promises):
+            if one.time is not None:
+                raise ValueError(f"[{place}].time: expected none beside a library, got {one.time} s")
+        return promises
 
 
-def times_path(library: Path) -> Path:
+def time_bounds_path(library: Path) -> Path:
     """Returns where the promises of a library stand."""
     return library.with_name(library.stem + SUFFIX)
 
 
-def times_text(promises: Sequence[TimePromise], *, library_hash: str, command: str) -> str:
+def time_bounds_text(promises: Sequence[TimeBound], *, library_hash: str, command: str) -> str:
     """Returns promises as their file's text.
 
     Args:
-        promises: found with one library.
+        promises: found with one library; at least one, for a file without is none.
         library_hash: of that.
         command: that found them.
     """
@@ -109,8 +103,8 @@ def times_text(promises: Sequence[TimePromise], *, library_hash: str, command: s
     return "\n".join(lines) + "\n"
 
 
-def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] | None:
-    """Returns what is promised of plans with a library; nothing where no file stands beside it.
+def read_time_bounds(library: Path, *, library_hash: str) -> tuple[TimeBound, ...] | None:
+    """Returns the time bounds stated beside a library; none without a file.
 
     Args:
         library: its path.
@@ -122,12 +116,8 @@ def read_times(library: Path, *, library_hash: str) -> tuple[TimePromise, ...] |
     Raises:
         BadFileError: the file is broken.
     """
-    path = times_path(library)
+    path = time_bounds_path(library)
     if not path.exists():
         return ()
-
-    def build(content: _TimesFile) -> tuple[TimePromise, ...] | None:
-        same = content.library_hash == library_hash
-        return tuple(part.promise() for part in content.promise) if same else None
-
-    return read_toml(path, _TimesFile, build)
+    content = read_toml(path, _TimeBoundsFile)
+    return content.promise if content.library_hash == library_hash else None

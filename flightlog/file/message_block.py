@@ -1,4 +1,4 @@
-"""Messages of one size as an array: MCAP's record of a message around a payload."""
+"""Blocks of equally sized MCAP messages as NumPy arrays."""
 
 from typing import Any
 
@@ -18,18 +18,18 @@ _HEAD = [
 
 
 def topic_type(topic: Topic) -> np.dtype[Any]:
-    """Returns the layout of a topic's messages: doubles by their numbers, a tag byte before each."""
+    """Returns the array type of a topic's messages: tag bytes and doubles."""
     payload = [part for number in topic.numbers for part in ((f"t{number}", "u1"), (f"v{number}", "<f8"))]
     return np.dtype([*_HEAD, *payload])
 
 
 def bytes_type(size: int) -> np.dtype[Any]:
-    """Returns the layout of messages whose payloads are bytes of one size."""
+    """Returns the array type of messages with payloads of one size."""
     return np.dtype([*_HEAD, ("payload", "u1", (size,))])
 
 
 def empty_messages(kind: np.dtype[Any], count: int) -> np.ndarray[Any, Any]:
-    """Returns messages with what is the same in all of them: kind of record, length, protobuf tags."""
+    """Returns messages with their constant fields set."""
     messages = np.zeros(count, kind)
     messages["opcode"] = Opcode.MESSAGE
     messages["length"] = kind.itemsize - 9
@@ -39,7 +39,7 @@ def empty_messages(kind: np.dtype[Any], count: int) -> np.ndarray[Any, Any]:
 
 
 def constant_fields(kind: np.dtype[Any]) -> tuple[str, ...]:
-    """Returns the fields that are the same in all messages of a layout."""
+    """Returns the fields that are equal in all messages."""
     return ("opcode", "length", *(name for name in kind.names or () if _is_tag(name)))
 
 
@@ -47,7 +47,7 @@ def _is_tag(name: str) -> bool:
     return name.startswith("t") and name[1:].isdigit()
 
 
-def everywhere(content: np.ndarray[Any, Any], kind: np.dtype[Any]) -> np.ndarray[Any, Any]:
-    """Returns a view of bytes whose every entry is the message that would begin at that byte."""
+def view_at_every_byte(content: np.ndarray[Any, Any], kind: np.dtype[Any]) -> np.ndarray[Any, Any]:
+    """Returns a view of bytes with one message for each start byte."""
     count = max(len(content) - kind.itemsize + 1, 0)
     return np.ndarray((count,), np.dtype((np.void, kind.itemsize)), content.data, strides=(1,))

@@ -1,4 +1,4 @@
-"""Flight logs as MCAP files: protobuf channels of doubles, every checksum written and every checksum read.
+"""Reading of MCAP flight logs with verification of every checksum.
 
 A message whose fields are all doubles numbered 1 to 15 has a fixed layout, a tag byte and eight bytes each,
 so a block of messages is a NumPy array, written and read as one piece.
@@ -21,16 +21,16 @@ from mcap.records import ChunkIndex, Schema
 from mcap.summary import Summary
 
 from flight.errors import BadFileError
-from flight.schema import refuse_other_schema
+from flight.schema import check_schema_name
 from flightlog.alarm import ALARM
 from flightlog.channels import SCHEMA, TOPICS
-from flightlog.consistency import refuse_contradictions
+from flightlog.consistency import check_log_consistency
 from flightlog.decision import DECISION
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
 
-from .message_block import constant_fields, empty_messages, everywhere, topic_type
+from .message_block import constant_fields, empty_messages, topic_type, view_at_every_byte
 from .writer import (
     CONVENTIONS_METADATA,
     HEADER_METADATA,
@@ -39,20 +39,20 @@ from .writer import (
 )
 
 MAGIC = b"\x89MCAP0\r\n"
-_RECOVER = "; `maneuver recover` saves what is whole"
+_RECOVER = "; `maneuver recover` saves the undamaged part"
 _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
 
 
 def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)) -> FlightLog:
-    """Reads a log, every byte of it checked.
+    """Reads a flight log and verifies every checksum.
 
     Args:
-        path: of the file.
-        topics: those that are unpacked, where the log has them; fewer are read faster.
+        path: file to read.
+        topics: topics to unpack, where present; fewer are read faster.
 
     Raises:
-        BadFileError: the file is missing, too large, cut short, damaged, or no flight log; one line.
+        BadFileError: the file is missing, too large, truncated, damaged, or not a flight log.
     """
     try:
         size = path.stat().st_size
@@ -61,7 +61,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         content = path.read_bytes()
     except OSError as error:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
-    _check(content, path)
+    _check_complete(content, path)
     try:
         return _parse(content, topics)
     except (
@@ -76,20 +76,20 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         raise BadFileError(path, f"is no flight log: {error}") from None
 
 
-def _check(content: bytes, path: Path) -> None:
-    """Refuses content whose beginning, end or checksums are not those of a complete file."""
+def _check_complete(content: bytes, path: Path) -> None:
+    """Refuses content with an incomplete start, end or wrong checksum."""
     if not content.startswith(MAGIC):
         raise BadFileError(path, "expected an MCAP file, got something else")
     end = len(content) - len(MAGIC) - _FOOTER.size
     if end < len(MAGIC) or not content.endswith(MAGIC):
-        raise BadFileError(path, f"is cut short after {len(content)} bytes; its end is missing{_RECOVER}")
+        raise BadFileError(path, f"is truncated after {len(content)} bytes{_RECOVER}")
     opcode, _, summary_start, _, summary_crc = _FOOTER.unpack_from(content, end)
     data_end = summary_start - _DATA_END.size
     if opcode != Opcode.FOOTER or not len(MAGIC) <= data_end <= end:
-        raise BadFileError(path, f"is damaged: its footer points nowhere{_RECOVER}")
+        raise BadFileError(path, f"is damaged: its footer has an invalid offset{_RECOVER}")
     opcode, _, data_crc = _DATA_END.unpack_from(content, data_end)
     if not data_crc or not summary_crc:
-        raise BadFileError(path, "has no checksums; a flight log of this program has them all")
+        raise BadFileError(path, "expected checksums of data and summary, got none")
     if opcode != Opcode.DATA_END or zlib.crc32(content[:data_end]) != data_crc:
         raise BadFileError(path, f"is damaged: its data do not match their checksum{_RECOVER}")
     if zlib.crc32(content[summary_start : end + _FOOTER.size - 4]) != summary_crc:
@@ -102,7 +102,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
     if summary is None:
         raise ValueError("it has no summary")
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
-    refuse_other_schema(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
+    check_schema_name(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
     if HEADER_METADATA not in metadata:
         raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
@@ -112,7 +112,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
         series=_parse_series(content, summary, topics),
         attachments={record.name: record.data for record in reader.iter_attachments()},
     )
-    refuse_contradictions(log)
+    check_log_consistency(log)
     return log
 
 
@@ -126,7 +126,7 @@ def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
 def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> dict[str, Series]:
     by_name = {topic.name: topic for topic in wanted}
     topics = {
-        channel.id: _as_held(by_name[channel.topic], summary.schemas[channel.schema_id])
+        channel.id: _topic_of_schema(by_name[channel.topic], summary.schemas[channel.schema_id])
         for channel in summary.channels.values()
         if channel.topic in by_name
     }
@@ -142,8 +142,8 @@ def _parse_series(content: bytes, summary: Summary, wanted: Sequence[Topic]) -> 
     return series
 
 
-def _as_held(topic: Topic, schema: Schema) -> Topic:
-    """Returns a topic with the fields that the file's schema has; a log of another vehicle may have fewer."""
+def _topic_of_schema(topic: Topic, schema: Schema) -> Topic:
+    """Returns a topic with the fields that the file's schema has."""
     described = described_fields(schema.data, topic.message)
     expected = dict(zip(topic.field_names, topic.numbers, strict=True))
     if not described or not described.items() <= expected.items():
@@ -156,7 +156,7 @@ def _as_held(topic: Topic, schema: Schema) -> Topic:
 def _chunk_blocks(
     content: bytes, index: ChunkIndex, topics: Mapping[int, Topic]
 ) -> Iterator[tuple[int, np.ndarray[Any, Any]]]:
-    """Yields channel and messages of one chunk; the data's checksum has been verified over the whole file."""
+    """Yields channel and messages of a chunk with verified checksum."""
     if topics.keys().isdisjoint(index.message_index_offsets):
         return
     if index.compression != "zstd":
@@ -179,7 +179,7 @@ def _messages_at(records: bytes, offsets: np.ndarray[Any, Any], kind: np.dtype[A
     raw = np.frombuffer(records, np.uint8)
     if len(offsets) and int(offsets.max()) + kind.itemsize > len(raw):
         raise ValueError("a message lies outside its chunk")
-    messages: np.ndarray[Any, Any] = everywhere(raw, kind)[offsets.astype(np.int64)].view(kind)
+    messages: np.ndarray[Any, Any] = view_at_every_byte(raw, kind)[offsets.astype(np.int64)].view(kind)
     expected = empty_messages(kind, 1)
     for name in constant_fields(kind):
         if not (messages[name] == expected[name]).all():

@@ -1,7 +1,7 @@
-"""What is whole in a damaged MCAP file, of whatever writer, copied into a file that opens.
+"""Recovery of the undamaged parts of an MCAP file.
 
-A record is taken only where it can be trusted: chunks and attachments by their checksums, the rest where it
-parses to its last byte. Where the chain of records breaks, the next whole chunk is looked for.
+Chunks and attachments are accepted by their checksums, other records if they parse to the last byte. After a
+break in the chain of records the search resumes at the next complete chunk. Files of any writer are accepted.
 """
 
 import io
@@ -23,10 +23,10 @@ from .reader import MAGIC
 from .writer import HEADER_METADATA, LARGEST_LOG
 
 RECOVERY_METADATA = "recovery"
-"""Name of the metadata that tells a recovered file from the one it was made of."""
+"""Name of the metadata record that marks a recovered file."""
 
 _HEAD = struct.Struct("<BQ")
-# Times, size, checksum, then the name of the compression with its length before it.
+# Times, size, checksum, then length and name of the compression.
 _CHUNK_NAME = 9 + 8 + 8 + 8 + 4
 _LONGEST_NAME = 16
 _LAST_OPCODE = Opcode.DATA_END
@@ -43,27 +43,27 @@ _UNREADABLE = (
 
 
 class _DamagedError(ValueError):
-    """A record is not what it says it is."""
+    """Record that contradicts its own header."""
 
 
 @dataclass(slots=True)
 class Salvage:
-    """Everything of a file that can be trusted, and what cannot.
+    """Undamaged content of a file, and counts of the damage.
 
     Attributes:
-        header: profile and writer; None where lost.
-        schemas: by id.
-        channels: by id.
-        messages: in the order of the file.
-        attachments: in the order of the file.
-        metadata: in the order of the file.
-        announced: messages that the file says it holds; None where that was lost.
-        damaged_chunks: chunks whose checksum or content is wrong.
-        damaged_attachments: attachments whose checksum is wrong.
-        skipped_bytes: bytes that belong to no record that could be made out.
-        orphans: messages of channels that are described nowhere.
-        ended: whether the record was found that ends the data.
-        data_intact: whether all before that record matches its checksum; None where it has none.
+        header: profile and writer; None if lost.
+        schemas: schemas by id.
+        channels: channels by id.
+        messages: messages in file order.
+        attachments: attachments in file order.
+        metadata: metadata in file order.
+        announced: number of messages by the file's statistics; None if lost.
+        damaged_chunks: chunks with wrong checksum or content.
+        damaged_attachments: attachments with wrong checksum.
+        skipped_bytes: bytes outside any recognised record.
+        orphans: messages of channels without description.
+        ended: whether the data-end record was found.
+        data_intact: whether the data match the checksum of that record; None if it has none.
     """
 
     header: Header | None = None
@@ -82,7 +82,7 @@ class Salvage:
 
     @property
     def lossless(self) -> bool:
-        """Whether every message and attachment of the damaged file is here, provably."""
+        """True if every message and attachment was provably recovered."""
         if self.data_intact is not None:
             return self.data_intact
         damage = self.damaged_chunks or self.damaged_attachments or self.skipped_bytes or self.orphans
@@ -90,22 +90,22 @@ class Salvage:
 
     @property
     def last_time(self) -> float:
-        """Seconds of the last message, on the file's own clock."""
+        """Time of the last message in seconds, on the file's clock."""
         return max((message.log_time for message in self.messages), default=0) * 1e-9
 
 
 def salvage(content: bytes) -> Salvage:
-    """Returns what is whole in the bytes of an MCAP file, however they were damaged."""
+    """Returns the undamaged content of an MCAP file's bytes."""
     found, unpacked = Salvage(), 0
     for opcode, start, end in _records(content, found):
         body = content[start:end]
         try:
             if opcode == Opcode.CHUNK:
-                unpacked += _take_chunk(body, found, limit=LARGEST_LOG - unpacked)
+                unpacked += _add_chunk(body, found, limit=LARGEST_LOG - unpacked)
             elif opcode == Opcode.DATA_END:
-                _end_data(content[: start - _HEAD.size], body, found)
+                _check_data_end(content[: start - _HEAD.size], body, found)
             else:
-                _take(opcode, body, found)
+                _add_record(opcode, body, found)
         except _UNREADABLE:
             if opcode == Opcode.CHUNK:
                 found.damaged_chunks += 1
@@ -119,9 +119,9 @@ def salvage(content: bytes) -> Salvage:
 
 
 def recovered_bytes(found: Salvage) -> bytes:
-    """Returns a complete MCAP file, with every checksum, of what was salvaged.
+    """Returns a complete MCAP file of the salvaged content.
 
-    A flight log that lost something says so in its outcome: it did not complete.
+    The outcome of a flight log with losses is set to `recovered with loss`.
     """
     stream = io.BytesIO()
     writer = Writer(stream, enable_data_crcs=True)
@@ -132,7 +132,7 @@ def recovered_bytes(found: Salvage) -> bytes:
     for metadata in found.metadata:
         content = dict(metadata.metadata)
         if metadata.name == HEADER_METADATA and not found.lossless:
-            content["outcome"] = f"recovered with loss: whole up to {found.last_time:.2f} s at most"
+            content["outcome"] = f"recovered with loss: complete up to {found.last_time:.2f} s at most"
         writer.add_metadata(metadata.name, content)
     writer.add_metadata(RECOVERY_METADATA, {"lossless": str(found.lossless).lower()})
     for part in found.attachments:
@@ -159,15 +159,15 @@ def recovered_bytes(found: Salvage) -> bytes:
     return stream.getvalue()
 
 
-def holds(content: bytes, found: Salvage) -> bool:
-    """Returns whether a file, read anew with every checksum, holds what was salvaged, message by message."""
+def contains_salvage(content: bytes, found: Salvage) -> bool:
+    """Returns True if a file, read anew, holds the salvaged messages."""
     reader = SeekingReader(io.BytesIO(content), validate_crcs=True, record_size_limit=LARGEST_LOG)
     try:
         read = reader.iter_messages(log_time_order=False)
         same = all(
             (channel.topic, message.log_time, message.data)
-            == (found.channels[kept.channel_id].topic, kept.log_time, kept.data)
-            for kept, (_, channel, message) in zip(found.messages, read, strict=True)
+            == (found.channels[salvaged.channel_id].topic, salvaged.log_time, salvaged.data)
+            for salvaged, (_, channel, message) in zip(found.messages, read, strict=True)
         )
         attachments = [part.data for part in reader.iter_attachments()]
     except _UNREADABLE:
@@ -176,14 +176,14 @@ def holds(content: bytes, found: Salvage) -> bool:
 
 
 def _records(content: bytes, found: Salvage) -> Iterator[tuple[int, int, int]]:
-    """Yields opcode, begin and end of each record; counts the bytes between those that can be made out."""
+    """Yields opcode, begin and end of each record; counts skipped bytes."""
     position = len(MAGIC) if content.startswith(MAGIC) else _next_chunk(content, 0)
     found.skipped_bytes += 0 if content.startswith(MAGIC) else position
     last = len(content) - len(MAGIC) if content.endswith(MAGIC) else len(content)
     while position + _HEAD.size <= last:
         opcode, length = _HEAD.unpack_from(content, position)
         end = position + _HEAD.size + length
-        if not 0 < opcode <= _LAST_OPCODE or end > last or not _plausible(content, position):
+        if not 0 < opcode <= _LAST_OPCODE or end > last or not _is_plausible_chunk(content, position):
             resumed = _next_chunk(content, position + 1)
             found.skipped_bytes += resumed - position
             position = resumed
@@ -194,17 +194,17 @@ def _records(content: bytes, found: Salvage) -> Iterator[tuple[int, int, int]]:
 
 
 def _next_chunk(content: bytes, position: int) -> int:
-    """Returns where the next chunk that hangs together begins; the end of the content without one."""
+    """Returns the start of the next plausible chunk, or the end."""
     code = bytes([Opcode.CHUNK])
     while (position := content.find(code, position)) >= 0:
-        if _plausible(content, position):
+        if _is_plausible_chunk(content, position):
             return position
         position += 1
     return len(content)
 
 
-def _plausible(content: bytes, position: int) -> bool:
-    """Returns whether a record that says it is a chunk has the length that its parts add up to."""
+def _is_plausible_chunk(content: bytes, position: int) -> bool:
+    """Returns True unless a chunk's length contradicts its parts."""
     opcode, length = content[position], 0
     if opcode != Opcode.CHUNK:
         return True
@@ -219,8 +219,8 @@ def _plausible(content: bytes, position: int) -> bool:
     return bool(length == _CHUNK_NAME - 9 + 4 + name + 8 + size and position + 9 + length <= len(content))
 
 
-def _take_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
-    """Takes the messages of a chunk whose checksum is right, and returns its size unpacked."""
+def _add_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
+    """Adds the messages of a verified chunk; returns its unpacked size."""
     chunk = Chunk.read(ReadDataStream(io.BytesIO(body)))
     if chunk.uncompressed_size > limit:
         raise _DamagedError(f"expected at most {limit} bytes, got {chunk.uncompressed_size}")
@@ -230,22 +230,22 @@ def _take_chunk(body: bytes, found: Salvage, *, limit: int) -> int:
     part = Salvage()
     while stream.count < size:
         opcode, length = stream.read1(), stream.read8()
-        _take(opcode, stream.read(length), part)
+        _add_record(opcode, stream.read(length), part)
     found.schemas.update(part.schemas)
     found.channels.update(part.channels)
     found.messages.extend(part.messages)
     return size
 
 
-def _end_data(before: bytes, body: bytes, found: Salvage) -> None:
-    """Notes that the data end here, and whether they are what they were."""
+def _check_data_end(before: bytes, body: bytes, found: Salvage) -> None:
+    """Records the end of the data and verifies its checksum."""
     found.ended = True
     checksum = int.from_bytes(body, "little")
     found.data_intact = zlib.crc32(before) == checksum if checksum else None
 
 
-def _take(opcode: int, body: bytes, found: Salvage) -> None:
-    """Takes a record that is no chunk."""
+def _add_record(opcode: int, body: bytes, found: Salvage) -> None:
+    """Adds a record other than a chunk."""
     stream = ReadDataStream(io.BytesIO(body))
     match opcode:
         case Opcode.HEADER:

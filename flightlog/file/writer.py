@@ -1,4 +1,4 @@
-"""A flight log as the bytes of an MCAP file: what programs read, and beside it what viewers draw."""
+"""Writing of MCAP flight logs, with channels for viewers."""
 
 import io
 from collections.abc import Iterator, Sequence
@@ -16,15 +16,15 @@ from mcap.writer import Writer
 from flightlog.channels import CONVENTIONS
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
-from flightlog.viewers.channels import ViewerChannel, ViewerTopic, viewer_channels
-from runtime.atomic_write import publish_bytes
+from flightlog.viewers.viewer_channels import ViewerChannel, ViewerTopic, viewer_channels
+from runtime.atomic_write import write_atomically
 
-from .message_block import bytes_type, empty_messages, everywhere, topic_type
+from .message_block import bytes_type, empty_messages, topic_type, view_at_every_byte
 
 CHUNK_SECONDS = 10.0
 
 LARGEST_LOG = 2 * 1024**3
-"""Bytes of a file, and of its content decompressed."""
+"""Largest size of a file, and of its decompressed content, in bytes."""
 
 HEADER_METADATA, CONVENTIONS_METADATA = "flight", "conventions"
 
@@ -33,13 +33,16 @@ _MEDIA_TYPES = {".json": "application/json", ".xml": "application/xml"}
 
 @dataclass(slots=True, eq=False)
 class _Index:
-    """Times and offsets of a channel's messages in one chunk; takes the place of the library's own index."""
+    """Times and offsets of one channel's messages in a chunk.
+
+    Replaces the index class of the MCAP library.
+    """
 
     channel: int
     entries: list[np.ndarray[Any, Any]]
 
     def write(self, stream: RecordBuilder) -> None:
-        """Writes the record, times and offsets as one piece."""
+        """Writes the index record in one piece."""
         content = b"".join(part.tobytes() for part in self.entries)
         stream.start_record(Opcode.MESSAGE_INDEX)
         stream.write2(self.channel)
@@ -50,7 +53,7 @@ class _Index:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Block:
-    """Messages of one channel, in the order of their times; first and last time in nanoseconds."""
+    """Messages of one channel by time; first and last in nanoseconds."""
 
     channel: int
     messages: np.ndarray[Any, Any]
@@ -64,7 +67,7 @@ class _Block:
         return cls(channel, messages, first, last)
 
     def between(self, start: int, end: int) -> np.ndarray[Any, Any]:
-        """Returns the messages from a time on and before another."""
+        """Returns the messages in a half-open time window."""
         if self.last < start or self.first >= end:
             return self.messages[:0]
         rows = slice(*np.searchsorted(self.messages["log_time"], [start, end]).tolist())
@@ -72,12 +75,12 @@ class _Block:
 
 
 def log_bytes(log: FlightLog) -> bytes:
-    """Returns the log as the bytes of an MCAP file; equal logs give equal bytes.
+    """Returns a log's MCAP file; equal logs give equal bytes.
 
-    What programs read and what viewers draw stand in chunks of their own, so that neither reads the other's.
+    Topics and viewer channels are in separate chunks, so that a reader of one skips the other.
     """
     stream = io.BytesIO()
-    # Without an attachment the library would write an offset to a group that is not there.
+    # Without attachments the MCAP library would write an offset to a missing group.
     writer = Writer(
         stream, chunk_size=LARGEST_LOG, enable_data_crcs=True, use_summary_offsets=bool(log.attachments)
     )
@@ -89,13 +92,18 @@ def log_bytes(log: FlightLog) -> bytes:
         writer.add_attachment(create_time=0, log_time=0, name=name, media_type=media_type, data=content)
     series = [_series_block(writer, part) for part in log.series.values()]
     drawn = [block for channel in viewer_channels(log) for block in _viewer_blocks(writer, channel)]
-    last = max((block.last for block in (*series, *drawn)), default=0)
     period = round(CHUNK_SECONDS * 1e9)
-    for start in range(0, max(last, 0) + 1, period):
+    for start in _window_starts((*series, *drawn), period):
         for blocks in (series, drawn):
             _add_chunk(writer, blocks, start, start + period)
     writer.finish()  # type: ignore[no-untyped-call]
     return stream.getvalue()
+
+
+def _window_starts(blocks: Sequence[_Block], period: int) -> list[int]:
+    """Returns the starts of the time windows that hold messages."""
+    windows = {int(window) for block in blocks for window in np.unique(block.messages["log_time"] // period)}
+    return [period * window for window in sorted(windows)]
 
 
 def _series_block(writer: Writer, series: Series) -> _Block:
@@ -133,11 +141,11 @@ def _messages(
 
 
 def _add_chunk(writer: Writer, blocks: Sequence[_Block], start: int, end: int) -> None:
-    """Adds the messages that are in a window of nanoseconds as one chunk, in the order of their times.
+    """Adds a time window's messages as one chunk, by time.
 
-    The library's own `add_message` costs about 11 microseconds a message; this does the same to the same
-    private members, which is why the dependency is pinned below its next major version and a test holds the
-    two ways to the same content.
+    The MCAP library's `add_message` takes about 11 microseconds a message. This function does the same to the
+    same private members, so the dependency is pinned below its next major version, and a test compares the
+    content of both.
     """
     parts = [(block.channel, block.between(start, end)) for block in blocks]
     parts = [(channel, messages) for channel, messages in parts if len(messages)]
@@ -145,7 +153,7 @@ def _add_chunk(writer: Writer, blocks: Sequence[_Block], start: int, end: int) -
         return
     builder = writer._Writer__chunk_builder  # type: ignore[attr-defined]
     statistics = writer._Writer__statistics  # type: ignore[attr-defined]
-    content, places = _in_order([messages for _, messages in parts])
+    content, places = _merge_by_time([messages for _, messages in parts])
     for (channel, messages), offsets in zip(parts, places, strict=True):
         index = builder.message_indices.setdefault(channel, _Index(channel, []))
         index.entries.append(np.stack([messages["log_time"], builder.count + offsets], axis=1).astype("<u8"))
@@ -163,8 +171,8 @@ def _add_chunk(writer: Writer, blocks: Sequence[_Block], start: int, end: int) -
     writer._Writer__finalize_chunk()  # type: ignore[attr-defined]
 
 
-def _in_order(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.ndarray[Any, Any]]]:
-    """Returns messages of several layouts as bytes, earlier ones first, and where each of a part begins."""
+def _merge_by_time(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.ndarray[Any, Any]]]:
+    """Returns messages of several layouts by time, and their offsets."""
     times = np.concatenate([messages["log_time"] for messages in parts])
     sizes = np.concatenate([np.full(len(messages), messages.itemsize) for messages in parts])
     order = np.argsort(times, kind="stable")
@@ -173,13 +181,13 @@ def _in_order(parts: Sequence[np.ndarray[Any, Any]]) -> tuple[bytes, list[np.nda
     places = np.split(begins, np.cumsum([len(messages) for messages in parts])[:-1])
     content = np.empty(int(sizes.sum()), np.uint8)
     for messages, offsets in zip(parts, places, strict=True):
-        places_of_part = everywhere(content, messages.dtype)
+        places_of_part = view_at_every_byte(content, messages.dtype)
         places_of_part[offsets] = messages.view(places_of_part.dtype)
     return content.tobytes(), places
 
 
 def topic_descriptors(topic: Topic) -> bytes:
-    """Returns the schema of a topic: its serialised `FileDescriptorSet`."""
+    """Returns a topic's schema as a serialised `FileDescriptorSet`."""
     package, _, message = topic.message.rpartition(".")
     file = FileDescriptorProto(name=f"{topic.message}.proto", package=package, syntax="proto3")
     description = file.message_type.add(name=message)
@@ -195,15 +203,15 @@ def topic_descriptors(topic: Topic) -> bytes:
 
 
 def described_fields(descriptors: bytes, message: str) -> dict[str, int]:
-    """Returns the doubles that a schema describes, with their numbers; empty where it has no such message.
+    """Returns the double fields of a schema's message, with numbers.
 
     Raises:
-        ValueError: it is no schema.
+        ValueError: the bytes are not a schema.
     """
     try:
         files = FileDescriptorSet.FromString(descriptors).file
     except DecodeError as error:
-        raise ValueError(f"no schema of {message}: {error}") from None
+        raise ValueError(f"expected a schema of {message}: {error}") from None
     package, _, name = message.rpartition(".")
     return {
         field.name: field.number
@@ -216,7 +224,7 @@ def described_fields(descriptors: bytes, message: str) -> dict[str, int]:
 
 
 def _message_descriptors(topic: ViewerTopic) -> bytes:
-    """Returns the descriptors of a well-known message and of all that it is made of, those first."""
+    """Returns the descriptors of a message and of its parts."""
     files = _all_files(topic.message.DESCRIPTOR.file)
     described = FileDescriptorSet()
     for file in files:
@@ -226,16 +234,16 @@ def _message_descriptors(topic: ViewerTopic) -> bytes:
 
 
 def _all_files(file: Any) -> list[Any]:
-    """Returns the files that a descriptor's file is made of, each once, what others need before them."""
+    """Returns a descriptor's file and its dependencies, dependencies first."""
     needed = [part for dependency in file.dependencies for part in _all_files(dependency)]
     return list({part.name: part for part in (*needed, file)}.values())
 
 
-def publish_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
-    """Writes a log whole or not at all.
+def write_log(log: FlightLog, path: Path, *, force: bool = False) -> None:
+    """Writes a log atomically.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: the system says no; nothing is left behind.
+        CannotWriteError: a system call failed; nothing is left behind.
     """
-    publish_bytes(log_bytes(log), path, force=force)
+    write_atomically(log_bytes(log), path, force=force)

@@ -1,4 +1,4 @@
-"""Axes of others as axes of ours: world north-east-down, body forward-right-down."""
+"""Conversion of other programs' axes to north-east-down and forward-right-down."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -7,10 +7,10 @@ import numpy as np
 from jaxtyping import Float
 
 WorldAxes = Literal["ned", "enu"]
-"""North, east, down; or east, north, up, as ROS has it (REP 103)."""
+"""North, east, down; or east, north, up, the convention of ROS (REP 103)."""
 
 BodyAxes = Literal["frd", "flu"]
-"""Forward, right, down; or forward, left, up, as ROS has it (REP 103)."""
+"""Forward, right, down; or forward, left, up, the convention of ROS (REP 103)."""
 
 Vectors = Float[np.ndarray, "n 3"]
 Quaternions = Float[np.ndarray, "n 4"]
@@ -23,21 +23,21 @@ _FRD_TO_FLU = (0.0, 1.0, 0.0, 0.0)
 
 @dataclass(frozen=True, slots=True)
 class Axes:
-    """The axes in which another program's numbers are meant."""
+    """World and body axes of another program's data."""
 
     world: WorldAxes
     body: BodyAxes
 
     def in_world(self, vectors: Vectors) -> Vectors:
-        """Returns north, east and down of vectors in the world's axes."""
+        """Returns world-axis vectors in north, east, down."""
         return vectors if self.world == "ned" else vectors[:, [1, 0, 2]] * (1.0, 1.0, -1.0)
 
     def in_body(self, vectors: Vectors) -> Vectors:
-        """Returns forward, right and down of vectors in the body's axes."""
+        """Returns body-axis vectors in forward, right, down."""
         return vectors if self.body == "frd" else vectors * (1.0, -1.0, -1.0)
 
-    def turned(self, quaternions: Quaternions) -> Quaternions:
-        """Returns quaternions w, x, y, z from our body to our world, of those from their body to theirs."""
+    def in_ned_frd(self, quaternions: Quaternions) -> Quaternions:
+        """Returns body-to-world quaternions w, x, y, z in our axes."""
         if self.body == "flu":
             quaternions = _product(quaternions, np.array([_FRD_TO_FLU]))
         if self.world == "enu":
@@ -45,10 +45,10 @@ class Axes:
         return quaternions
 
 
-def quaternions_of(
+def quaternions_from_euler(
     roll: Float[np.ndarray, "n"], pitch: Float[np.ndarray, "n"], yaw: Float[np.ndarray, "n"]
 ) -> Quaternions:
-    """Returns quaternions w, x, y, z of turns about z, then y, then x, each about the axis as turned."""
+    """Returns quaternions w, x, y, z of intrinsic z-y-x rotations."""
     zeros = np.zeros_like(roll)
     about_z = np.column_stack([np.cos(yaw / 2), zeros, zeros, np.sin(yaw / 2)])
     about_y = np.column_stack([np.cos(pitch / 2), zeros, np.sin(pitch / 2), zeros])

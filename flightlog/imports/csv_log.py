@@ -1,90 +1,90 @@
-"""Tables of other programs (CSV) as flight logs of ours: the columns named, in the axes stated."""
+"""Import of CSV tables as flight logs."""
 
 import io
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pandas as pd
 from jaxtyping import Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.channels import ACTUATORS, MOST_ACTUATORS
+from flightlog.channels import ACTUATORS, MAX_ACTUATORS
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
 
-from .axes import Axes, quaternions_of
-from .imported_log import Foreign
-from .measured_motion import BODY_RATES, Source, attitude_source, measured_states, slope_source
-
-TimeUnit = Literal["s", "ms", "us", "ns"]
+from .axes import Axes, quaternions_from_euler
+from .clock import SECONDS, TimeUnit, check_clock, check_unit
+from .imported_log import ExternalLog
+from .measured_motion import BODY_RATES, Source, attitude_source, differentiate_position, measured_states
 
 POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
 QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
-CONTROLS = tuple(f"u{number}" for number in range(1, MOST_ACTUATORS + 1))
+CONTROLS = tuple(f"u{number}" for number in range(1, MAX_ACTUATORS + 1))
 NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
-"""What columns can be: position and velocity along the world's axes in SI units (z and vz may lack),
-the quaternion or the angles (about z, y, x, in radians; yaw may be alone) from body to world, body rates in
-radians per second, controls."""
+"""Names of columns: position and velocity in world axes in SI units (z and vz optional), quaternion or angles
+(about z, y, x in radians; yaw may be alone) from body to world, body rates in rad/s, controls."""
 
 _MOST_LISTED, _LONGEST_LIST = 40, 600
-_SECONDS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 
 
-def read_foreign_csv(
-    path: Path, columns: Mapping[str, str], *, axes: Axes, time_unit: TimeUnit, topic: Topic
+def read_external_csv(
+    path: Path, columns: Mapping[str, str], *, axes: Axes, time_unit: TimeUnit | None, topic: Topic
 ) -> FlightLog:
     """Reads a table with a row of headings.
 
     Args:
-        path: of the file.
-        columns: headings by the names of `NAMES`; a heading that is one of these names needs none.
-        axes: of world and body.
-        time_unit: of the times.
-        topic: what the motion is to be: the estimate, or the truth.
+        path: file to read.
+        columns: headings by the names of `NAMES`; not needed for headings that are such names.
+        axes: axes of world and body.
+        time_unit: unit of the times; seconds where None, if they can be.
+        topic: topic of the motion: estimate or truth.
 
     Raises:
-        BadFileError: the file is no such table, or says nothing of a motion.
+        BadFileError: the file is not such a table, or holds no motion.
     """
-    file = Foreign.read(path)
+    file = ExternalLog.read(path)
     try:
         table = pd.read_csv(io.BytesIO(file.content))
     except (ValueError, UnicodeDecodeError, pd.errors.ParserError) as error:
-        raise BadFileError(path, f"is no table: {' '.join(str(error).split())}") from None
+        raise BadFileError(path, f"is not a table: {' '.join(str(error).split())}") from None
     if len(table) < 2:
-        raise BadFileError(path, f"expected two rows or more under a row of headings, got {len(table)}")
+        raise BadFileError(path, f"expected at least two rows below the headings, got {len(table)}")
     try:
-        chosen = _chosen(table, columns)
+        chosen = _select_columns(table, columns)
         numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
-        time = _SECONDS[time_unit] * numbers["time"]
+        numbers = dict(_in_ascending_order(numbers))
+        if time_unit is None:
+            check_unit(numbers["time"])
+        time = SECONDS[time_unit or "s"] * numbers["time"]
+        check_clock(time, sample="row")
         sources, velocity = _sources(numbers, time - np.nanmin(time), axes)
         states = measured_states(sources, topic)
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     if states is None:
-        raise BadFileError(path, f"expected two rows of a motion, got none usable in {len(table)}")
-    said = {"columns": chosen, "velocity": velocity, "world axes": axes.world, "body axes": axes.body}
+        raise BadFileError(path, f"expected at least two usable rows, got none of {len(table)}")
+    provenance = {"columns": chosen, "velocity": velocity, "world axes": axes.world, "body axes": axes.body}
     controls = _controls(numbers, time - np.nanmin(time))
-    return file.log([states, *([controls] if controls is not None else [])], said=said)
+    return file.log([states, *([controls] if controls is not None else [])], provenance=provenance)
 
 
-def _chosen(table: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, str]:
-    """Returns headings by our names: those stated, and those that are our names."""
+def _select_columns(table: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, str]:
+    """Returns headings by our names, stated or equal."""
     headings = [str(heading) for heading in table.columns]
     for name, heading in columns.items():
         if name not in NAMES:
-            raise FlightError(f"no column can be {name!r}; expected one of {', '.join(NAMES)}")
+            raise FlightError(f"unknown column name {name!r}; expected one of {', '.join(NAMES)}")
         if heading not in headings:
-            raise FlightError(f"no column {heading!r}; it has {_listed(headings)}")
+            raise FlightError(f"no column {heading!r}; it has {_heading_list(headings)}")
     chosen = {**{name: name for name in NAMES if name in headings}, **columns}
     if "time" not in chosen:
-        raise FlightError(f"expected --columns time=COLUMN; it has {_listed(headings)}")
+        raise FlightError(f"expected --columns time=COLUMN; it has {_heading_list(headings)}")
     return chosen
 
 
-def _listed(headings: Sequence[str]) -> str:
-    """Returns headings as one line, as many as a reader wants."""
+def _heading_list(headings: Sequence[str]) -> str:
+    """Returns headings as one line of limited length."""
     return " ".join(", ".join(headings[:_MOST_LISTED]).split())[:_LONGEST_LIST] or "none"
 
 
@@ -95,10 +95,17 @@ def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
         raise FlightError(f"column {heading!r}: expected numbers: {' '.join(str(error).split())}") from None
 
 
+def _in_ascending_order(numbers: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
+    """Returns the rows of a table with the latest one first in reverse."""
+    steps = np.diff(numbers["time"])
+    descending = bool((steps <= 0.0).all() and (steps < 0.0).any())
+    return {name: column[::-1] for name, column in numbers.items()} if descending else numbers
+
+
 def _sources(
     numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
 ) -> tuple[list[Source], str]:
-    """Returns what the columns say, and where the velocity is from."""
+    """Returns the measured sources and the origin of the velocity."""
 
     def vectors(names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:
         return np.column_stack([numbers[name] for name in names]) if set(names) <= numbers.keys() else None
@@ -106,16 +113,16 @@ def _sources(
     sources = list(_linear_sources(numbers, time, axes))
     velocity = "columns" if set(VELOCITY[:2]) <= numbers.keys() else "absent"
     if velocity == "absent" and sources:
-        sources.append(slope_source(sources[0]))
+        sources.append(differentiate_position(sources[0]))
         velocity = "the slope of the position"
     quaternions, angles = vectors(QUATERNION), vectors(ANGLES)
     if quaternions is None and angles is not None:
-        quaternions = quaternions_of(*angles.T)
+        quaternions = quaternions_from_euler(*angles.T)
     if quaternions is not None:
-        sources.append(attitude_source(time, axes.turned(quaternions)))
+        sources.append(attitude_source(time, axes.in_ned_frd(quaternions)))
     elif "yaw" in numbers:
-        level = quaternions_of(np.zeros(len(time)), np.zeros(len(time)), numbers["yaw"])
-        turned = attitude_source(time, axes.turned(level))
+        level = quaternions_from_euler(np.zeros(len(time)), np.zeros(len(time)), numbers["yaw"])
+        turned = attitude_source(time, axes.in_ned_frd(level))
         sources.append(Source(turned.time, {"heading": turned.columns["heading"]}))
     rates = vectors(RATES)
     if rates is not None:
@@ -129,7 +136,7 @@ def _sources(
 def _linear_sources(
     numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
 ) -> Iterator[Source]:
-    """Yields positions and velocities; a map of two columns has no heights."""
+    """Yields positions and velocities; a two-column map has no heights."""
     for names, start in ((POSITION, ""), (VELOCITY, "velocity_")):
         if set(names[:2]) <= numbers.keys():
             high = names[2] in numbers
@@ -140,10 +147,10 @@ def _linear_sources(
 
 
 def _controls(numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"]) -> Series | None:
-    held = [name for name in CONTROLS if name in numbers]
-    if not held:
+    present = [name for name in CONTROLS if name in numbers]
+    if not present:
         return None
-    values = np.column_stack([numbers[name] for name in held])
-    kept = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
-    names = [f"control_{name[1:]}" for name in held]
-    return Series(ACTUATORS.only(names), time[kept], values[kept])
+    values = np.column_stack([numbers[name] for name in present])
+    valid = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
+    names = [f"control_{name[1:]}" for name in present]
+    return Series(ACTUATORS.only(names), time[valid], values[valid])

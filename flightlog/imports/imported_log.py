@@ -1,4 +1,4 @@
-"""Flights that other programs logged, as logs of ours."""
+"""Flight logs made of other programs' logs."""
 
 import hashlib
 import json
@@ -8,29 +8,29 @@ from pathlib import Path
 
 from flight.errors import BadFileError, FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
-from flightlog.autopilot_messages import Told
+from flightlog.autopilot_messages import AutopilotMessage
 from flightlog.consistency import LONGEST_NAME
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from runtime.version import VERSION
 
-NOT_KNOWN = "not known"
+UNKNOWN = "not known"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Foreign:
-    """A file of another program: its path and its bytes."""
+class ExternalLog:
+    """File of another program: path and bytes."""
 
     path: Path
     content: bytes
 
     @classmethod
-    def read(cls, path: Path) -> "Foreign":
+    def read(cls, path: Path) -> "ExternalLog":
         """Reads a file.
 
         Raises:
-            BadFileError: it cannot be read.
+            BadFileError: the file cannot be read.
         """
         try:
             return cls(path, path.read_bytes())
@@ -41,32 +41,34 @@ class Foreign:
         self,
         series: Iterable[Series],
         *,
-        vehicle: str = NOT_KNOWN,
+        vehicle: str = UNKNOWN,
         outcome: str = "completed",
-        said: Mapping[str, object],
-        told: Sequence[Told] = (),
+        provenance: Mapping[str, object],
+        autopilot_messages: Sequence[AutopilotMessage] = (),
     ) -> FlightLog:
-        """Returns the flight log, its times from the first state on.
+        """Returns the flight log, with times from the first state.
 
         Args:
-            series: on one clock; what was before the first state or after the last is left out.
-            vehicle: what flew.
-            outcome: of the flight, or of reading it.
-            said: what is known of where the numbers come from, for the attachment.
-            told: the autopilot's messages, on the clock of the series.
+            series: series on one clock; samples before the first state or after the last are dropped.
+            vehicle: name of the vehicle.
+            outcome: outcome of the flight or of the import.
+            provenance: origin of the numbers, for the attachment.
+            autopilot_messages: autopilot messages on the clock of the series.
 
         Raises:
-            BadFileError: there is no motion in it.
+            BadFileError: the series hold no motion.
         """
         try:
-            cut, start = _from_the_first_state({part.topic.name: part for part in series})
+            cut, start = _start_at_first_state({part.topic.name: part for part in series})
         except FlightError as error:
             raise BadFileError(self.path, str(error)) from None
-        messages = [asdict(replace(one, time=round(one.time - start, 6))) for one in told]
-        source = {"file": self.path.name, "sha256": hashlib.sha256(self.content).hexdigest(), **said}
+        messages = [
+            asdict(replace(message, time=round(message.time - start, 6))) for message in autopilot_messages
+        ]
+        source = {"file": self.path.name, "sha256": hashlib.sha256(self.content).hexdigest(), **provenance}
         if messages:
             source["messages"] = messages
-        unknown = {"model_hash": NOT_KNOWN, "wind": NOT_KNOWN, "backend": NOT_KNOWN}
+        unknown = {"model_hash": UNKNOWN, "wind": UNKNOWN, "backend": UNKNOWN}
         header = FlightHeader(
             **{
                 "kind": "import",
@@ -85,8 +87,8 @@ def _printable(text: str) -> str:
     return "".join(letter for letter in text if letter.isprintable())[:LONGEST_NAME]
 
 
-def _from_the_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float]:
-    """Returns the series on a clock that begins with the first state, and when that was."""
+def _start_at_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float]:
+    """Returns the series with time 0 at the first state."""
     whole = FlightLog(FlightHeader("import", "", "", "", 0, "", "", ""), series, {})
     start, end = float(whole.motion.time[0]), whole.duration
     cut = {}

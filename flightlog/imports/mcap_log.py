@@ -1,4 +1,4 @@
-"""MCAP files of other programs as flight logs of ours: the topics named, in the axes stated."""
+"""Import of MCAP files as flight logs."""
 
 import io
 import struct
@@ -20,43 +20,51 @@ from flightlog.log import FlightLog
 from flightlog.topic import Topic
 
 from .axes import Axes, BodyAxes, WorldAxes
-from .imported_log import Foreign
+from .clock import ClockError, check_clock
+from .imported_log import ExternalLog
 from .mcap_messages import (
     ANGULAR,
     LINEAR,
     POSITION,
     Decoder,
-    Found,
+    VectorPath,
     decoder_of,
     find_quaternion,
     find_vector,
     frame_of,
     stamp_of,
 )
-from .measured_motion import BODY_RATES, WORLD_RATES, Source, attitude_source, measured_states, slope_source
+from .measured_motion import (
+    BODY_RATES,
+    WORLD_RATES,
+    Source,
+    attitude_source,
+    differentiate_position,
+    measured_states,
+)
 
 VelocityAxes = Literal["world", "body"]
 
 _MOST_LISTED = 12
 _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
-    *(struct.error, zstandard.ZstdError, MemoryError, RuntimeError),
+    *(struct.error, zstandard.ZstdError, MemoryError, OverflowError, RuntimeError),
 )
-# What ROS 2 topics of PX4 are described by; they keep PX4's axes.
+# Package of PX4's ROS 2 messages, which use PX4's axes.
 _PX4 = "px4_msgs/"
 _IN_BODY = ("Odometry",)
 
 
 @dataclass(frozen=True, slots=True)
-class Stated:
-    """What the user says of a file; None leaves it to what the messages say of themselves.
+class McapImportSettings:
+    """Topics and axes of an import; None for those of the messages.
 
     Attributes:
         pose: topic of positions and attitudes.
-        velocity: topic of velocities; the pose's own, or the slope of the position where None.
+        velocity: topic of velocities; if None those of the pose topic, or the derivative of the position.
         world: axes of the world.
         body: axes of the body.
-        velocity_in: whether velocities are along the world's axes or the body's.
+        velocity_in: axes of the velocities: world or body.
     """
 
     pose: str
@@ -68,7 +76,7 @@ class Stated:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Table:
-    """A topic's messages: schema, frame of the first, log times and stamps in nanoseconds, the messages."""
+    """Messages of a topic with schema, frame, and times in nanoseconds."""
 
     schema: str
     frame: str
@@ -76,45 +84,47 @@ class _Table:
     stamped: Int[np.ndarray, "n"]
     messages: Sequence[Any]
 
-    def vectors(self, found: Found) -> Float[np.ndarray, "n k"]:
+    def vectors(self, found: VectorPath) -> Float[np.ndarray, "n k"]:
         return np.array([found.numbers(message) for message in self.messages])
 
 
-def read_foreign_mcap(path: Path, stated: Stated, *, topic: Topic) -> FlightLog:
-    """Reads pose and velocity topics of an MCAP file: ROS 2, protobuf or JSON.
+def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic) -> FlightLog:
+    """Reads pose and velocity topics in ROS 2, protobuf or JSON.
 
-    Times are those that the messages carry, or those of logging where one topic's carry none. Without any
-    velocity the slope of the position stands for it. The attachment says what was taken for what.
+    Times are the stamps of the messages, or the log times if a topic has no stamps or they jump. Without
+    velocities the position is differentiated. The attachment records these choices.
 
     Args:
-        path: of the file.
-        stated: topics and axes.
-        topic: what the motion is to be: the estimate, or the truth.
+        path: file to read.
+        settings: topics and axes.
+        topic: topic of the motion: estimate or truth.
 
     Raises:
-        BadFileError: the file is damaged, or has no such topics, or they say nothing of a motion.
+        BadFileError: the file is damaged, lacks the topics, or they hold no motion.
     """
-    file = Foreign.read(path)
+    file = ExternalLog.read(path)
     if len(file.content) > LARGEST_LOG:
         raise BadFileError(path, f"expected at most {LARGEST_LOG} bytes, got {len(file.content)}")
-    names = [stated.pose, *([stated.velocity] if stated.velocity else [])]
+    names = [settings.pose, *([settings.velocity] if settings.velocity else [])]
     try:
         tables = _tables(file.content, names)
-        sources, said = _sources(tables, stated)
+        sources, provenance = _sources(tables, settings)
         states = measured_states(sources, topic)
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:
         text = " ".join(str(error).split()) or type(error).__name__
-        raise BadFileError(path, f"cannot be read: {text}; `maneuver recover` saves what is whole") from None
+        raise BadFileError(
+            path, f"cannot be read: {text}; `maneuver recover` saves the undamaged part"
+        ) from None
     if states is None:
         raise BadFileError(path, f"expected a motion in {names}, got fewer than two usable messages")
-    return file.log([states], said=said)
+    return file.log([states], provenance=provenance)
 
 
 def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
     reader = make_reader(io.BytesIO(content), validate_crcs=True)
-    _refuse_absent(reader, names)
+    _check_topics_exist(reader, names)
     schemas: dict[str, str] = {}
     decoders: dict[int, Decoder] = {}
     rows: dict[str, list[tuple[int, Any]]] = {name: [] for name in names}
@@ -125,7 +135,7 @@ def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
         rows[channel.topic].append((message.log_time, decoders[channel.id](message.data)))
     empty = [name for name, part in rows.items() if not part]
     if empty:
-        raise FlightError(f"{empty} hold no message")
+        raise FlightError(f"expected messages in {empty}, got none")
     return {
         name: _Table(
             schema=schemas[name],
@@ -138,8 +148,8 @@ def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
     }
 
 
-def _refuse_absent(reader: McapReader, names: Sequence[str]) -> None:
-    """Refuses topics that the file does not have, and says which ones it has."""
+def _check_topics_exist(reader: McapReader, names: Sequence[str]) -> None:
+    """Refuses topics that the file does not have, and lists its own."""
     summary = reader.get_summary()
     if summary is None:
         raise ValueError("it has no summary of its topics")
@@ -156,43 +166,58 @@ def _refuse_absent(reader: McapReader, names: Sequence[str]) -> None:
         raise FlightError(f"no topic {absent[0]}; it has {', '.join(listed[:_MOST_LISTED]) or 'none'}{more}")
 
 
-def _sources(tables: Mapping[str, _Table], stated: Stated) -> tuple[list[Source], dict[str, object]]:
-    """Returns what the topics say, and in words what was taken for what."""
-    stamped = all((table.stamped > 0).all() for table in tables.values())
+def _sources(
+    tables: Mapping[str, _Table], settings: McapImportSettings
+) -> tuple[list[Source], dict[str, object]]:
+    """Returns the measured sources and their provenance."""
+    stamped = all(_has_clock(table) for table in tables.values())
     start = min((table.stamped if stamped else table.logged).min() for table in tables.values())
-    pose = tables[stated.pose]
-    moving = tables[stated.velocity] if stated.velocity else pose
+    pose = tables[settings.pose]
+    moving = tables[settings.velocity] if settings.velocity else pose
     px4 = pose.schema.startswith(_PX4)
-    axes = Axes(stated.world or ("ned" if px4 else "enu"), stated.body or ("frd" if px4 else "flu"))
-    velocity_in = stated.velocity_in or ("world" if px4 else _velocity_axes(pose, moving))
+    axes = Axes(settings.world or ("ned" if px4 else "enu"), settings.body or ("frd" if px4 else "flu"))
+    velocity_in = settings.velocity_in or ("world" if px4 else _velocity_axes(pose, moving))
 
     def clock(table: _Table) -> Float[np.ndarray, "n"]:
         return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
 
+    for name, table in tables.items():
+        check_clock(clock(table), sample=f"{name}, message")
     sources = list(_pose_sources(pose, clock(pose), axes))
     if not sources:
-        raise FlightError(f"{stated.pose} ({pose.schema}): expected a position or orientation, got none")
+        raise FlightError(f"{settings.pose} ({pose.schema}): expected a position or orientation, got none")
     velocities = list(_velocity_sources(moving, clock(moving), axes, velocity_in))
-    taken = f"{stated.velocity or stated.pose}, along the axes of the {velocity_in}"
+    taken = f"{settings.velocity or settings.pose}, along the axes of the {velocity_in}"
     if not any({"velocity_north", "body_forward"} & set(part.columns) for part in velocities):
-        if stated.velocity:
-            raise FlightError(f"{stated.velocity} ({moving.schema}): expected a velocity, got none")
+        if settings.velocity:
+            raise FlightError(f"{settings.velocity} ({moving.schema}): expected a velocity, got none")
         taken = "absent"
         if "north" in sources[0].columns:
-            velocities.append(slope_source(sources[0]))
+            velocities.append(differentiate_position(sources[0]))
             taken = "the slope of the position"
-    said: dict[str, object] = {
-        "pose": f"{stated.pose} ({pose.schema})",
+    provenance: dict[str, object] = {
+        "pose": f"{settings.pose} ({pose.schema})",
         "velocity": taken,
         "world axes": axes.world,
         "body axes": axes.body,
         "times": "of the messages" if stamped else "of logging",
     }
-    return [*sources, *velocities], said
+    return [*sources, *velocities], provenance
+
+
+def _has_clock(table: _Table) -> bool:
+    """Returns True if all messages have stamps, of one clock."""
+    if not (table.stamped > 0).all():
+        return False
+    try:
+        check_clock(table.stamped * 1e-9, sample="message")
+    except ClockError:
+        return False
+    return True
 
 
 def _velocity_axes(pose: _Table, moving: _Table) -> VelocityAxes:
-    """Returns what a velocity's own words say: odometry is along the body, the pose's frame the world's."""
+    """Returns the axes of a velocity: body for odometry, else by frame."""
     if moving.schema.endswith(_IN_BODY):
         return "body"
     return "world" if moving.frame == pose.frame else "body"
@@ -205,7 +230,7 @@ def _pose_sources(table: _Table, time: Float[np.ndarray, "n"], axes: Axes) -> It
         north, east, down = axes.in_world(table.vectors(place)).T
         yield Source(time, {"north": north, "east": east, "down": down})
     if attitude is not None:
-        yield attitude_source(time, axes.turned(table.vectors(attitude)))
+        yield attitude_source(time, axes.in_ned_frd(table.vectors(attitude)))
 
 
 def _velocity_sources(
@@ -220,7 +245,7 @@ def _velocity_sources(
         forward, right, down = axes.in_body(table.vectors(linear)).T
         yield Source(time, {"body_forward": forward, "body_right": right, "body_down": down})
     if angular is not None:
-        # A twist's two parts share their axes; an angular velocity of that name is about the body's.
+        # Both parts of a twist share their axes; a field `angular_velocity` is in body axes.
         twist_in_world = angular.path[-1] == "angular" and velocity_in == "world"
         turning = table.vectors(angular)
         about = axes.in_world(turning) if twist_in_world else axes.in_body(turning)

@@ -1,6 +1,6 @@
-"""Messages of other programs: decoded by whatever encoding, and searched for what says where a vehicle is.
+"""Decoding of MCAP messages and search for poses and velocities.
 
-What a message means is told by the names of its fields, which ROS 2, Foxglove and PX4 largely share:
+The names of the fields identify them; ROS 2, Foxglove and PX4 share most of these names:
 `position` or `translation`, `orientation`, `rotation` or `q`, `linear` or `velocity`, `angular`.
 """
 
@@ -25,12 +25,12 @@ ATTITUDE = ("orientation", "rotation", "q")
 LINEAR = ("linear", "linear_velocity", "velocity", "vector")
 ANGULAR = ("angular", "angular_velocity")
 
-_DEEPEST = 4
+_MAX_DEPTH = 4
 _XYZ, _WXYZ = ("x", "y", "z"), ("w", "x", "y", "z")
 
 
-class ForeignEncodingError(FlightError):
-    """A channel is encoded in a way that is not read here."""
+class UnknownEncodingError(FlightError):
+    """Channel with an unsupported encoding."""
 
     def __init__(self, channel: Channel, schema: Schema | None) -> None:
         described = schema.encoding if schema is not None else "nothing"
@@ -41,14 +41,14 @@ class ForeignEncodingError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
-    """Where a vector or quaternion stands in the messages of a topic, and its numbers' order."""
+class VectorPath:
+    """Path to a vector or quaternion in a message, and its axes."""
 
     path: Path
     axes: tuple[str, ...]
 
     def numbers(self, message: Any) -> tuple[float, ...]:
-        """Returns its numbers; not-a-numbers where this message has none."""
+        """Returns the components; not-a-numbers if the message has none."""
         value = message
         for name in self.path:
             value = _part(value, name)
@@ -57,10 +57,10 @@ class Found:
 
 
 def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
-    """Returns what makes an object of a channel's bytes.
+    """Returns a decoder of a channel's messages.
 
     Raises:
-        ForeignEncodingError: the encoding is not read here.
+        UnknownEncodingError: the encoding is not supported.
     """
     if channel.message_encoding == "json":
         return json.loads
@@ -76,54 +76,54 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
         ros = DecoderFactory().decoder_for("cdr", schema)
         if ros is not None:
             return ros
-    raise ForeignEncodingError(channel, schema)
+    raise UnknownEncodingError(channel, schema)
 
 
-def find_vector(message: Any, names: Sequence[str]) -> Found | None:
-    """Returns where a vector of one of these names stands, the least deep first."""
+def find_vector(message: Any, names: Sequence[str]) -> VectorPath | None:
+    """Returns the path to a vector of given names, shallowest first."""
     return _find(message, names, _XYZ)
 
 
-def find_quaternion(message: Any) -> Found | None:
-    """Returns where a quaternion stands; a bare list is meant as w, x, y, z, as PX4 has it."""
+def find_quaternion(message: Any) -> VectorPath | None:
+    """Returns the path to a quaternion; lists are w, x, y, z."""
     return _find(message, ATTITUDE, _WXYZ)
 
 
 def stamp_of(message: Any) -> int:
-    """Returns the time that a message carries, nanoseconds; 0 where it carries none."""
+    """Returns a message's stamp in nanoseconds; 0 without one."""
     for owner in (_part(message, "header"), message):
         for name in ("stamp", "timestamp"):
             stamp = _part(owner, name)
-            seconds = _first(stamp, ("sec", "seconds", "secs"))
+            seconds = _first_part(stamp, ("sec", "seconds", "secs"))
             if seconds is not None:
-                return int(seconds) * 10**9 + int(_first(stamp, ("nanosec", "nanos", "nsec")) or 0)
+                return int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec")) or 0)
     return 0
 
 
 def frame_of(message: Any) -> str:
-    """Returns the name of the frame that a message says it is meant in; empty where it says none."""
+    """Returns the frame name of a message; empty without one."""
     name = _part(_part(message, "header"), "frame_id") or _part(message, "frame_id")
     return name if isinstance(name, str) else ""
 
 
-def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> Found | None:
+def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> VectorPath | None:
     level: list[tuple[Path, Any]] = [((), message)]
-    for _ in range(_DEEPEST):
+    for _ in range(_MAX_DEPTH):
         for name in names:
             for path, owner in level:
                 if _vector(_part(owner, name), axes) is not None:
-                    return Found((*path, name), axes)
+                    return VectorPath((*path, name), axes)
         level = [((*path, name), _part(owner, name)) for path, owner in level for name in _names(owner)]
     return None
 
 
 def _vector(value: Any, axes: tuple[str, ...]) -> tuple[float, ...] | None:
-    """Returns the numbers of a vector, be it an object with axes or a list; None where it is neither."""
+    """Returns the components of an object or list; None if neither."""
     parts: list[Any]
     if isinstance(value, str | bytes) or value is None:
         return None
     if _names(value):
-        # Of a quaternion's axes a vector has three; but then it has no w.
+        # A quaternion has x, y and z too; a vector has no w.
         parts = [_part(value, axis) for axis in axes]
         if axes == _XYZ and _part(value, "w") is not None:
             return None
@@ -136,7 +136,7 @@ def _vector(value: Any, axes: tuple[str, ...]) -> tuple[float, ...] | None:
     return tuple(float(part) for part in parts)
 
 
-def _first(value: Any, names: Sequence[str]) -> Any:
+def _first_part(value: Any, names: Sequence[str]) -> Any:
     return next((part for name in names if (part := _part(value, name)) is not None), None)
 
 
@@ -145,7 +145,7 @@ def _part(value: Any, name: str) -> Any:
 
 
 def _names(value: Any) -> tuple[str, ...]:
-    """Returns the names of the parts of an object, whatever decoded it."""
+    """Returns the names of an object's parts, for any decoder."""
     if isinstance(value, dict):
         return tuple(value)
     if isinstance(value, Message):

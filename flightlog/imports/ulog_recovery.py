@@ -1,8 +1,8 @@
-"""What is whole in a damaged ULog of PX4: the messages that hang together, and how much is between them.
+"""Recovery of the intact messages of a damaged PX4 ULog.
 
-A ULog has no checksums. A message counts as whole where its kind is known and, if it carries data, where it
-belongs to a topic that was announced and has that topic's size; after damage the next place is looked for
-from which several such messages follow one another. What was altered inside a message is not seen.
+A ULog has no checksums. A message counts as intact if its kind is known and, for data, if its topic is
+announced and has that size. After damage the search resumes where several such messages follow one another.
+Changes inside a message are not detected.
 """
 
 import struct
@@ -18,54 +18,54 @@ _ID = struct.Struct("<H")
 _TIME = struct.Struct("<HQ")
 _KINDS = frozenset(b"BFIMPQARDLCSO")
 _DATA, _ANNOUNCED, _FORMAT = ord("D"), ord("A"), ord("F")
-# Messages that must follow one another before a place is trusted again.
-_IN_A_ROW = 8
-# Microseconds that data may be later than what came before.
+# Consecutive messages required to resume after damage.
+_MIN_CONSECUTIVE = 8
+# Largest step of time between messages, microseconds.
 _LATEST = 3_600_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class WholeMessages:
-    """A ULog of whole messages alone: its bytes, and the bytes of the damaged one that were left out."""
+class IntactMessages:
+    """Intact messages of a ULog, and the number of bytes lost."""
 
     content: bytes
     lost: int
 
 
 @dataclass(slots=True)
-class _Known:
-    """What was learnt of a log so far: size by number of a topic (0 before its first data), latest time."""
+class _ScanState:
+    """State of the scan: message size by topic, and latest time."""
 
     sizes: dict[int, int] = field(default_factory=dict)
     latest: int = 0
 
 
-def whole_messages(content: bytes) -> WholeMessages:
-    """Returns what is whole in the bytes of a ULog; all of an undamaged one."""
-    known, parts = _Known(), [content[:HEADER]]
+def intact_messages(content: bytes) -> IntactMessages:
+    """Returns the intact messages of a ULog's bytes."""
+    known, parts = _ScanState(), [content[:HEADER]]
     position = begun = HEADER
     while position < len(content):
-        end = _end(content, position, known)
+        end = _message_end(content, position, known)
         if end:
-            _learn(content, position, end, known)
+            _update_scan_state(content, position, end, known)
             position = end
             continue
         parts.append(content[begun:position])
-        position = begun = _resumed(content, position + 1, known)
+        position = begun = _find_next_intact(content, position + 1, known)
     parts.append(content[begun:position])
     kept = b"".join(parts)
-    return WholeMessages(kept, len(content) - len(kept))
+    return IntactMessages(kept, len(content) - len(kept))
 
 
-def _end(content: bytes, position: int, known: _Known) -> int:
-    """Returns where the message ends that begins at a place; 0 where none does."""
+def _message_end(content: bytes, position: int, known: _ScanState) -> int:
+    """Returns the end of a message at a position; 0 if none."""
     if position + _HEAD.size > len(content):
         return 0
     size, kind = _HEAD.unpack_from(content, position)
     end: int = position + _HEAD.size + size
     if end > len(content) or kind not in _KINDS:
         return 0
-    # A format is text; one that swallowed what follows a gap is not.
+    # A format is text; one that spans damaged bytes is not.
     if kind == _FORMAT and not content[position + _HEAD.size : end].isascii():
         return 0
     if kind == _DATA:
@@ -77,31 +77,31 @@ def _end(content: bytes, position: int, known: _Known) -> int:
     return end
 
 
-def _learn(content: bytes, position: int, end: int, known: _Known) -> None:
+def _update_scan_state(content: bytes, position: int, end: int, known: _ScanState) -> None:
     size, kind = _HEAD.unpack_from(content, position)
     if kind == _DATA:
         number, time = _TIME.unpack_from(content, position + _HEAD.size)
         known.sizes[number] = size
         known.latest = max(known.latest, time)
     elif kind == _ANNOUNCED and size > 3:
-        # One byte says which of several alike it is.
+        # The first byte is the instance of the topic.
         (number,) = _ID.unpack_from(content, position + _HEAD.size + 1)
         known.sizes.setdefault(number, 0)
 
 
-def _resumed(content: bytes, position: int, known: _Known) -> int:
-    """Returns the next place from which whole messages follow one another; the end without one."""
+def _find_next_intact(content: bytes, position: int, known: _ScanState) -> int:
+    """Returns the next position followed by several intact messages."""
     while position < len(content):
-        ends = list(_chain(content, position, known))
-        if len(ends) == _IN_A_ROW or (ends and ends[-1] == len(content)):
+        ends = list(_consecutive_ends(content, position, known))
+        if len(ends) == _MIN_CONSECUTIVE or (ends and ends[-1] == len(content)):
             return position
         position += 1
     return len(content)
 
 
-def _chain(content: bytes, position: int, known: _Known) -> Iterator[int]:
-    for _ in range(_IN_A_ROW):
-        position = _end(content, position, known)
+def _consecutive_ends(content: bytes, position: int, known: _ScanState) -> Iterator[int]:
+    for _ in range(_MIN_CONSECUTIVE):
+        position = _message_end(content, position, known)
         if not position:
             return
         yield position

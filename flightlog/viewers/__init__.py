@@ -1,1 +1,1 @@
-"""Channels of a flight log that common viewers draw."""
+"""Channels of a flight log for common viewers."""

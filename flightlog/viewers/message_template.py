@@ -1,4 +1,4 @@
-"""Many protobuf messages that differ in numbers alone, made as one block of bytes."""
+"""Many protobuf messages of one layout as one block of bytes."""
 
 import struct
 from collections.abc import Mapping
@@ -8,20 +8,20 @@ from google.protobuf.message import Message
 from jaxtyping import Float, Int, UInt8
 
 SECONDS, NANOSECONDS = 2**34 - 1, 2**29 - 1
-"""Stand for the time in a template: numbers whose encodings are five bytes long."""
+"""Placeholders of the time in a template, encoded in five bytes each."""
 
 
-def fill(
+def fill_template(
     template: Message, *, times: Int[np.ndarray, "n"], columns: Mapping[float, Float[np.ndarray, "n"]]
 ) -> UInt8[np.ndarray, "n size"]:
     """Returns one message a row, all of the template's size.
 
-    An integer is padded to five bytes by continuation bytes that add nothing, which every decoder accepts.
+    Integers are padded to five bytes by continuation bytes of value zero, which every decoder accepts.
 
     Args:
-        template: a message in which `SECONDS`, `NANOSECONDS` and the keys of `columns` stand for numbers.
+        template: message with `SECONDS`, `NANOSECONDS` and the keys of `columns` as placeholders.
         times: nanoseconds.
-        columns: values of the doubles, by the number that stands for each in the template.
+        columns: values of the doubles by their placeholder in the template.
     """
     content = template.SerializeToString()
     messages = np.tile(np.frombuffer(content, np.uint8), (len(times), 1))
@@ -36,7 +36,7 @@ def fill(
 def _replace(
     messages: UInt8[np.ndarray, "n size"], content: bytes, mark: bytes, values: UInt8[np.ndarray, "n width"]
 ) -> None:
-    """Writes values wherever a mark stands in the template."""
+    """Writes values at every placeholder in the template."""
     place = content.find(mark)
     assert place >= 0, mark
     while place >= 0:
@@ -45,7 +45,7 @@ def _replace(
 
 
 def _five_bytes(values: Int[np.ndarray, "n"]) -> UInt8[np.ndarray, "n 5"]:
-    """Returns base-128 integers of five bytes, least significant first, the last without its high bit."""
+    """Returns five-byte base-128 integers, least significant digit first."""
     digits = values[:, None] >> (7 * np.arange(5)) & 127
     digits[:, :4] |= 128
     return digits.astype(np.uint8)

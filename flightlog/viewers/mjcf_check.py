@@ -1,7 +1,7 @@
-"""The shape that a log carries, as MJCF that somebody else may have written: read only if it can do no harm.
+"""Check of an attached MJCF shape from an untrusted source.
 
-MJCF can name other files, make copies of bodies by the million and load plug-ins. A shape needs none of that:
-what is no part of one is refused before any reader sees it.
+MJCF can include files, replicate bodies by the million and load plug-ins. A shape needs none of these; they
+are refused before any MJCF reader is called.
 """
 
 from math import isfinite
@@ -10,10 +10,10 @@ from xml.etree import ElementTree
 from flight.errors import BadFileError
 
 LARGEST_MODEL = 256 * 1024
-"""Bytes; the shipped shape has four thousand."""
+"""Largest shape in bytes; the shipped one has four thousand."""
 
 MOST_PARTS = 2000
-"""Elements; more cannot be told apart on a screen."""
+"""Largest number of elements."""
 
 _LARGEST_TEXTURE = 4096
 _ELEMENTS = {
@@ -21,42 +21,42 @@ _ELEMENTS = {
     *("asset", "material", "texture", "worldbody", "body", "geom", "site", "inertial", "freejoint"),
     *("camera", "light"),
 }
-# Folders in which files are sought; what names a file has that word in its name.
+# Attributes that name folders; those that name a file contain `file`.
 _FOLDERS = {"meshdir", "texturedir", "assetdir"}
 
 
 def parse_model(text: bytes, source: str) -> ElementTree.Element:
-    """Returns the root of a shape that names no file, no entity and nothing but finite numbers.
+    """Returns the root of a shape without files, entities or non-finite numbers.
 
     Raises:
-        BadFileError: it is too large, is no XML, or has something in it that no shape needs; says what.
+        BadFileError: it is too large, not XML, or has elements that no shape needs.
     """
     if len(text) > LARGEST_MODEL:
         raise BadFileError(source, f"expected at most {LARGEST_MODEL} bytes, got {len(text)}")
     try:
-        # As text, so that no other encoding hides what is looked for.
+        # Decoded first, so that no other encoding hides an entity.
         words = text.decode("utf-8")
         if "<!DOCTYPE" in words or "<!ENTITY" in words:
             raise BadFileError(source, "has a document type: expected no entities")
         root = ElementTree.fromstring(words)
     except (ElementTree.ParseError, ValueError) as error:
-        raise BadFileError(source, f"is no model that can be drawn: {error}") from None
+        raise BadFileError(source, f"expected a drawable model: {error}") from None
     parts = list(root.iter())
     if len(parts) > MOST_PARTS:
         raise BadFileError(source, f"expected at most {MOST_PARTS} parts, got {len(parts)}")
     for part in parts:
-        _refuse_harm(part, source)
+        _check_element(part, source)
     return root
 
 
-def _refuse_harm(part: ElementTree.Element, source: str) -> None:
+def _check_element(part: ElementTree.Element, source: str) -> None:
     if part.tag not in _ELEMENTS:
         raise BadFileError(source, f"has <{part.tag:.40}>: expected one of {sorted(_ELEMENTS)}")
     for name, value in part.attrib.items():
         if "file" in name or name in _FOLDERS:
             raise BadFileError(source, f"names a file, {name}={value!r:.60}: expected all in one text")
         for word in value.split():
-            if not _tame(word):
+            if not _is_finite_or_word(word):
                 raise BadFileError(source, f"{part.tag} {name}: expected finite numbers, got {word!r:.40}")
     if part.tag == "texture":
         for name in ("width", "height"):
@@ -64,7 +64,7 @@ def _refuse_harm(part: ElementTree.Element, source: str) -> None:
                 raise BadFileError(source, f"texture {name}: expected at most {_LARGEST_TEXTURE}")
 
 
-def _tame(word: str) -> bool:
+def _is_finite_or_word(word: str) -> bool:
     try:
         return isfinite(float(word))
     except ValueError:

@@ -1,4 +1,4 @@
-"""The scene that viewers draw: goal, track flown, track planned with its tube, all in `z_up.WORLD`."""
+"""Scene for viewers: goal, flown track, planned track and tube."""
 
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
@@ -16,13 +16,14 @@ from foxglove_schemas_protobuf.Vector3_pb2 import Vector3
 from jaxtyping import Float
 
 from flight.automaton.library import Library
+from flight.plan.plan import Plan
 from flight.plan.planned_track import POINTS, planned_track, planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.attachments import PlanOfFlight, goal_of_flight, plans_of_flight
 from flightlog.channels import ESTIMATE, PRIMITIVE
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plans
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_palette
 
 from .z_up_frames import WORLD, positions
@@ -30,34 +31,34 @@ from .z_up_frames import WORLD, positions
 Points = Float[np.ndarray, "n 3"]
 
 SCENE_RATE = 10.0
-"""Points a second of the track flown."""
+"""Points of the flown track for each second."""
 
 _GREEN, _GREY, _INK = "#009E73", "#8a8a8a", "#222222"
 _GOAL_POST = 0.1
 _NO_TURN = Pose(orientation=Quaternion(w=1.0))
-# A nominal plan is shown with what all of the library's errors would make of it.
+# A nominal plan is drawn with the tube of all the library's errors.
 _TUBE_OF_NOMINAL = 1.0
 
 
-def scene(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
-    """Yields entities with the times from which they are drawn; one of the same id replaces the former.
+def scene_entities(log: FlightLog) -> Iterator[tuple[float, SceneEntity]]:
+    """Yields entities and their start times; equal ids replace earlier ones.
 
     Raises:
-        FlightError: an attachment is broken.
+        FlightError: an attachment is invalid.
     """
-    yield 0.0, _flown(log)
-    goal = goal_of_flight(log)
+    yield 0.0, _flown_track(log)
+    goal = logged_goal(log)
     height = float(-log.motion["down"][0])
     if goal is not None:
-        yield 0.0, _goal(goal.position, goal.tolerance, height)
+        yield 0.0, _goal_disc(goal.position, goal.tolerance, height)
     if LIBRARY_ATTACHMENT in log.attachments and ESTIMATE.name in log.series:
         library = log.library()
-        for plan in plans_of_flight(log):
-            yield plan.time, _plan(log, library, plan)
+        for planning in logged_plans(log):
+            yield planning.time, _planned_track(log, library, planning)
 
 
-def believed_pose(log: FlightLog, time: float) -> SE2:
-    """Returns where the vehicle believed to be, between samples by straight lines.
+def estimated_pose(log: FlightLog, time: float) -> SE2:
+    """Returns the estimated pose, interpolated linearly.
 
     Raises:
         MissingTopicError: the log has no estimate.
@@ -69,38 +70,38 @@ def believed_pose(log: FlightLog, time: float) -> SE2:
     return SE2(x, y, heading)
 
 
-def tube_level(plan: PlanOfFlight) -> float:
+def tube_gamma(plan: Plan) -> float:
     """Returns the uncertainty level up to which a plan's tube is drawn: its own, or 1 for a nominal plan."""
-    return plan.level or _TUBE_OF_NOMINAL
+    return plan.gamma or _TUBE_OF_NOMINAL
 
 
 def color(hexadecimal: str, opacity: float = 1.0) -> Color:
-    """Returns a colour given as #rrggbb."""
+    """Returns the colour of a #rrggbb string."""
     r, g, b = (int(hexadecimal[place : place + 2], 16) / 255.0 for place in (1, 3, 5))
     return Color(r=r, g=g, b=b, a=opacity)
 
 
-def _flown(log: FlightLog) -> SceneEntity:
-    """Draws the track flown, a line for each primitive; a maneuver's in ink."""
+def _flown_track(log: FlightLog) -> SceneEntity:
+    """Draws the flown track, one line for each primitive."""
     entity = SceneEntity(frame_id=WORLD, id="flown")
     motion = log.motion
     places = positions(motion)
     if PRIMITIVE.name not in log.series:
-        entity.lines.append(_line(_thinned(motion.time, places), color(_INK), 0.12))
+        entity.lines.append(_line(_decimate_points(motion.time, places), color(_INK), 0.12))
         return entity
-    flown = stretches_flown(log)
+    flown = merged_primitives(log)
     colors = trim_palette(log)
     for part in flown:
         inside = (motion.time >= part.start) & (motion.time <= part.end)
         if inside.sum() < 2:
             continue
         shade = colors[part.id] if part.kind is PrimitiveKind.COAST else _INK
-        entity.lines.append(_line(_thinned(motion.time[inside], places[inside]), color(shade), 0.12))
+        entity.lines.append(_line(_decimate_points(motion.time[inside], places[inside]), color(shade), 0.12))
     return entity
 
 
-def _goal(position: tuple[float, float], tolerance: float, height: float) -> SceneEntity:
-    """Draws the disc that counts as there, at the height flown, and a post below it."""
+def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -> SceneEntity:
+    """Draws the goal's tolerance disc at flight height, on a post."""
     north, east = position
     entity = SceneEntity(frame_id=WORLD, id="goal")
     for diameter, length, middle, opacity in (
@@ -120,26 +121,28 @@ def _goal(position: tuple[float, float], tolerance: float, height: float) -> Sce
     return entity
 
 
-def _plan(log: FlightLog, library: Library, plan: PlanOfFlight) -> SceneEntity:
+def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> SceneEntity:
     """Draws a plan from where the vehicle believed to be when it was made, over its tube."""
     entity = SceneEntity(frame_id=WORLD, id="plan")
-    start = believed_pose(log, plan.time)
-    height = float(-np.interp(plan.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))
+    plan, start = planning.plan, estimated_pose(log, planning.time)
+    height = float(-np.interp(planning.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))
     walk = (library, plan.sequence, plan.coasting_times)
-    coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.gamma)
+    coasts, maneuvers = planned_track(*walk, start=start, gamma=plan.deciding.gamma)
     for line in (*coasts, *maneuvers):
-        entity.lines.append(_line(_raised(line, height), color(_GREY), 0.06))
-    tube = planned_tube(*walk, start=start, level=tube_level(plan))[:, :: POINTS // 10]
+        entity.lines.append(_line(_points_at_height(line, height), color(_GREY), 0.06))
+    tube = planned_tube(*walk, start=start, level=tube_gamma(plan))[:, :: POINTS // 10]
     entity.triangles.append(
         TriangleListPrimitive(
-            pose=_NO_TURN, points=_points(_raised(_swept(tube), height - 0.05)), color=color(_GREY, 0.18)
+            pose=_NO_TURN,
+            points=_points(_points_at_height(_tube_triangles(tube), height - 0.05)),
+            color=color(_GREY, 0.18),
         )
     )
     return entity
 
 
-def _swept(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, "m 2"]:
-    """Returns the corners of the triangles between neighbouring lines."""
+def _tube_triangles(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, "m 2"]:
+    """Returns the corners of triangles between neighbouring lines."""
     triangles = []
     for one, other in pairwise(tube):
         a, b, c, d = one[:-1], one[1:], other[:-1], other[1:]
@@ -147,16 +150,16 @@ def _swept(tube: Float[np.ndarray, "gammas n 2"]) -> Float[np.ndarray, "m 2"]:
     return np.concatenate(triangles)
 
 
-def _raised(line: Float[np.ndarray, "n 2"], height: float) -> Points:
-    """Returns points of north and east as points of viewers at a height."""
+def _points_at_height(line: Float[np.ndarray, "n 2"], height: float) -> Points:
+    """Returns north-east points in viewer axes at a height."""
     return np.column_stack([line[:, 1], line[:, 0], np.full(len(line), height)])
 
 
-def _thinned(time: Float[np.ndarray, "n"], points: Points) -> Points:
-    """Keeps about `SCENE_RATE` points a second, and both ends."""
+def _decimate_points(time: Float[np.ndarray, "n"], points: Points) -> Points:
+    """Returns about `SCENE_RATE` points a second, both ends included."""
     step = max(1, round((len(time) - 1) / max((time[-1] - time[0]) * SCENE_RATE, 1.0)))
-    kept = np.unique([*range(0, len(time), step), len(time) - 1])
-    return np.asarray(points[kept])
+    rows = np.unique([*range(0, len(time), step), len(time) - 1])
+    return np.asarray(points[rows])
 
 
 def _line(points: Points, shade: Color, thickness: float) -> LinePrimitive:

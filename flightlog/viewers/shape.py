@@ -1,4 +1,4 @@
-"""The vehicle as viewers draw it: the solids of the model attached to a log, or an arrow without one."""
+"""Vehicle shape for viewers: solids of the attached model or an arrow."""
 
 from collections.abc import Iterable
 from xml.etree import ElementTree
@@ -24,10 +24,10 @@ _GREY = "0.5 0.5 0.5 1"
 
 
 def vehicle_shape(log: FlightLog) -> SceneEntity:
-    """Returns the vehicle's shape, which moves with its frame.
+    """Returns the vehicle's shape in its own frame.
 
     Raises:
-        BadFileError: the model is attached, but cannot be understood.
+        BadFileError: the attached model is invalid.
     """
     entity = SceneEntity(frame_id=VEHICLE, id="vehicle", frame_locked=True)
     if MODEL_ATTACHMENT not in log.attachments:
@@ -47,17 +47,17 @@ def vehicle_shape(log: FlightLog) -> SceneEntity:
             for geom in body.iter("geom"):
                 _add_solid(entity, geom, colors.get(geom.get("material"), _GREY))
     except ValueError as error:
-        raise BadFileError(MODEL_ATTACHMENT, f"is no model that can be drawn: {error}") from None
+        raise BadFileError(MODEL_ATTACHMENT, f"expected a drawable model: {error}") from None
     return entity
 
 
 def _add_solid(entity: SceneEntity, geom: ElementTree.Element, rgba: str) -> None:
-    """Adds one solid of the model; MuJoCo's sizes are half of those of viewers."""
+    """Adds one solid of the model; MuJoCo's sizes are halves."""
     size, color = _numbers(geom.get("size", "")), Color(**dict(zip("rgba", _numbers(rgba), strict=True)))
-    place, turn = _numbers(geom.get("pos", "0 0 0")), _turned(_numbers(geom.get("euler", "0 0 0")))
+    place, turn = _numbers(geom.get("pos", "0 0 0")), _euler_quaternion(_numbers(geom.get("euler", "0 0 0")))
     if "fromto" in geom.attrib:
         ends = np.array(_numbers(geom.attrib["fromto"])).reshape(2, 3)
-        place, turn = ends.mean(axis=0), _along(ends[1] - ends[0])
+        place, turn = ends.mean(axis=0), _rotation_from_up(ends[1] - ends[0])
         size = [size[0], 0.5 * float(np.linalg.norm(ends[1] - ends[0]))]
     pose = Pose(position=_vector(place), orientation=turn)
     match geom.get("type"):
@@ -82,8 +82,8 @@ def _vector(values: Iterable[float]) -> Vector3:
     return Vector3(x=x, y=y, z=z)
 
 
-def _turned(angles: list[float]) -> Quaternion:
-    """Returns the rotation by angles about x, then the turned y, then the turned z, as MJCF means `euler`."""
+def _euler_quaternion(angles: list[float]) -> Quaternion:
+    """Returns the rotation of MJCF `euler` angles, intrinsic x-y-z."""
     (sx, sy, sz), (cx, cy, cz) = np.sin(0.5 * np.array(angles)), np.cos(0.5 * np.array(angles))
     return Quaternion(
         x=sx * cy * cz + cx * sy * sz,
@@ -93,8 +93,8 @@ def _turned(angles: list[float]) -> Quaternion:
     )
 
 
-def _along(direction: Vector) -> Quaternion:
-    """Returns the shortest rotation that takes up to a direction."""
+def _rotation_from_up(direction: Vector) -> Quaternion:
+    """Returns the shortest rotation from up to a direction."""
     x, y, z = direction / np.linalg.norm(direction)
     if z < -0.999999:
         return Quaternion(x=1.0)

@@ -1,9 +1,9 @@
-"""Flights for a promise test of a grown library: tours through a random sample of what was never flown.
+"""Test flights through a random sample of interpolated primitives.
 
-A campaign's flight performs every maneuver and enters each trim by every maneuver that leads to it; a grown
-library has too many for that. A flight here performs each maneuver drawn, and enters each trim drawn by as
-many maneuvers, drawn anew for every flight, as lead to a flown trim in the middle: so a flight shows of a
-drawn primitive what a campaign's flight shows of a flown one, and is one sample of it.
+A campaign's flight performs every maneuver and enters each trim by every maneuver that leads to it; an
+interpolated library has too many for that. A test flight performs each maneuver drawn, and enters each trim
+drawn by as many maneuvers, drawn anew for every flight, as the median number that lead to a flown trim. A
+test flight is thus one sample of a drawn primitive, as a campaign's flight is of a flown one.
 """
 
 from __future__ import annotations
@@ -22,58 +22,58 @@ from flight.se2 import SE2
 
 from .schedule import Edge
 
-# What a step along a drawn primitive costs on the way to the next one: more than any way around.
+# Cost of a step along a drawn primitive on the way to the next one: more than any detour.
 _DRAWN, _ANY = 1000, 1
 
 
 @dataclass(frozen=True, slots=True)
-class Drawn:
-    """Ids of the interpolated trims and maneuvers that were drawn."""
+class PrimitiveSample:
+    """Ids of the interpolated trims and maneuvers drawn for a test."""
 
     trims: tuple[int, ...]
     maneuvers: tuple[int, ...]
 
 
-def draw(library: Library, *, most: int, rng: np.random.Generator) -> Drawn:
-    """Returns primitives whose errors were interpolated, drawn at random without repetition.
+def draw_sample(library: Library, *, most: int, rng: np.random.Generator) -> PrimitiveSample:
+    """Draws interpolated primitives at random without repetition.
 
     Args:
-        library: grown.
-        most: of each kind, where there are so many.
-        rng: of the draw.
+        library: interpolated library.
+        most: largest number of each kind.
+        rng: random number generator.
     """
     edges = [(row.id, (row.from_trim, row.to_trim)) for row in library.maneuvers]
     graph = _graph([edge for _, edge in edges])
-    # A tour comes back: where no way leads, nothing can be flown again and again.
+    # A tour returns to its start, so only the largest strongly connected component can be flown.
     home: set[int] = max(nx.strongly_connected_components(graph), key=len)
     entered = {to for _, (left, to) in edges if left in home}
     trims = [trim.id for trim in library.trims if trim.interpolated and trim.id in home & entered]
     rows = [row.id for row in library.maneuvers if row.interpolated and {row.from_trim, row.to_trim} <= home]
-    return Drawn(*(_some(ids, most, rng) for ids in (trims, rows)))
+    return PrimitiveSample(*(_draw_ids(ids, most, rng) for ids in (trims, rows)))
 
 
-def _some(ids: list[int], most: int, rng: np.random.Generator) -> tuple[int, ...]:
+def _draw_ids(ids: list[int], most: int, rng: np.random.Generator) -> tuple[int, ...]:
     places = rng.choice(len(ids), min(most, len(ids)), replace=False)
     return tuple(sorted(ids[place] for place in places.tolist()))
 
 
 def sampled_schedule(
     library: Library,
-    drawn: Drawn,
+    drawn: PrimitiveSample,
     *,
     flights: int,
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
     wind: str,
 ) -> tuple[Sequence, ...]:
-    """Returns flights that each show every primitive drawn.
+    """Returns flights that each perform every primitive drawn.
 
     Args:
-        library: grown.
-        drawn: of it.
-        flights: how many.
-        rng: of order, coasting times, headings and the maneuvers that enter trims.
-        coasting_range: shortest and longest coasting time in seconds, drawn uniformly between.
+        library: interpolated library.
+        drawn: primitives to perform.
+        flights: number of flights.
+        rng: random number generator for order, coasting times, headings and entries of trims.
+        coasting_range: shortest and longest coasting time in seconds; times are drawn uniformly between them.
         wind: wind class to fly in.
     """
     by_id = {row.id: (row.from_trim, row.to_trim) for row in library.maneuvers}
@@ -81,7 +81,7 @@ def sampled_schedule(
     maneuvers = [by_id[number] for number in drawn.maneuvers]
     for edge in graph.edges:
         graph.edges[edge]["weight"] = _DRAWN if edge in maneuvers or edge[1] in drawn.trims else _ANY
-    ways = dict(nx.all_pairs_dijkstra(graph))
+    paths = dict(nx.all_pairs_dijkstra(graph))
     entries = _entries_of_a_flown_trim(library)
     tours = []
     for number in range(flights):
@@ -89,7 +89,7 @@ def sampled_schedule(
         for trim in drawn.trims:
             leading = sorted(graph.in_edges(trim))
             wanted += [leading[place] for place in rng.permutation(len(leading))[:entries].tolist()]
-        walk = _walk(list(dict.fromkeys(wanted)), ways, rng)
+        walk = _walk(list(dict.fromkeys(wanted)), paths, rng)
         times = rng.uniform(*coasting_range, len(walk)).tolist()
         start = SE2(0.0, 0.0, rng.uniform(-pi, pi))
         tours.append(Sequence(f"flight-{number:04d}", start, tuple(walk), tuple(times), wind))
@@ -109,15 +109,15 @@ def _entries_of_a_flown_trim(library: Library) -> int:
 
 def _walk(
     wanted: list[Edge],
-    ways: dict[int, tuple[dict[int, float], dict[int, list[int]]]],
+    shortest: dict[int, tuple[dict[int, float], dict[int, list[int]]]],
     rng: np.random.Generator,
 ) -> list[int]:
-    """Returns trims that lead along all wanted edges: always to one of the nearest next, drawn by chance."""
+    """Returns a walk along all wanted edges, nearest next, in random order."""
     left = [wanted[place] for place in rng.permutation(len(wanted)).tolist()]
     first = left.pop()
     walk = list(first)
     while left:
-        lengths, paths = ways[walk[-1]]
+        lengths, paths = shortest[walk[-1]]
         place = min(range(len(left)), key=lambda place: lengths[left[place][0]])
         edge = left.pop(place)
         walk += chain(paths[edge[0]][1:], edge[1:])

@@ -1,9 +1,9 @@
-"""A library by kinematics: average accelerations between trims, assumed durations and percent errors.
+"""Library from kinematics: average accelerations, assumed durations and percent errors.
 
 Thesis, 2.6.1 and 3.2.1: with T the duration, the heading changes by half the sum of both yaw rates times T,
 and the displacement is that of a constant acceleration from the velocity left to the velocity reached, the
-latter turned by the heading change. The errors are what the same equations give when every velocity and the
-duration are off by their assumed errors, less what they give without.
+latter rotated by the heading change. An error is the difference of the same equations with and without the
+assumed errors of velocities and duration.
 """
 
 from math import cos, sin
@@ -15,14 +15,14 @@ from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
-from flight.schema import FileModel, read_toml
+from flight.schema import FileModel, read_toml, refusing
 from flight.se2 import SE2, Twist
 
 
 def average_displacement(left: Twist, reached: Twist, duration: float) -> SE2:
-    """Returns what a maneuver of a duration in seconds displaces, in the body frame at entry."""
+    """Returns a maneuver's displacement in the body frame at entry."""
     turned = 0.5 * (left.yaw_rate + reached.yaw_rate) * duration
-    # The thesis takes every side velocity as zero; with it the velocity reached turns as a vector.
+    # The thesis assumes zero side velocities; otherwise the velocity reached rotates as a vector.
     forward = reached.forward * cos(turned) - reached.side * sin(turned)
     side = reached.forward * sin(turned) + reached.side * cos(turned)
     half = 0.5 * duration
@@ -32,12 +32,12 @@ def average_displacement(left: Twist, reached: Twist, duration: float) -> SE2:
 def kinematic_maneuver(
     number: int, left: Trim, reached: Trim, *, duration: float, duration_error: float
 ) -> Maneuver:
-    """Returns the maneuver between two trims with its errors as the equations sign them.
+    """Returns the maneuver between two trims with its signed errors.
 
     Args:
         number: id of the maneuver.
-        left: trim that it leaves, with its signed error.
-        reached: trim that it leads to, with its signed error.
+        left: trim left, with its signed error.
+        reached: trim reached, with its signed error.
         duration: seconds.
         duration_error: signed, seconds.
     """
@@ -84,12 +84,14 @@ class _File(FileModel):
 
 
 def read_kinematic_library(path: Path) -> Library:
-    """Reads trims, durations and percent errors, and returns the library that the equations make of them.
+    """Reads trims, durations and percent errors; returns their library.
 
     Raises:
-        BadFileError: the file is missing, is no TOML, or contradicts itself; names the place.
+        BadFileError: the file is missing, is not TOML, or is inconsistent; the message names the place.
     """
-    return read_toml(path, _File, _build)
+    content = read_toml(path, _File)
+    with refusing(path):
+        return _build(content)
 
 
 def _build(content: _File) -> Library:
@@ -99,7 +101,9 @@ def _build(content: _File) -> Library:
             if trim not in trims:
                 raise ValueError(f"maneuver {row.id}: no trim {trim}; there are {sorted(trims)}")
         if row.duration + row.error < 0:
-            raise ValueError(f"maneuver {row.id}: its error would make the duration negative")
+            raise ValueError(
+                f"maneuver {row.id}: expected duration + error >= 0 s, got {row.duration + row.error:g} s"
+            )
     return Library(
         name=content.name,
         description=content.description,
@@ -123,7 +127,7 @@ def _build(content: _File) -> Library:
 def _trim(row: _Trim) -> Trim:
     velocity = Twist(row.forward, row.side, row.yaw_rate)
     share = row.percent
-    # Adding 0 turns the minus zero of 10 % of -0 into zero.
+    # Adding 0 changes -0.0 into 0.0.
     error = Twist(
         share.forward * row.forward / 100 + 0.0,
         share.side * row.side / 100 + 0.0,

@@ -1,4 +1,4 @@
-"""What to fly: every edge of the automaton in every flight, in an order and with times drawn by chance."""
+"""Campaign schedule: every maneuver in every flight, random order and times."""
 
 from __future__ import annotations
 
@@ -28,22 +28,21 @@ def schedule(
     coasting_range: tuple[float, float],
     wind: str,
 ) -> tuple[Sequence, ...]:
-    """Returns one sequence a flight; flights are the independent units of the statistics.
+    """Returns one sequence per flight, the independent unit of the statistics.
 
-    Each flight is a closed tour of the automaton that uses every maneuver, so every maneuver is flown in
-    every flight. Where as many maneuvers leave each trim as lead to it, it uses each exactly once (an
-    Eulerian circuit); elsewhere some are flown again, the fewest that a tour takes (the route problem of a
-    postman in one-way streets). Start trim, order, coasting times and heading are random.
+    Each flight is a closed tour of the automaton that uses every maneuver. Where as many maneuvers leave each
+    trim as lead to it, each is used exactly once (an Eulerian circuit); otherwise the fewest possible are
+    repeated (the directed Chinese postman problem). Start trim, order, coasting times and heading are random.
 
     Args:
-        library: names the trims and the maneuvers; its numbers are not used.
-        flights: how many.
-        rng: the campaign's own random numbers.
-        coasting_range: shortest and longest coasting time in seconds, drawn uniformly between.
+        library: trims and maneuvers; its values and errors are not used.
+        flights: number of flights.
+        rng: the campaign's random number generator.
+        coasting_range: shortest and longest coasting time in seconds; times are drawn uniformly between them.
         wind: wind class to fly in.
 
     Raises:
-        NoClosedTourError: there are no maneuvers, or from some trim with a maneuver there is no way back.
+        NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.
     """
     edges = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
     return tuple(
@@ -53,13 +52,13 @@ def schedule(
 
 
 def tour_edges(edges: list[Edge]) -> list[Edge]:
-    """Returns the edges of a shortest closed tour: all of them, and the fewest again that close it.
+    """Returns the edges of a shortest closed tour, repeated ones last.
 
-    What is to be flown again is a flow of least cost from the trims that more edges lead to than leave, to
-    those that more leave than lead to (Edmonds and Johnson, Mathematical Programming 5, 1973).
+    The repeated edges are a minimum-cost flow from trims with more incoming edges to trims with more outgoing
+    edges (Edmonds and Johnson, Mathematical Programming 5, 1973).
 
     Raises:
-        NoClosedTourError: there are none, or they do not lead from each trim to every other.
+        NoClosedTourError: there are no edges, or the graph is not strongly connected.
     """
     graph: nx.DiGraph[int] = nx.DiGraph()
     graph.add_edges_from(edges, weight=1)
@@ -82,7 +81,7 @@ def _tour(
     coasting_range: tuple[float, float],
     wind: str,
 ) -> Sequence:
-    # The circuit that the graph library finds follows the order in which the edges were added.
+    # The circuit found depends on the order in which the edges are added.
     graph: nx.MultiDiGraph[int] = nx.MultiDiGraph()
     graph.add_edges_from(edges[place] for place in rng.permutation(len(edges)))
     start = edges[rng.integers(len(edges))][0]

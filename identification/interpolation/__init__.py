@@ -1,1 +1,1 @@
-"""Primitives interpolated between flown ones, with their coverage claim."""
+"""Primitives interpolated between flown ones, with coverage claims."""

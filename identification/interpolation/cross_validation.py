@@ -1,4 +1,4 @@
-"""What growth's two halves share: trims as points of a plane, and how well a number interpolates there."""
+"""Scaled velocities and cross-validation figures of interpolated primitives."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -10,39 +10,39 @@ from flight.automaton.statistics import Statistics
 from flight.se2 import Twist
 from flight.units import FOOT
 
-# Differences in m/s and rad/s that count as alike far.
+# Differences in m/s and rad/s that count as equal distances.
 SPEED_SCALE, YAW_RATE_SCALE = 8 * FOOT, 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class Fit:
-    """How well one number interpolates.
+class InterpolationFit:
+    """Cross-validation result of one interpolated number.
 
     Attributes:
-        number: its name, of a trim's deviations or of a maneuver.
-        left_out: root mean square of the leave-one-out errors, in the number's unit; of a trim's deviations,
-            of their logarithm.
-        smoothing: of the spline.
+        number: name of a trim's deviation or of a maneuver's value.
+        cross_validation_error: rms leave-one-out error, in the number's unit; for a trim's deviation, of its
+            logarithm.
+        smoothing: smoothing of the spline.
     """
 
     number: str
-    left_out: float
+    cross_validation_error: float
     smoothing: float
 
 
-def place(velocity: Twist) -> tuple[float, float]:
-    """Returns forward speed and yaw rate in units in which they count alike."""
+def scaled_velocity(velocity: Twist) -> tuple[float, float]:
+    """Returns forward speed and yaw rate in units of equal distance."""
     return velocity.forward / SPEED_SCALE, velocity.yaw_rate / YAW_RATE_SCALE
 
 
-def largest(statistics: Statistics | None, name: str) -> float:
-    """Returns the largest deviation of one number of a flown primitive."""
+def largest_deviation(statistics: Statistics | None, name: str) -> float:
+    """Returns the largest deviation of a number of a flown primitive."""
     assert statistics is not None
     return next(one.largest_deviation for one in statistics.scalars if one.name == name)
 
 
-def flights_each(found: Iterable[Statistics | None]) -> int:
-    """Returns in how many flights each of these primitives was flown at least."""
+def least_flights(found: Iterable[Statistics | None]) -> int:
+    """Returns the smallest number of flights of these primitives."""
     return min(one.samples for one in found if one is not None)
 
 

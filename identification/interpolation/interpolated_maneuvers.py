@@ -1,4 +1,4 @@
-"""Maneuvers between trims that no flight joined: what they do, and how far off that may be."""
+"""Interpolated maneuvers between trims, with errors and claim."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,102 +9,108 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.sign_convention import signed_maneuver_error
-from flight.automaton.statistics import Interpolated
+from flight.automaton.statistics import InterpolationClaim
 from flight.se2 import SE2
 from identification.design.schedule import Edge
 from identification.statistics.samples import MANEUVER_SCALARS
 
-from .cross_validation import Fit, flights_each, largest, place, root_mean_square
-from .interpolation_claim import calibrated
+from .cross_validation import (
+    InterpolationFit,
+    largest_deviation,
+    least_flights,
+    root_mean_square,
+    scaled_velocity,
+)
+from .interpolation_claim import calibrate_claim
 from .spline import Spline
-from .step_baseline import Baseline, Step, fitted_baseline
+from .step_baseline import Baseline, VelocityStep, fit_baseline
 
-GROWN = "grown: interpolated, never flown"
+INTERPOLATED_NOTE = "grown: interpolated, never flown"
 
-# Seconds, metres, radians: deviations below this are as good as none, and their logarithm would run away.
+# Floor for deviations in s, m and rad before the logarithm is taken.
 _NONE = 1e-4
 
 Table = Float[np.ndarray, "n k"]
 
 
 @dataclass(frozen=True)
-class GrownManeuvers:
-    """Maneuvers that were never flown, what is claimed of them, how well their numbers interpolate."""
+class InterpolatedManeuvers:
+    """Interpolated maneuvers with their claim and cross-validation."""
 
     maneuvers: tuple[Maneuver, ...]
-    claim: Interpolated
-    fits: tuple[Fit, ...]
+    claim: InterpolationClaim
+    fits: tuple[InterpolationFit, ...]
 
 
-def flown_baseline(library: Library, flown: Sequence[Maneuver]) -> Baseline:
-    """Returns the second-order responses that come nearest to what flown maneuvers did."""
-    steps = [step_of(library, (row.from_trim, row.to_trim)) for row in flown]
-    return fitted_baseline(library, steps, _numbers(flown))
+def baseline_of_flights(library: Library, flown: Sequence[Maneuver]) -> Baseline:
+    """Fits the second-order responses to flown maneuvers."""
+    steps = [velocity_step_of(library, (row.from_trim, row.to_trim)) for row in flown]
+    return fit_baseline(library, steps, _scalar_rows(flown))
 
 
-def step_of(library: Library, edge: Edge) -> Step:
-    """Returns the step of an edge, with the band around the trim that it leads to."""
+def velocity_step_of(library: Library, edge: Edge) -> VelocityStep:
+    """Returns the velocity step of an edge, with the target's band."""
     rule = library.conditions.maneuver_end
     assert rule is not None
-    return Step(library.trim(edge[0]).velocity, library.trim(edge[1]).velocity, rule.bands[edge[1]])
+    return VelocityStep(library.trim(edge[0]).velocity, library.trim(edge[1]).velocity, rule.bands[edge[1]])
 
 
-def grown_maneuvers(
+def interpolate_maneuvers(
     library: Library, flown: Sequence[Maneuver], baseline: Baseline, *, coverage: float, confidence: float
-) -> GrownManeuvers:
-    """Returns the maneuvers between trims no further apart than flown ones are, that none joins yet.
+) -> InterpolatedManeuvers:
+    """Interpolates the missing maneuvers between trims within the flown range.
 
-    One whose duration is not known better than by itself is left out: at gamma = 1 it would take no time.
+    Maneuvers with a duration error not below the duration are left out.
 
     Args:
-        library: trims, grown ones too, and the rule with all bands.
+        library: trims, interpolated ones included, and the rule with all bands.
         flown: maneuvers with statistics.
-        baseline: around which is interpolated.
-        coverage: share of grown maneuvers wanted.
-        confidence: of that share.
+        baseline: baseline of the interpolation.
+        coverage: share of interpolated maneuvers whose bounds hold.
+        confidence: confidence of that share.
     """
-    edges, wanted = [(row.from_trim, row.to_trim) for row in flown], _wanted_edges(library, flown)
+    edges, wanted = [(row.from_trim, row.to_trim) for row in flown], _missing_edges(library, flown)
     points, at = _points(library, edges), _points(library, wanted)
-    deviations = np.array([[largest(row.statistics, one) for one in MANEUVER_SCALARS] for row in flown])
-    together = _sharing_a_trim(edges)
-    rest = _numbers(flown) - baseline.maneuvers([step_of(library, edge) for edge in edges])
-    values = [Spline.fit(points, column, together=together) for column in rest.T]
-    sizes = [
-        Spline.fit(points, np.log(np.maximum(column, _NONE)), together=together) for column in deviations.T
-    ]
+    deviations = np.array(
+        [[largest_deviation(row.statistics, one) for one in MANEUVER_SCALARS] for row in flown]
+    )
+    groups = _edges_sharing_a_trim(edges)
+    rest = _scalar_rows(flown) - baseline.maneuvers([velocity_step_of(library, edge) for edge in edges])
+    values = [Spline.fit(points, column, groups=groups) for column in rest.T]
+    sizes = [Spline.fit(points, np.log(np.maximum(column, _NONE)), groups=groups) for column in deviations.T]
     own = np.array([root_mean_square(one.left_out) for one in values])
     off = np.abs(np.column_stack([one.left_out for one in values]))
     predicted = np.maximum(deviations, _NONE) / np.exp(np.column_stack([one.left_out for one in sizes]))
-    claim = calibrated(
+    claim = calibrate_claim(
         ((off + deviations) / (predicted + own)).max(axis=1),
-        flights=flights_each(row.statistics for row in flown),
+        flights=least_flights(row.statistics for row in flown),
         coverage=coverage,
         confidence=confidence,
     )
-    means = baseline.maneuvers([step_of(library, edge) for edge in wanted]).reshape(-1, 4)
+    means = baseline.maneuvers([velocity_step_of(library, edge) for edge in wanted]).reshape(-1, 4)
     means = means + np.column_stack([one.at(at) for one in values])
-    # No maneuver ends before its dwell.
+    # A maneuver lasts at least the dwell.
     means[:, 0] = np.maximum(means[:, 0], baseline.dwell)
     errors = claim.factor * (np.exp(np.column_stack([one.at(at) for one in sizes])) + own)
     first = max(row.id for row in library.maneuvers) + 1
     known = [
         row for row in zip(wanted, means.tolist(), errors.tolist(), strict=True) if row[2][0] < row[1][0]
     ]
-    return GrownManeuvers(
+    return InterpolatedManeuvers(
         tuple(
             _maneuver(library, number, edge, mean=mean, error=error, claim=claim)
             for number, (edge, mean, error) in enumerate(known, start=first)
         ),
         claim,
         tuple(
-            Fit(f"maneuver {name}", root_mean_square(one.left_out), one.smoothing)
+            InterpolationFit(f"maneuver {name}", root_mean_square(one.left_out), one.smoothing)
             for name, one in zip(MANEUVER_SCALARS, values, strict=True)
         ),
     )
 
 
-def _wanted_edges(library: Library, flown: Sequence[Maneuver]) -> list[Edge]:
-    """Returns the pairs of trims that no maneuver joins and that are no further apart than flown ones."""
+def _missing_edges(library: Library, flown: Sequence[Maneuver]) -> list[Edge]:
+    """Returns unjoined pairs of trims no further apart than flown ones."""
     known = {(row.from_trim, row.to_trim) for row in library.maneuvers}
     reach = max(_distance(library, (row.from_trim, row.to_trim)) for row in flown)
     usable = [trim.id for trim in library.trims if not trim.velocity.side]
@@ -118,13 +124,19 @@ def _wanted_edges(library: Library, flown: Sequence[Maneuver]) -> list[Edge]:
     ]
 
 
-def _sharing_a_trim(edges: Sequence[Edge]) -> list[list[int]]:
-    """Returns for each edge the places of all that share a trim with it, its own among them."""
-    return [[place for place, other in enumerate(edges) if not set(edge).isdisjoint(other)] for edge in edges]
+def _edges_sharing_a_trim(edges: Sequence[Edge]) -> list[list[int]]:
+    """Returns for each edge the indices of edges that share a trim."""
+    return [[index for index, other in enumerate(edges) if not set(edge).isdisjoint(other)] for edge in edges]
 
 
 def _maneuver(
-    library: Library, number: int, edge: Edge, *, mean: list[float], error: list[float], claim: Interpolated
+    library: Library,
+    number: int,
+    edge: Edge,
+    *,
+    mean: list[float],
+    error: list[float],
+    claim: InterpolationClaim,
 ) -> Maneuver:
     duration, *displacement = mean
     return Maneuver(
@@ -137,25 +149,28 @@ def _maneuver(
             left=library.trim(edge[0]).velocity,
             reached=library.trim(edge[1]).velocity,
         ),
-        notes=GROWN,
+        notes=INTERPOLATED_NOTE,
         interpolated=claim,
     )
 
 
-def _numbers(flown: Sequence[Maneuver]) -> Table:
-    """Returns a row for each maneuver: duration, forward, side, heading change."""
+def _scalar_rows(flown: Sequence[Maneuver]) -> Table:
+    """Returns a row per maneuver: duration, forward, side, heading change."""
     return np.array(
         [(row.duration, row.displacement.x, row.displacement.y, row.displacement.heading) for row in flown]
     )
 
 
 def _points(library: Library, edges: Sequence[Edge]) -> Table:
-    """Returns scaled velocities left and reached."""
-    rows = [(*place(library.trim(a).velocity), *place(library.trim(b).velocity)) for a, b in edges]
+    """Returns the scaled velocities of entry and exit trims."""
+    rows = [
+        (*scaled_velocity(library.trim(a).velocity), *scaled_velocity(library.trim(b).velocity))
+        for a, b in edges
+    ]
     return np.array(rows).reshape(-1, 4)
 
 
 def _distance(library: Library, edge: Edge) -> float:
-    """Returns how large a step is: its parts in their scales, summed."""
-    one, two = (place(library.trim(trim).velocity) for trim in edge)
+    """Returns the size of a step: the sum of its scaled parts."""
+    one, two = (scaled_velocity(library.trim(trim).velocity) for trim in edge)
     return abs(one[0] - two[0]) + abs(one[1] - two[1])

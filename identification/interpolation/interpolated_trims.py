@@ -1,4 +1,4 @@
-"""Trims between flown ones: where they are, and when a maneuver to one has ended."""
+"""Interpolated trims: grid of velocities and bands."""
 
 from collections.abc import Sequence
 from math import ceil
@@ -11,39 +11,40 @@ from flight.automaton.maneuver_end import Band, ManeuverEnd
 from flight.automaton.trim import Trim
 from flight.se2 import Twist
 
-from .cross_validation import place
+from .cross_validation import scaled_velocity
 from .spline import Spline
 
-# A grown trim is inside the flown ones' hull and no further than this from one, in the scales of `place`.
+# Largest distance of an interpolated trim from a flown one, in units of `scaled_velocity`; it is also inside
+# the convex hull of the flown ones.
 FURTHEST = 0.75
 
 Table = Float[np.ndarray, "n k"]
 
 
-def grown_trims(
+def interpolate_trims(
     flown: Sequence[Trim], rule: ManeuverEnd, *, speed_step: float, yaw_rate_step: float
 ) -> tuple[tuple[Trim, ...], dict[int, Band]]:
-    """Returns trims on a grid inside the flown ones' hull, where none was flown, without errors; their bands.
+    """Returns trims without errors on a grid, and their bands.
 
     Args:
-        flown: trims.
-        rule: its bands, fixed before the flights, are continued to the grown trims.
-        speed_step: of the grid, m/s.
-        yaw_rate_step: of the grid, rad/s.
+        flown: flown trims.
+        rule: rule with the bands of flown trims, which are interpolated.
+        speed_step: grid step, m/s.
+        yaw_rate_step: grid step, rad/s.
     """
-    places = np.array([place(trim.velocity) for trim in flown])
+    places = np.array([scaled_velocity(trim.velocity) for trim in flown])
     grid = _grid(flown, places, speed_step, yaw_rate_step)
-    at = np.array([place(velocity) for velocity in grid]).reshape(-1, 2)
+    at = np.array([scaled_velocity(velocity) for velocity in grid]).reshape(-1, 2)
     first = max(trim.id for trim in flown) + 1
     trims = tuple(
-        Trim(number, f"grown: {_words(velocity)}", velocity, Twist(0.0, 0.0, 0.0))
+        Trim(number, f"grown: {_describe(velocity)}", velocity, Twist(0.0, 0.0, 0.0))
         for number, velocity in enumerate(grid, start=first)
     )
     return trims, _bands(flown, places, rule, at, first)
 
 
 def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, first: int) -> dict[int, Band]:
-    """Returns a smooth rule of bands through those that were fixed before the flights."""
+    """Interpolates the bands that were fixed before the flights."""
     known = [rule.bands[trim.id] for trim in flown]
     columns = zip(*((one.forward, one.side, one.yaw_rate) for one in known), strict=True)
     widths = np.column_stack([Spline.fit(places, np.array(column)).at(at) for column in columns])
@@ -54,7 +55,7 @@ def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, f
 
 
 def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step: float) -> list[Twist]:
-    """Returns the grid's velocities that are inside the flown range, near a flown trim, and not flown."""
+    """Returns unflown grid velocities inside the range, near flown trims."""
     speeds = [trim.velocity.forward for trim in flown]
     rates = [trim.velocity.yaw_rate for trim in flown]
     hull = Delaunay(places)
@@ -62,13 +63,13 @@ def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step
     for i in range(ceil(min(speeds) / speed_step - 1e-9), int(max(speeds) / speed_step + 1e-9) + 1):
         for j in range(ceil(min(rates) / yaw_rate_step - 1e-9), int(max(rates) / yaw_rate_step + 1e-9) + 1):
             velocity = Twist(round(i * speed_step, 6), 0.0, round(j * yaw_rate_step, 6))
-            here = np.array(place(velocity))
+            here = np.array(scaled_velocity(velocity))
             distance = np.linalg.norm(places - here, axis=1).min()
             if 1e-6 < distance <= FURTHEST and hull.find_simplex(here, tol=1e-9) >= 0:
                 found.append(velocity)
     return found
 
 
-def _words(velocity: Twist) -> str:
+def _describe(velocity: Twist) -> str:
     turn = f", {velocity.yaw_rate:+g} rad/s" if velocity.yaw_rate else ""
     return f"{velocity.forward:.3g} m/s{turn}"

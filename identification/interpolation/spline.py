@@ -1,9 +1,9 @@
-"""Interpolation between scattered points, with its own leave-one-out errors in closed form.
+"""Smoothing spline over scattered points with closed-form leave-one-out errors.
 
-A radial spline with the kernel -r over a linear trend, smoothed; scipy's `RBFInterpolator` with
-`kernel="linear", degree=1` gives the same values. Leaving points out costs no further spline: their errors
-solve a small system: the inverse's rows and columns of those points, their coefficients on the right (for
-one point Rippa, Adv. Comput. Math. 11, 1999; for several it follows alike from a partitioned inverse).
+A radial spline with kernel -r and a linear trend; scipy's `RBFInterpolator` with `kernel="linear", degree=1`
+gives the same values. Leave-one-out errors need no further spline: they solve a small system with the
+inverse's rows and columns of the points left out and their coefficients on the right-hand side (for one point
+Rippa, Adv. Comput. Math. 11, 1999; for several it follows in the same way from a partitioned inverse).
 """
 
 from collections.abc import Sequence
@@ -13,19 +13,19 @@ from typing import Self
 import numpy as np
 from jaxtyping import Float
 
-# Smoothings that are tried; in units of the kernel, so of scaled distances.
+# Candidate smoothings, in units of scaled distances.
 SMOOTHINGS = (0.0, 0.03, 0.1, 0.3, 1.0, 3.0, 10.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Spline:
-    """A fitted interpolation.
+    """A fitted smoothing spline.
 
     Attributes:
-        points: where values are known; each coordinate scaled so that 1 means alike.
-        coefficients: of the kernel at every point, then of the linear trend.
-        left_out: value less prediction at each point, with that point left out and those that go with it.
-        smoothing: that was chosen.
+        points: points of known values, in scaled coordinates.
+        coefficients: coefficients of the kernel at every point, then of the linear trend.
+        left_out: leave-one-out errors: value minus prediction at each point, with its group left out.
+        smoothing: the smoothing chosen.
     """
 
     points: Float[np.ndarray, "n d"]
@@ -39,54 +39,54 @@ class Spline:
         points: Float[np.ndarray, "n d"],
         values: Float[np.ndarray, "n"],
         *,
-        together: Sequence[Sequence[int]] | None = None,
+        groups: Sequence[Sequence[int]] | None = None,
     ) -> Self:
-        """Returns the interpolation whose smoothing makes the errors at points left out least.
+        """Fits the spline with the smoothing of least leave-one-out error.
 
         Args:
-            points: where values are known; each coordinate scaled so that 1 means alike.
-            values: at the points.
-            together: for each point the rows that are left out with it, its own among them; each alone where
+            points: points of known values, in scaled coordinates.
+            values: values at the points.
+            groups: for each point the rows left out together with it, its own included; its own alone where
                 None.
 
         Raises:
-            ValueError: too few points for a linear trend and a point left out, or they lie in a plane, all or
-                without those that are left out together.
+            ValueError: too few points for a linear trend with a point left out, or the points, all or without
+                a group, lie in a plane.
         """
         count, dimensions = points.shape
         if count < dimensions + 3:
             raise ValueError(f"expected at least {dimensions + 3} points, got {count}")
-        for rows in together or ():
-            _refuse_a_plane(np.delete(points, list(rows), axis=0))
+        for rows in groups or ():
+            _check_not_planar(np.delete(points, list(rows), axis=0))
         best: Self | None = None
         for smoothing in SMOOTHINGS:
             inverse = np.linalg.inv(_system(points, smoothing))
             coefficients = inverse[:, :count] @ values
-            left_out = _left_out(inverse[:count, :count], coefficients[:count], together)
+            left_out = _leave_one_out_errors(inverse[:count, :count], coefficients[:count], groups)
             if best is None or (left_out**2).sum() < (best.left_out**2).sum():
                 best = cls(points, coefficients, left_out, smoothing)
         assert best is not None
         return best
 
     def at(self, points: Float[np.ndarray, "m d"]) -> Float[np.ndarray, "m"]:
-        """Returns the interpolated values at points, scaled as those fitted."""
+        """Returns the interpolated values at points in scaled coordinates."""
         kernel = -np.linalg.norm(points[:, None, :] - self.points, axis=2)
         rows = np.hstack([kernel, np.ones((len(points), 1)), points])
         values: Float[np.ndarray, "m"] = rows @ self.coefficients
         return values
 
 
-def _left_out(
+def _leave_one_out_errors(
     inverse: Float[np.ndarray, "n n"],
     coefficients: Float[np.ndarray, "n"],
-    together: Sequence[Sequence[int]] | None,
+    groups: Sequence[Sequence[int]] | None,
 ) -> Float[np.ndarray, "n"]:
-    if together is None:
+    if groups is None:
         alone: Float[np.ndarray, "n"] = coefficients / np.diag(inverse)
         return alone
     errors = [
         np.linalg.solve(inverse[np.ix_(rows, rows)], coefficients[rows])[rows.index(place)]
-        for place, rows in enumerate(map(list, together))
+        for place, rows in enumerate(map(list, groups))
     ]
     return np.array(errors)
 
@@ -94,14 +94,14 @@ def _left_out(
 def _system(points: Float[np.ndarray, "n d"], smoothing: float) -> Float[np.ndarray, "m m"]:
     count = len(points)
     kernel = -np.linalg.norm(points[:, None, :] - points, axis=2) + smoothing * np.eye(count)
-    _refuse_a_plane(points)
+    _check_not_planar(points)
     trend = np.hstack([np.ones((count, 1)), points])
     corner = np.zeros((trend.shape[1], trend.shape[1]))
     system: Float[np.ndarray, "m m"] = np.block([[kernel, trend], [trend.T, corner]])
     return system
 
 
-def _refuse_a_plane(points: Float[np.ndarray, "n d"]) -> None:
+def _check_not_planar(points: Float[np.ndarray, "n d"]) -> None:
     trend = np.hstack([np.ones((len(points), 1)), points])
     if np.linalg.matrix_rank(trend) < trend.shape[1]:
         raise ValueError("expected points that span all their coordinates, got points in a plane")

@@ -1,7 +1,7 @@
-"""What a vehicle with second-order responses does between two trims: what growth interpolates around.
+"""Baseline of maneuvers: second-order responses between trims.
 
-Forward velocity and yaw rate go to the next trim's values by second-order responses; the maneuver ends by the
-rule of `flight.automaton.maneuver_end`. Two responses fit all flown maneuvers at once.
+Forward velocity and yaw rate follow second-order responses to the next trim's values; the maneuver ends by
+the rule of `flight.automaton.maneuver_end`. Two responses are fitted to all flown maneuvers together.
 """
 
 from collections.abc import Sequence
@@ -15,17 +15,17 @@ from scipy.optimize import least_squares
 from flight.automaton.library import Library
 from flight.automaton.maneuver_end import Band
 from flight.se2 import Twist
-from identification.segmentation.step_response import StepResponse
+from identification.segmentation.second_order_response import StepResponse
 
-# Seconds between the instants at which the baseline is computed.
+# Time step of the baseline, s.
 _STEP = 0.02
-# What counts as an equally bad misfit: seconds, metres, metres, radians.
+# Scales of equal misfit: s, m, m, rad.
 _SCALES = np.array([0.2, 0.3, 0.3, 0.05])
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """A maneuver to be computed: velocities left and reached, the band around the latter."""
+class VelocityStep:
+    """Velocities left and reached, with the band around the latter."""
 
     left: Twist
     reached: Twist
@@ -34,18 +34,18 @@ class Step:
 
 @dataclass(frozen=True, slots=True)
 class Baseline:
-    """Second-order responses of forward velocity and of yaw rate, with the rule's dwell and time-out."""
+    """Responses of forward velocity and yaw rate, dwell and time-out."""
 
     forward: StepResponse
     yaw_rate: StepResponse
     dwell: float
     timeout: float
 
-    def maneuver(self, step: Step) -> tuple[float, float, float, float]:
-        """Returns duration in s, displacement forward and to the right in m, heading change in rad."""
+    def maneuver(self, step: VelocityStep) -> tuple[float, float, float, float]:
+        """Returns duration, s, displacement forward and right, m, heading change, rad."""
         time = np.arange(0.0, self.timeout, _STEP)
-        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(time)
-        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(time)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.remaining_share(time)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.remaining_share(time)
         outside = (np.abs(speed_off) > step.band.forward) | (np.abs(rate_off) > step.band.yaw_rate)
         last = int(np.flatnonzero(outside)[-1]) + 1 if outside.any() else 0
         count = min(last + round(self.dwell / _STEP), len(time) - 1)
@@ -56,25 +56,27 @@ class Baseline:
         forward, side = speed * np.cos(middle) * _STEP, speed * np.sin(middle) * _STEP
         return count * _STEP, float(forward.sum()), float(side.sum()), float(heading[-1])
 
-    def tail(self, step: Step) -> tuple[float, float]:
-        """Returns the most that is left of a step after its end: forward speed, m/s, and yaw rate, rad/s."""
+    def residual(self, step: VelocityStep) -> tuple[float, float]:
+        """Returns the largest residuals after a step's end, m/s and rad/s."""
         later = np.arange(self.maneuver(step)[0], self.timeout, _STEP)
-        speed_off = (step.left.forward - step.reached.forward) * self.forward.left_over(later)
-        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.left_over(later)
+        speed_off = (step.left.forward - step.reached.forward) * self.forward.remaining_share(later)
+        rate_off = (step.left.yaw_rate - step.reached.yaw_rate) * self.yaw_rate.remaining_share(later)
         return float(np.abs(speed_off).max(initial=0.0)), float(np.abs(rate_off).max(initial=0.0))
 
-    def maneuvers(self, steps: Sequence[Step]) -> Float[np.ndarray, "n 4"]:
-        """Returns a row for each step, as `maneuver` gives it."""
+    def maneuvers(self, steps: Sequence[VelocityStep]) -> Float[np.ndarray, "n 4"]:
+        """Returns the rows of `maneuver` for several steps."""
         return np.array([self.maneuver(step) for step in steps])
 
 
-def fitted_baseline(library: Library, steps: Sequence[Step], flown: Float[np.ndarray, "n 4"]) -> Baseline:
-    """Returns the responses that come nearest to all flown maneuvers together.
+def fit_baseline(
+    library: Library, steps: Sequence[VelocityStep], flown: Float[np.ndarray, "n 4"]
+) -> Baseline:
+    """Fits the responses to all flown maneuvers together.
 
     Args:
-        library: for the rule.
-        steps: the maneuvers flown.
-        flown: what they did: duration, forward, side, heading change.
+        library: library with the rule.
+        steps: velocity steps of the flown maneuvers.
+        flown: their values: duration, forward, side, heading change.
     """
     rule = library.conditions.maneuver_end
     assert rule is not None
@@ -89,7 +91,7 @@ def fitted_baseline(library: Library, steps: Sequence[Step], flown: Float[np.nda
         return np.asarray(off.ravel())
 
     bounds = ([0.2, 0.4, 0.2, 0.4], [8.0, 0.98, 8.0, 0.98])
-    # Durations come in steps, so slopes are taken over differences that a step does not hide.
+    # Durations are quantised, so finite differences must exceed a time step.
     found: Any = least_squares(
         misfit, [0.9, 0.8, 1.1, 0.8], bounds=bounds, diff_step=[0.02] * 4, loss="soft_l1"
     )

@@ -1,10 +1,9 @@
-"""How far trims scatter that were never flown, or are entered as they never were.
+"""Scatter of interpolated trims, and of trims entered by interpolated maneuvers.
 
-A maneuver ends inside a band, not at the trim, so a coast begins with what is left of the step before it: its
-*tail*. Where a step is small beside the band the tail is most of what a coast deviates, and it depends on the
-step, not on the trim. So the tail is computed, from the responses that fit the flown maneuvers and for all
-maneuvers that lead to the trim; interpolated is the rest, which the wind makes. Both add as independent
-deviations do: in squares.
+A maneuver ends inside a band, not at the trim, so a coast begins with a residual of the step before it: its
+*tail*. Where a step is small relative to the band, the tail is most of a coast's deviation, and it depends on
+the step, not on the trim. The tail is therefore computed from the fitted responses, for all maneuvers that
+lead to the trim; the rest, due to wind, is interpolated. Both add in squares, as independent deviations.
 """
 
 from collections.abc import Sequence
@@ -13,15 +12,21 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.automaton.statistics import Interpolated
+from flight.automaton.statistics import InterpolationClaim
 from flight.automaton.trim import Trim
 from identification.statistics.samples import TRIM_SCALARS
 
-from .cross_validation import Fit, flights_each, largest, place, root_mean_square
-from .interpolation_claim import calibrated
+from .cross_validation import (
+    InterpolationFit,
+    largest_deviation,
+    least_flights,
+    root_mean_square,
+    scaled_velocity,
+)
+from .interpolation_claim import calibrate_claim
 from .spline import Spline
 
-# So much of a deviation, at least, is the wind's: the computed tail may come out above what was flown.
+# Least share of a deviation due to wind; the computed tail may exceed the flown deviation.
 _WIND = 0.25
 
 Table = Float[np.ndarray, "n 3"]
@@ -29,17 +34,17 @@ Table = Float[np.ndarray, "n 3"]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TrimScatter:
-    """What is claimed of trims that grown maneuvers lead to.
+    """Bounds and claim of trims entered by interpolated maneuvers.
 
     Attributes:
-        sizes: by id, bounds of forward, side and yaw rate.
-        claim: of all of them.
-        fits: how well the wind's part interpolates.
+        sizes: bounds of forward, side and yaw rate by trim id.
+        claim: coverage claim of all of them.
+        fits: cross-validation of the wind's part.
     """
 
     sizes: dict[int, Float[np.ndarray, "3"]]
-    claim: Interpolated
-    fits: tuple[Fit, ...]
+    claim: InterpolationClaim
+    fits: tuple[InterpolationFit, ...]
 
 
 def trim_scatter(
@@ -51,31 +56,32 @@ def trim_scatter(
     coverage: float,
     confidence: float,
 ) -> TrimScatter:
-    """Returns the bounds of trims, interpolated between flown ones.
+    """Interpolates the bounds of trims between flown ones.
 
-    A flown trim among those wanted is bounded by what its neighbours give, as it was when it was left out,
-    and never closer than it was flown.
+    A flown trim among the wanted ones is bounded by its leave-one-out prediction, never below its flown
+    deviations.
 
     Args:
-        flown: with statistics.
-        wanted: trims that grown maneuvers lead to.
-        tails_flown: of each flown trim the largest tail of the maneuvers that led to it in flight: forward,
-            side, yaw rate.
-        tails_wanted: of each wanted trim that of all maneuvers that lead to it.
-        coverage: share of the wanted trims that are to hold as many flights as were flown.
-        confidence: of that share.
+        flown: flown trims with statistics.
+        wanted: trims that interpolated maneuvers enter.
+        tails_flown: largest tail of each flown trim over the flown maneuvers to it: forward, side, yaw rate.
+        tails_wanted: largest tail of each wanted trim over all maneuvers to it.
+        coverage: share of the wanted trims whose bounds hold as many flights as were flown.
+        confidence: confidence of that share.
     """
-    deviations = np.array([[largest(trim.statistics, one) for one in TRIM_SCALARS] for trim in flown])
+    deviations = np.array(
+        [[largest_deviation(trim.statistics, one) for one in TRIM_SCALARS] for trim in flown]
+    )
     wind = np.sqrt(np.maximum(deviations**2 - tails_flown**2, (_WIND * deviations) ** 2))
-    splines = [Spline.fit(_places(flown), np.log(column)) for column in wind.T]
+    splines = [Spline.fit(_scaled_velocities(flown), np.log(column)) for column in wind.T]
     left_out = wind / np.exp(np.column_stack([one.left_out for one in splines]))
-    claim = calibrated(
+    claim = calibrate_claim(
         (deviations / np.hypot(tails_flown, left_out)).max(axis=1),
-        flights=flights_each(trim.statistics for trim in flown),
+        flights=least_flights(trim.statistics for trim in flown),
         coverage=coverage,
         confidence=confidence,
     )
-    between = np.exp(np.column_stack([one.at(_places(wanted)) for one in splines]))
+    between = np.exp(np.column_stack([one.at(_scaled_velocities(wanted)) for one in splines]))
     known = {trim.id: row for row, trim in enumerate(flown)}
     sizes = {}
     for trim, tail, rest in zip(wanted, tails_wanted, between, strict=True):
@@ -83,11 +89,11 @@ def trim_scatter(
         size = claim.factor * np.hypot(tail, rest if row is None else left_out[row])
         sizes[trim.id] = size if row is None else np.maximum(size, deviations[row])
     fits = tuple(
-        Fit(f"trim {name}", root_mean_square(one.left_out), one.smoothing)
+        InterpolationFit(f"trim {name}", root_mean_square(one.left_out), one.smoothing)
         for name, one in zip(TRIM_SCALARS, splines, strict=True)
     )
     return TrimScatter(sizes, claim, fits)
 
 
-def _places(trims: Sequence[Trim]) -> Float[np.ndarray, "n 2"]:
-    return np.array([place(trim.velocity) for trim in trims]).reshape(-1, 2)
+def _scaled_velocities(trims: Sequence[Trim]) -> Float[np.ndarray, "n 2"]:
+    return np.array([scaled_velocity(trim.velocity) for trim in trims]).reshape(-1, 2)

@@ -1,4 +1,4 @@
-"""What identification keeps of one log."""
+"""Evidence of one log for identification."""
 
 from dataclasses import dataclass, replace
 from typing import Literal
@@ -13,28 +13,28 @@ from flightlog.topic import Series
 from .segmentation import Segments, segment
 
 NOMINAL = "nominal"
-"""Kind, in the log's header, of the flights that give a maneuver's values and not its bounds."""
+"""Kind, in the log's header, of flights that give values of maneuvers, not bounds."""
 
 COMPLETED = "completed"
 
 StateJudged = Literal["truth", "estimate"]
-"""Whose deviations are taken: those of what was so, or of what the vehicle believed."""
+"""State whose deviations are taken: true or estimated."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightEvidence:
-    """What identification keeps of one log.
+    """Evidence of one log for identification.
 
     Attributes:
-        name: what to call the log in an error.
-        sha256: of what the log holds (`flightlog.fingerprint`), as hexadecimal digits.
+        name: name of the log in errors.
+        sha256: hash of the log's content (`flightlog.fingerprint`), as hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.
-        duration: of the flight, seconds.
-        found_by: what showed where they begin: the `command change`, or the `motion`.
-        judged: which motion was judged: `true`, or `believed` where that was wanted or no truth is known.
-        trims_commanded: whether the velocities of trims were fixed before the flights, not found in them.
+        duration: duration of the flight, seconds.
+        found_by: source of the primitives' beginnings: `command change` or `motion`.
+        judged: motion whose deviations are taken: `true`, or `believed` for the estimate.
+        trims_commanded: True if the velocities of trims were fixed before the flights, not found in them.
     """
 
     name: str
@@ -49,42 +49,42 @@ class FlightEvidence:
 
     @property
     def lost(self) -> bool:
-        """Whether the flight ended before its time."""
+        """True if the flight did not complete."""
         return self.header.outcome != COMPLETED
 
     @property
     def never_reached(self) -> frozenset[int]:
-        """Ids of trims that a maneuver led to without settling there."""
+        """Ids of trims with an unsettled maneuver to them."""
         unsettled = {segment.id for segment in self.segments.maneuvers if not segment.settled}
         return frozenset(row.to_trim for row in self.library.maneuvers if row.id in unsettled)
 
 
-def evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:
-    """Returns what identification keeps of a log.
+def extract_evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:
+    """Extracts the evidence of a log.
 
     Raises:
-        FlightError: the log lacks something; its text begins with the log's name.
+        FlightError: the log lacks something; the message begins with the log's name.
     """
     try:
-        judged = believed(log) if of == "estimate" else log
+        judged = estimate_as_truth(log) if of == "estimate" else log
         cut = segment(judged)
     except FlightError as error:
         raise FlightError(f"{name}: {error}") from None
-    motion = "believed" if of == "estimate" else motion_judged(log)
+    motion = "believed" if of == "estimate" else judged_motion_name(log)
     return FlightEvidence(name, sha256, log.header, log.library(), cut, log.duration, judged=motion)
 
 
-def motion_judged(log: FlightLog) -> str:
-    """Returns which motion of a log is judged: `true`, or `believed` where it knows no truth."""
+def judged_motion_name(log: FlightLog) -> str:
+    """Returns `true`, or `believed` for a log without truth."""
     return "true" if log.motion.topic.name == TRUTH.name else "believed"
 
 
-def believed(log: FlightLog) -> FlightLog:
-    """Returns the log as the vehicle would tell it: the estimate stands where the truth stood.
+def estimate_as_truth(log: FlightLog) -> FlightLog:
+    """Returns the log with the estimate in place of the truth.
 
     Raises:
         MissingTopicError: the log has no estimate.
     """
     estimate = log[ESTIMATE]
-    told = Series(TRUTH.only(estimate.topic.field_names), estimate.time, estimate.values)
-    return replace(log, series={**log.series, TRUTH.name: told})
+    truth = Series(TRUTH.only(estimate.topic.field_names), estimate.time, estimate.values)
+    return replace(log, series={**log.series, TRUTH.name: truth})

@@ -1,4 +1,4 @@
-"""Learning how a vehicle follows its trims, from its motion alone: response, scatter, time scale."""
+"""Model of a vehicle's motion around trims, learnt from motion alone."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,63 +9,63 @@ from jaxtyping import Float
 from flight.errors import FlightError
 from flightlog.log import FlightLog
 
-from .motion_matching import MATCHED, Levels, MatchedWalk, MotionModel, matched_walk
-from .step_response import StepResponse, fitted_response
+from .motion_matching import MATCHED, MatchedWalk, MotionModel, TrimGraph, match_walk
+from .second_order_response import StepResponse, fit_response
 
-# Natural frequencies tried, in rad/s; the response time is 1 over it, and a sample a tenth of that.
+# Candidate natural frequencies, rad/s; the response time is the inverse, and a sample a tenth of it.
 FREQUENCIES = (0.5, 1.0, 2.0, 4.0)
 SAMPLES_A_RESPONSE_TIME = 10
-# Deviations are remembered for a response time.
+# The correlation time of deviations is a response time.
 MEMORY = float(np.exp(-1 / SAMPLES_A_RESPONSE_TIME))
-# A band is some three standard deviations wide; the scatter is learnt from there, never above.
+# A band is about three standard deviations wide, which bounds the scatter from above.
 BAND_IN_SCATTERS = 3.0
-# Steps smaller than so many standard deviations show no response.
+# Steps below this many standard deviations are not used for the responses.
 VISIBLE = 4.0
-# Flights that the time scale, and the responses, are learnt from; passes over them.
+# Numbers of flights for the time scale and for the responses; passes over them.
 FEW, MANY, PASSES = 3, 12, 3
 # Least sampling rate of a log, Hz.
 SLOWEST_RATE = 20.0
-# Median absolute deviation over standard deviation of a normal law.
+# Median absolute deviation over standard deviation of a normal distribution.
 MAD = 0.6745
 
-Motion = Float[np.ndarray, "n 3"]
+MotionSamples = Float[np.ndarray, "n 3"]
 FINE_PERIOD = 0.025
-"""Seconds between the samples that are kept of a log's motion."""
+"""Sampling period of the motion taken from a log, seconds."""
 
 
 class TooSlowLogError(FlightError):
-    """A log is sampled too slowly, or too short, for changes of velocity to be placed in it."""
+    """The log is too short or sampled too slowly for segmentation."""
 
 
-def sampled_motion(log: FlightLog) -> Motion:
-    """Returns forward velocity, side velocity and yaw rate of a log, means over `FINE_PERIOD` each.
+def sampled_motion(log: FlightLog) -> MotionSamples:
+    """Returns forward, side velocity and yaw rate, averaged over `FINE_PERIOD`.
 
     Raises:
-        TooSlowLogError: fewer samples than 20 a second, or no flight of a few seconds.
-        MissingTopicError: the log has neither true nor believed motion.
+        TooSlowLogError: fewer than 20 samples per second, or a flight of less than a few seconds.
+        MissingTopicError: the log has neither true nor estimated motion.
     """
     series = log.motion
     time = series.time
     gap = float(np.diff(time).max()) if len(time) > 1 else np.inf
     if gap > 1.5 / SLOWEST_RATE or time[-1] - time[0] < 2 * MATCHED * FINE_PERIOD:
         raise TooSlowLogError(
-            f"expected {series.topic.name} at {SLOWEST_RATE:g} Hz or more, for "
-            f"{2 * MATCHED * FINE_PERIOD:g} s at least; got {len(time)} samples, up to {gap:.3f} s apart"
+            f"expected {series.topic.name} at {SLOWEST_RATE:g} Hz or more, for at least "
+            f"{2 * MATCHED * FINE_PERIOD:g} s; got {len(time)} samples, up to {gap:.3f} s apart"
         )
     values = np.stack([series[name] for name in ("forward", "side", "yaw_rate")], axis=1)
     if not np.isfinite(values).all():
-        raise TooSlowLogError(f"expected finite velocities in {series.topic.name}, got some that are not")
-    return _averaged(time - time[0], values, FINE_PERIOD)
+        raise TooSlowLogError(f"expected finite velocities in {series.topic.name}, got NaN or infinity")
+    return _period_means(time - time[0], values, FINE_PERIOD)
 
 
-def coarser(motion: Motion, period: float) -> Motion:
-    """Returns a sampled motion as means over longer periods, in seconds, centred on the new samples."""
+def downsample(motion: MotionSamples, period: float) -> MotionSamples:
+    """Averages a sampled motion over a longer period, centred, in seconds."""
     time = (np.arange(len(motion)) + 0.5) * FINE_PERIOD
-    return _averaged(time, motion, period)
+    return _period_means(time, motion, period)
 
 
-def _averaged(time: Float[np.ndarray, "n"], values: Motion, period: float) -> Motion:
-    """Returns means over a period around each multiple of it, cut at both ends."""
+def _period_means(time: Float[np.ndarray, "n"], values: MotionSamples, period: float) -> MotionSamples:
+    """Returns means over periods centred on multiples of the period."""
     centres = np.arange(0.0, time[-1] - time[0], period) + time[0]
     low = np.maximum(centres - period / 2, time[0])
     high = np.minimum(centres + period / 2, time[-1])
@@ -75,85 +75,92 @@ def _averaged(time: Float[np.ndarray, "n"], values: Motion, period: float) -> Mo
     return np.stack(columns, axis=1)
 
 
-def learnt_model(motions: Sequence[Motion], levels: Levels) -> MotionModel:
-    """Returns how the vehicle follows its trims, learnt from where the likeliest walks say that it steps.
+def learn_model(motions: Sequence[MotionSamples], graph: TrimGraph) -> MotionModel:
+    """Learns the model of motion from the most likely walks.
 
     Args:
-        motions: one for each flight, as `sampled_motion` gives them.
-        levels: the trims and the steps between them.
+        motions: one per flight, from `sampled_motion`.
+        graph: trims and possible steps.
     """
-    few, many = _some(motions, FEW), _some(motions, MANY)
-    tried = [_improved(few, levels, _beginning(levels, frequency), passes=1) for frequency in FREQUENCIES]
-    model = min(tried, key=lambda one: _misfit(few, levels, one))
-    return _improved(many, levels, model, passes=PASSES)
+    few, many = _subset(motions, FEW), _subset(motions, MANY)
+    tried = [
+        _refine_model(few, graph, _initial_model(graph, frequency), passes=1) for frequency in FREQUENCIES
+    ]
+    model = min(tried, key=lambda one: _misfit(few, graph, one))
+    return _refine_model(many, graph, model, passes=PASSES)
 
 
-def walk_of(motion: Motion, levels: Levels, model: MotionModel) -> MatchedWalk:
-    """Returns the likeliest walk of a flight, as `sampled_motion` gives it."""
-    return matched_walk(coarser(motion, model.period), levels, model)
+def likeliest_walk(motion: MotionSamples, graph: TrimGraph, model: MotionModel) -> MatchedWalk:
+    """Returns the most likely walk of a motion from `sampled_motion`."""
+    return match_walk(downsample(motion, model.period), graph, model)
 
 
-def _some(motions: Sequence[Motion], count: int) -> list[Motion]:
+def _subset(motions: Sequence[MotionSamples], count: int) -> list[MotionSamples]:
     places = np.unique(np.linspace(0, len(motions) - 1, count).round().astype(int))
     return [motions[place] for place in places]
 
 
-def _beginning(levels: Levels, frequency: float) -> MotionModel:
+def _initial_model(graph: TrimGraph, frequency: float) -> MotionModel:
     response = StepResponse(frequency, 0.8)
     return MotionModel(
         responses=(response, response, response),
-        scatter=np.median(levels.band, axis=0) / BAND_IN_SCATTERS,
+        scatter=np.median(graph.band, axis=0) / BAND_IN_SCATTERS,
         period=1 / (SAMPLES_A_RESPONSE_TIME * frequency),
         memory=MEMORY,
     )
 
 
-def _improved(motions: Sequence[Motion], levels: Levels, model: MotionModel, *, passes: int) -> MotionModel:
-    sampled = [coarser(motion, model.period) for motion in motions]
+def _refine_model(
+    motions: Sequence[MotionSamples], graph: TrimGraph, model: MotionModel, *, passes: int
+) -> MotionModel:
+    sampled = [downsample(motion, model.period) for motion in motions]
     for _ in range(passes):
-        walks = [matched_walk(motion, levels, model) for motion in sampled]
-        forward, side, yaw_rate = (_response(sampled, walks, levels, model, channel) for channel in range(3))
+        walks = [match_walk(motion, graph, model) for motion in sampled]
+        forward, side, yaw_rate = (
+            _fit_channel(sampled, walks, graph, model, channel) for channel in range(3)
+        )
         model = replace(model, responses=(forward, side, yaw_rate))
         off = [
-            motion - walk.mean_motion(levels, model, len(motion))
+            motion - walk.mean_motion(graph, model, len(motion))
             for motion, walk in zip(sampled, walks, strict=True)
         ]
         every = np.concatenate(off)
-        # The first is blind to how far the responses miss, the second to nothing: half of each.
-        held, all_told = np.median(np.abs(every), axis=0) / MAD, np.sqrt((every**2).mean(axis=0))
-        scatter = np.sqrt(0.5 * (held**2 + all_told**2))
-        widest = np.median(levels.band, axis=0) / BAND_IN_SCATTERS
+        # The robust estimate ignores misfits of the responses, the rms includes them: their mean square is
+        # used.
+        robust, rms = np.median(np.abs(every), axis=0) / MAD, np.sqrt((every**2).mean(axis=0))
+        scatter = np.sqrt(0.5 * (robust**2 + rms**2))
+        widest = np.median(graph.band, axis=0) / BAND_IN_SCATTERS
         model = replace(model, scatter=np.clip(scatter, 0.1 * widest, widest))
     return model
 
 
-def _response(
-    motions: Sequence[Motion],
+def _fit_channel(
+    motions: Sequence[MotionSamples],
     walks: Sequence[MatchedWalk],
-    levels: Levels,
+    graph: TrimGraph,
     model: MotionModel,
     channel: int,
 ) -> StepResponse:
     steps = []
     for motion, walk in zip(motions, walks, strict=True):
-        ends = [*(step.time for step in walk.steps[1:]), len(motion) * model.period]
-        for step, end in zip(walk.steps, ends, strict=True):
-            aim = levels.velocity[step.reached, channel]
-            size = levels.velocity[step.left, channel] - aim
+        times = [*(step.time for step in walk.steps), len(motion) * model.period]
+        for step, end in zip(walk.steps, times[1:], strict=True):
+            aim = graph.velocity[step.reached, channel]
+            size = graph.velocity[step.left, channel] - aim
             first = round(step.time / model.period)
             last = min(first + MATCHED, round(end / model.period))
             if abs(size) > VISIBLE * model.scatter[channel]:
                 steps.append((motion[first:last, channel] - aim) / size)
     if len(steps) < 3:
         return model.responses[channel]
-    return fitted_response(steps, period=model.period, memory=model.memory, guess=model.responses[channel])
+    return fit_response(steps, period=model.period, memory=model.memory, guess=model.responses[channel])
 
 
-def _misfit(motions: Sequence[Motion], levels: Levels, model: MotionModel) -> float:
-    """Returns the mean square deviation from the likeliest walks, in bands."""
+def _misfit(motions: Sequence[MotionSamples], graph: TrimGraph, model: MotionModel) -> float:
+    """Returns the mean square deviation from the walks, in bands."""
     squares = []
     for motion in motions:
-        sampled = coarser(motion, model.period)
-        mean = matched_walk(sampled, levels, model).mean_motion(levels, model, len(sampled))
-        squares.append((((sampled - mean) / np.median(levels.band, axis=0)) ** 2).mean())
+        sampled = downsample(motion, model.period)
+        mean = match_walk(sampled, graph, model).mean_motion(graph, model, len(sampled))
+        squares.append((((sampled - mean) / np.median(graph.band, axis=0)) ** 2).mean())
     return float(np.mean(squares))

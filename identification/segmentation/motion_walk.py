@@ -1,4 +1,4 @@
-"""From the motion of many flights to their walks through the trims: without any command."""
+"""Walks of flights through the trims, from motion without commands."""
 
 from collections.abc import Sequence
 from itertools import permutations
@@ -9,13 +9,13 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 
-from .motion_matching import Levels, MatchedWalk, MotionModel
-from .motion_model import learnt_model, walk_of
-from .segmentation import Entry, Walk
+from .motion_matching import MatchedWalk, MotionModel, TrimGraph
+from .motion_model import learn_model, likeliest_walk
+from .segmentation import ObservedWalk, TrimEntry
 
 
-def levels_of(library: Library) -> Levels:
-    """Returns the trims and maneuvers of a library as what a motion is matched with.
+def trim_graph_of(library: Library) -> TrimGraph:
+    """Returns the trim graph of a library.
 
     Raises:
         FlightError: the library has no maneuver-end rule.
@@ -23,13 +23,13 @@ def levels_of(library: Library) -> Levels:
     rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError(
-            f"library {library.name!r} has no conditions.maneuver_end (a band for each trim, dwell, "
-            "timeout): nothing says when a trim is reached"
+            f"library {library.name!r} has no conditions.maneuver_end: expected a band for each trim, dwell, "
+            "timeout"
         )
     places = {trim.id: place for place, trim in enumerate(library.trims)}
     bands = [rule.bands[trim.id] for trim in library.trims]
     edges = [(places[row.from_trim], places[row.to_trim]) for row in library.maneuvers]
-    return Levels(
+    return TrimGraph(
         velocity=np.array(
             [(trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate) for trim in library.trims]
         ),
@@ -40,28 +40,28 @@ def levels_of(library: Library) -> Levels:
 
 
 def all_edges(trims: int) -> np.ndarray:
-    """Returns every ordered pair of different trims, by their places."""
+    """Returns every ordered pair of different trims, by index."""
     return np.array(list(permutations(range(trims), 2)), int).reshape(-1, 2)
 
 
 def walks_of(
     motions: Sequence[Float[np.ndarray, "n 3"]], library: Library, *, model: MotionModel | None = None
-) -> tuple[Walk, ...]:
-    """Returns the walk of each flight, in the trims of a library.
+) -> tuple[ObservedWalk, ...]:
+    """Returns the walk of each flight through a library's trims.
 
     Args:
-        motions: as `motion_model.sampled_motion` gives them.
+        motions: one per flight, from `motion_model.sampled_motion`.
         library: trims, maneuvers and maneuver-end rule; its other numbers are not used.
-        model: how the vehicle follows its trims; learnt from the motions where None.
+        model: model of the motion; learnt from the motions where None.
     """
-    levels = levels_of(library)
-    model = model or learnt_model(motions, levels)
+    graph = trim_graph_of(library)
+    model = model or learn_model(motions, graph)
     ids = [trim.id for trim in library.trims]
-    return tuple(named(walk_of(motion, levels, model), ids) for motion in motions)
+    return tuple(with_trim_ids(likeliest_walk(motion, graph, model), ids) for motion in motions)
 
 
-def named(walk: MatchedWalk, ids: Sequence[int]) -> Walk:
-    """Returns a walk with the ids of the trims for their places."""
-    return Walk(
-        ids[walk.first], tuple(Entry(step.time, ids[step.left], ids[step.reached]) for step in walk.steps)
+def with_trim_ids(walk: MatchedWalk, ids: Sequence[int]) -> ObservedWalk:
+    """Replaces the indices of a walk's trims by their ids."""
+    return ObservedWalk(
+        ids[walk.first], tuple(TrimEntry(step.time, ids[step.left], ids[step.reached]) for step in walk.steps)
     )

@@ -1,4 +1,4 @@
-"""What flights showed of each primitive, flight by flight: for pictures of how repeatable it is."""
+"""Observed tracks and deviations of primitives, for repeatability pictures."""
 
 from collections import defaultdict
 from collections.abc import Iterable
@@ -8,23 +8,23 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flightlog.dead_reckoning import with_places
+from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
 
 from .segmentation import Segments
 
-# Seconds between the points that are kept of a track.
-_SPACING = 0.1
+# Spacing of a track's points, seconds.
+_SPACING, _MOST_POINTS = 0.1, 10_000
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Observations:
-    """What one log shows.
+    """Observed primitives of one log.
 
     Attributes:
-        tracks: by maneuver, every performance seen from its entry: forward and right, metres.
-        maneuvers: by maneuver, a row for each performance: duration, forward, side, heading change.
-        trims: by trim, the deviation of largest size of each velocity over all its coasts, with its sign.
+        tracks: by maneuver, the track of every performance relative to its entry: forward and right, metres.
+        maneuvers: by maneuver, a row per performance: duration, forward, side, heading change.
+        trims: by trim, the largest deviation of each velocity over all its coasts, signed.
     """
 
     tracks: dict[int, list[Float[np.ndarray, "n 2"]]]
@@ -33,18 +33,19 @@ class Observations:
 
 
 def observations(log: FlightLog, segments: Segments, library: Library) -> Observations:
-    """Returns what a log shows of each primitive, cut as `segmentation` does."""
-    motion = with_places(log.motion)
+    """Returns the observations of a segmented log."""
+    motion = with_dead_reckoning(log.motion)
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     rows: defaultdict[int, list[tuple[float, ...]]] = defaultdict(list)
-    for one in segments.maneuvers:
-        moved = one.displacement
-        rows[one.id].append((one.duration, moved.x, moved.y, moved.heading))
-        time = np.append(np.arange(0.0, one.duration, _SPACING), one.duration) + one.start
+    for maneuver in segments.maneuvers:
+        moved = maneuver.displacement
+        rows[maneuver.id].append((maneuver.duration, moved.x, moved.y, moved.heading))
+        spacing = max(_SPACING, maneuver.duration / _MOST_POINTS)
+        time = np.append(np.arange(0.0, maneuver.duration, spacing), maneuver.duration) + maneuver.start
         north, east = (np.interp(time, motion.time, motion[name]) for name in ("north", "east"))
-        heading = np.interp(one.start, motion.time, motion["heading"])
-        away = np.exp(-1j * heading) * ((north - north[0]) + 1j * (east - east[0]))
-        tracks[one.id].append(np.column_stack([away.real, away.imag]))
+        heading = np.interp(maneuver.start, motion.time, motion["heading"])
+        body = np.exp(-1j * heading) * ((north - north[0]) + 1j * (east - east[0]))
+        tracks[maneuver.id].append(np.column_stack([body.real, body.imag]))
     off: defaultdict[int, list[Float[np.ndarray, "n 3"]]] = defaultdict(list)
     for coast in segments.coasts:
         velocity = library.trim(coast.trim).velocity
@@ -52,12 +53,12 @@ def observations(log: FlightLog, segments: Segments, library: Library) -> Observ
     return Observations(
         tracks=dict(tracks),
         maneuvers={number: np.array(found) for number, found in rows.items()},
-        trims={number: _furthest(np.concatenate(found)) for number, found in off.items()},
+        trims={number: _largest_deviations(np.concatenate(found)) for number, found in off.items()},
     )
 
 
-def together(flights: Iterable[Observations]) -> Observations:
-    """Returns the observations of many logs as one; of trims a row for each flight."""
+def merge_observations(flights: Iterable[Observations]) -> Observations:
+    """Merges the observations of many logs; trims have a row per flight."""
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     maneuvers: defaultdict[int, list[Float[np.ndarray, "n 4"]]] = defaultdict(list)
     trims: defaultdict[int, list[Float[np.ndarray, "3"]]] = defaultdict(list)
@@ -75,7 +76,7 @@ def together(flights: Iterable[Observations]) -> Observations:
     )
 
 
-def _furthest(off: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:
+def _largest_deviations(off: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3"]:
     places = np.abs(off).argmax(axis=0)
     furthest: Float[np.ndarray, "3"] = off[places, np.arange(3)]
     return furthest

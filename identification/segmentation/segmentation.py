@@ -1,4 +1,4 @@
-"""Cutting a flight log into primitives: maneuvers from command change to settling, coasts between."""
+"""Segmentation of a flight log: maneuvers to settling, coasts between."""
 
 from dataclasses import dataclass
 
@@ -6,25 +6,25 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndJudge, Verdict
+from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndDetector, ManeuverStatus
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
-from flightlog.dead_reckoning import with_places
+from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, primitives_flown
+from flightlog.primitives import PrimitiveKind, flown_primitives
 from flightlog.topic import Series
 
 
 @dataclass(frozen=True, slots=True)
 class ManeuverSegment:
-    """A maneuver as it truly happened.
+    """A maneuver as flown.
 
     Attributes:
-        id: of the maneuver.
+        id: id of the maneuver.
         start: time of the change of trim, seconds.
         duration: seconds to the end of the dwell; to the next command or time-out where it did not settle.
         displacement: forward, to the right, heading change, in the body frame at entry.
-        settled: whether it ended by the rule.
+        settled: True if it ended by the rule.
     """
 
     id: int
@@ -36,13 +36,13 @@ class ManeuverSegment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class CoastSegment:
-    """A trim as it was truly held.
+    """A coast as flown.
 
     Attributes:
         trim: id of the trim.
         start: seconds.
         duration: seconds.
-        velocity: forward and side in metres per second, yaw rate in radians per second, at every sample.
+        velocity: forward and side in m/s, yaw rate in rad/s, at every sample.
     """
 
     trim: int
@@ -53,15 +53,15 @@ class CoastSegment:
 
 @dataclass(frozen=True, slots=True)
 class Segments:
-    """All primitives of one flight, in the order flown."""
+    """Primitives of one flight, in the order flown."""
 
     maneuvers: tuple[ManeuverSegment, ...]
     coasts: tuple[CoastSegment, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
-    """A change of trim: seconds, ids of the trims left and led to."""
+class TrimEntry:
+    """A change of trim: seconds, ids of the trims left and reached."""
 
     time: float
     from_trim: int
@@ -69,66 +69,63 @@ class Entry:
 
 
 @dataclass(frozen=True, slots=True)
-class Walk:
-    """The trims of a flight.
+class ObservedWalk:
+    """The sequence of trims of a flight.
 
     Attributes:
-        first: id of the trim held at the start; None where the flight begins in a maneuver.
-        entries: the changes of trim, in their order.
+        first: id of the trim at the start; None where the flight begins in a maneuver.
+        entries: the changes of trim in order.
     """
 
     first: int | None
-    entries: tuple[Entry, ...]
+    entries: tuple[TrimEntry, ...]
 
 
 def segment(log: FlightLog) -> Segments:
-    """Cuts a log into primitives by its command channel, judging the motion (thesis, 3.2.2).
+    """Segments a log by its commands (thesis, 3.2.2).
 
     Raises:
         FlightError: the log lacks a topic or the rule.
     """
-    return cut(log, commanded_walk(log), log.library())
+    return cut_into_segments(log, commanded_walk(log), log.library())
 
 
-def commanded_walk(log: FlightLog) -> Walk:
-    """Returns the changes of trim that were commanded.
+def commanded_walk(log: FlightLog) -> ObservedWalk:
+    """Returns the commanded changes of trim.
 
     Raises:
         MissingTopicError: the log has no `/primitive`.
     """
-    primitives = primitives_flown(log)
+    primitives = flown_primitives(log)
     entries = tuple(
-        Entry(primitive.start, primitive.from_trim, primitive.to_trim)
+        TrimEntry(primitive.start, primitive.from_trim, primitive.to_trim)
         for primitive in primitives
         if primitive.kind is PrimitiveKind.MANEUVER
     )
     held = bool(primitives) and primitives[0].kind is PrimitiveKind.COAST
-    return Walk(primitives[0].to_trim if held else None, entries)
+    return ObservedWalk(primitives[0].to_trim if held else None, entries)
 
 
-def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
-    """Cuts a log into primitives where the trim changes.
+def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> Segments:
+    """Segments a log at given changes of trim.
 
     A maneuver ends by the rule of `flight.automaton.maneuver_end`, applied to the true body velocity, or to
-    the
-    believed one in a log that knows no truth. Where no positions are known, displacements are the way that
-    the velocities make. A coast begins at the end of a maneuver and lasts to the next
-    change. What follows a maneuver that did not settle is no coast: the vehicle was never seen in that trim.
+    the estimated one in a log without truth. Without positions, displacements are integrated from velocities.
+    A coast begins at the end of a maneuver and lasts to the next change. After a maneuver that did not settle
+    there is no coast, because the vehicle was not observed in that trim.
 
     Args:
-        log: the motion.
-        walk: where the trim changes.
-        library: names the maneuvers, and says when one has ended.
+        log: log with the motion.
+        walk: changes of trim.
+        library: maneuvers and maneuver-end rule.
 
     Raises:
-        FlightError: the log has no motion, or the library no rule or no such maneuver.
+        FlightError: the log has no motion, or the library lacks the rule or a maneuver.
     """
     rule = library.conditions.maneuver_end
     if rule is None:
-        raise FlightError(
-            "the log's library has no conditions.maneuver_end: nothing says when a maneuver ends"
-        )
-    motion = with_places(log.motion)
+        raise FlightError("expected conditions.maneuver_end in the log's library, got none")
+    motion = with_dead_reckoning(log.motion)
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
     changes = [*(entry.time for entry in walk.entries), log.duration]
@@ -143,16 +140,16 @@ def cut(log: FlightLog, walk: Walk, library: Library) -> Segments:
 
 
 def _maneuver_segment(
-    motion: Series, rule: ManeuverEnd, library: Library, entry: Entry, until: float
+    motion: Series, rule: ManeuverEnd, library: Library, entry: TrimEntry, until: float
 ) -> ManeuverSegment:
     target = library.trim(entry.to_trim).velocity
-    judge = ManeuverEndJudge(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
-    first, last = _span(motion, entry.time, until)
+    detector = ManeuverEndDetector(rule, to_trim=entry.to_trim, target=target, entry_time=entry.time)
+    first, last = _row_range(motion, entry.time, until)
     velocity = _velocity(motion, first, last).tolist()
-    end, verdict = last - 1, Verdict.UNDER_WAY
+    end, status = last - 1, ManeuverStatus.UNDER_WAY
     for place, (time, sample) in enumerate(zip(motion.time[first:last].tolist(), velocity, strict=True)):
-        verdict = judge.judge(time, Twist(*sample))
-        if verdict is not Verdict.UNDER_WAY:
+        status = detector.update(time, Twist(*sample))
+        if status is not ManeuverStatus.UNDER_WAY:
             end = first + place
             break
     return ManeuverSegment(
@@ -160,20 +157,20 @@ def _maneuver_segment(
         start=entry.time,
         duration=float(motion.time[end]) - entry.time,
         displacement=_pose(motion, first).inverse() @ _pose(motion, end),
-        settled=verdict is Verdict.ENDED,
+        settled=status is ManeuverStatus.ENDED,
     )
 
 
 def _coast_segments(motion: Series, trim: int, begin: float, until: float) -> list[CoastSegment]:
-    """Returns the coast, or none where it is over before a second sample."""
-    first, last = _span(motion, begin, until)
+    """Returns the coast, or none with fewer than two samples."""
+    first, last = _row_range(motion, begin, until)
     if last - first < 2:
         return []
     return [CoastSegment(trim, begin, until - begin, _velocity(motion, first, last))]
 
 
-def _span(motion: Series, start: float, end: float) -> tuple[int, int]:
-    """Returns the rows from a time to another, both included, within half a microsecond."""
+def _row_range(motion: Series, start: float, end: float) -> tuple[int, int]:
+    """Returns the row range between two times, inclusive to 0.5 µs."""
     return (
         int(np.searchsorted(motion.time, start - 5e-7)),
         int(np.searchsorted(motion.time, end + 5e-7)),

@@ -1,4 +1,4 @@
-"""How well changes of trim are found from the motion alone, held against the command channel."""
+"""Score of segmentation by motion against the commands."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -6,26 +6,26 @@ from itertools import chain
 
 import numpy as np
 
-from .segmentation import Entry, Segments, Walk
+from .segmentation import ObservedWalk, Segments, TrimEntry
 
 TOLERANCE = 1.0
-"""Seconds by which a boundary may be off and still count as found."""
+"""Largest time error in seconds of a boundary that counts as found."""
 
 Edge = tuple[int, int]
 
 
 @dataclass(frozen=True, slots=True)
 class EdgeScore:
-    """What became of one maneuver's entries; of both kinds of its boundaries where `edge` is None.
+    """Score of one edge's boundaries, or of all where `edge` is None.
 
     Attributes:
-        edge: ids of the trims left and led to.
-        commanded: how many there are.
-        found: how many of them were found within the tolerance, between the same trims.
-        spurious: how many more the motion seemed to show.
-        late: mean lateness of those found, seconds; 0 where there is none.
-        spread: standard deviation of their lateness, seconds.
-        furthest: largest absolute lateness, seconds.
+        edge: ids of the trims left and reached.
+        commanded: number of commanded boundaries.
+        found: number of them found within the tolerance, between the same trims.
+        spurious: number of boundaries found without a command.
+        late: mean delay of those found, seconds; 0 where there is none.
+        standard_deviation: standard deviation of their delay, seconds.
+        furthest: largest absolute delay, seconds.
     """
 
     edge: Edge | None
@@ -33,20 +33,20 @@ class EdgeScore:
     found: int
     spurious: int
     late: float
-    spread: float
+    standard_deviation: float
     furthest: float
 
 
 @dataclass(frozen=True, slots=True)
 class Boundaries:
-    """Entries and ends of the maneuvers of one flight, with the trims that they lie between."""
+    """Times and edges of a flight's maneuver entries and ends."""
 
     entries: tuple[tuple[float, Edge], ...]
     ends: tuple[tuple[float, Edge], ...]
 
 
-def boundaries(walk: Walk, segments: Segments) -> Boundaries:
-    """Returns where a flight's maneuvers begin and end; those that did not settle have no end."""
+def boundaries_of(walk: ObservedWalk, segments: Segments) -> Boundaries:
+    """Returns a flight's boundaries; unsettled maneuvers have no end."""
     pairs = list(zip(walk.entries, segments.maneuvers, strict=True))
     return Boundaries(
         entries=tuple((entry.time, _edge(entry)) for entry, _ in pairs),
@@ -56,30 +56,34 @@ def boundaries(walk: Walk, segments: Segments) -> Boundaries:
     )
 
 
-def scores(
+def score_boundaries(
     flights: Iterable[tuple[Boundaries, Boundaries]],
 ) -> tuple[EdgeScore, EdgeScore, tuple[EdgeScore, ...]]:
-    """Returns the scores of all entries, of all ends, and of the entries of each edge.
+    """Returns the scores of all entries, all ends, and each edge's entries.
 
     Args:
-        flights: for each flight the boundaries that were commanded, and those that the motion shows.
+        flights: commanded and found boundaries of each flight.
     """
     known = list(flights)
-    entries = [_matched(commanded.entries, shown.entries) for commanded, shown in known]
-    ends = [_matched(commanded.ends, shown.ends) for commanded, shown in known]
+    entries = [_match_boundaries(commanded.entries, shown.entries) for commanded, shown in known]
+    ends = [_match_boundaries(commanded.ends, shown.ends) for commanded, shown in known]
     edges = sorted({edge for commanded, shown in known for _, edge in (*commanded.entries, *shown.entries)})
     return (
-        _score(None, entries),
-        _score(None, ends),
-        tuple(_score(edge, [[row for row in rows if row[0] == edge] for rows in entries]) for edge in edges),
+        _edge_score(None, entries),
+        _edge_score(None, ends),
+        tuple(
+            _edge_score(edge, [[row for row in rows if row[0] == edge] for rows in entries]) for edge in edges
+        ),
     )
 
 
-# Edge, lateness; a miss has the lateness of infinity, a spurious boundary that of minus infinity.
+# Edge, delay; infinity for a missed boundary, minus infinity for a spurious one.
 _Row = tuple[Edge, float]
 
 
-def _matched(commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float, Edge], ...]) -> list[_Row]:
+def _match_boundaries(
+    commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float, Edge], ...]
+) -> list[_Row]:
     """Pairs boundaries between the same trims, nearest first."""
     near = sorted(
         (abs(late - time), i, j)
@@ -99,7 +103,7 @@ def _matched(commanded: tuple[tuple[float, Edge], ...], shown: tuple[tuple[float
     return rows + [(edge, -np.inf) for j, (_, edge) in enumerate(shown) if j not in taken]
 
 
-def _score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
+def _edge_score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
     lateness = np.array([late for _, late in chain.from_iterable(flights)])
     found = lateness[np.isfinite(lateness)]
     spurious = int((lateness == -np.inf).sum())
@@ -109,10 +113,10 @@ def _score(edge: Edge | None, flights: list[list[_Row]]) -> EdgeScore:
         found=len(found),
         spurious=spurious,
         late=float(found.mean()) if len(found) else 0.0,
-        spread=float(found.std(ddof=1)) if len(found) > 1 else 0.0,
+        standard_deviation=float(found.std(ddof=1)) if len(found) > 1 else 0.0,
         furthest=float(np.abs(found).max()) if len(found) else 0.0,
     )
 
 
-def _edge(entry: Entry) -> Edge:
+def _edge(entry: TrimEntry) -> Edge:
     return entry.from_trim, entry.to_trim

@@ -1,4 +1,4 @@
-"""The trims of an unknown vehicle: velocities that it holds again and again, found in its motion alone."""
+"""Discovery of an unknown vehicle's trims and maneuvers from its motion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -15,92 +15,100 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
 
-from .motion_matching import Levels
-from .motion_model import coarser, learnt_model, walk_of
+from .motion_matching import TrimGraph
+from .motion_model import downsample, learn_model, likeliest_walk
 from .motion_walk import all_edges
 
-# Seconds that a velocity has to be held to count; means over a fifth of that are compared.
-HELD = 1.5
+# Least duration of a steady velocity, s; means over a fifth of it are compared.
+LEAST_HOLD = 1.5
 PIECES = 5
-# Two trims differ by this share of a channel's range at least, and by the floors: m/s, m/s, rad/s.
+# Largest deviation of such a mean, as a share of the least difference between two trims.
+STEADY = 0.35
+# Least difference between two trims: share of a channel's range, and floors in m/s, m/s, rad/s.
 RESOLUTION, FLOORS = 0.06, (0.2, 0.2, 0.02)
-# A trim holds at least this share of the steady time; more steady windows than `MOST_WINDOWS` are thinned.
+# Least share of the steady time in a trim; more steady windows than `MOST_WINDOWS` are thinned.
 LEAST_SHARE, MOST_WINDOWS = 0.01, 2000
-# The rule by which maneuvers end, where none is given: bands of so many robust standard deviations, never
-# below the floors' half; dwell and time-out in response times of the vehicle.
+# Default maneuver-end rule: bands in robust standard deviations (clipped by the resolution), dwell and
+# time-out in response times of the vehicle.
 BAND_IN_SCATTERS, DWELL, TIMEOUT = 4.0, 1.0, 15.0
 MAD = 0.6745
+_ADVICE = "change --resolution, give --trims, or longer flights with steps between trims"
 
-Motion = Float[np.ndarray, "n 3"]
+MotionSamples = Float[np.ndarray, "n 3"]
 
 
 class NoTrimsError(FlightError):
-    """No velocity is held for long enough, or only one."""
+    """Fewer than two steady velocities were found."""
 
 
 @dataclass(frozen=True, slots=True)
 class Resolution:
-    """The least difference between two trims: metres per second, metres per second, radians per second."""
+    """Least difference between two trims, m/s, m/s and rad/s."""
 
     forward: float
     side: float
     yaw_rate: float
 
 
-def default_resolution(motions: Sequence[Motion]) -> Resolution:
-    """Returns the least difference between two trims that is taken where none is given."""
+def default_resolution(motions: Sequence[MotionSamples]) -> Resolution:
+    """Returns the default least difference between two trims."""
     low, high = np.percentile(np.concatenate(motions), [1, 99], axis=0)
     return Resolution(*np.maximum(RESOLUTION * (high - low), FLOORS).tolist())
 
 
-def discovered_automaton(
-    motions: Sequence[Motion], *, vehicle: str, resolution: Resolution | None = None
+def discover_automaton(
+    motions: Sequence[MotionSamples], *, vehicle: str, resolution: Resolution | None = None
 ) -> Library:
-    """Returns the trims that the motions hold and the maneuvers that they show, with a rule for their ends.
+    """Discovers trims, maneuvers and a maneuver-end rule from motions.
 
-    The numbers of its maneuvers and its errors are empty: they are for `identify` to find.
+    Values of maneuvers and all errors are zero; `identify` finds them.
 
     Args:
-        motions: one for each flight, as `motion_model.sampled_motion` gives them.
-        vehicle: what flew.
-        resolution: the least difference between two trims.
+        motions: one per flight, from `motion_model.sampled_motion`.
+        vehicle: name of the vehicle.
+        resolution: least difference between two trims.
 
     Raises:
-        NoTrimsError: fewer than two velocities are held.
+        NoTrimsError: fewer than two steady velocities were found.
     """
     step = resolution or default_resolution(motions)
     width = np.array([step.forward, step.side, step.yaw_rate])
-    velocity = _levels(motions, width)
-    guess = Levels(velocity, np.tile(0.5 * width, (len(velocity), 1)), all_edges(len(velocity)), HELD / 2)
-    model = learnt_model(motions, guess)
-    walks = [walk_of(motion, guess, model) for motion in motions]
-    off: list[list[Motion]] = [[] for _ in velocity]
+    velocity = _densest_velocities(motions, width)
+    guess = TrimGraph(
+        velocity, np.tile(0.5 * width, (len(velocity), 1)), all_edges(len(velocity)), LEAST_HOLD / 2
+    )
+    model = learn_model(motions, guess)
+    walks = [likeliest_walk(motion, guess, model) for motion in motions]
+    off: list[list[MotionSamples]] = [[] for _ in velocity]
     edges: set[tuple[int, int]] = set()
     for motion, walk in zip(motions, walks, strict=True):
-        sampled = coarser(motion, model.period)
+        sampled = downsample(motion, model.period)
         edges |= {(one.left, one.reached) for one in walk.steps}
         changes = [0, *(round(one.time / model.period) for one in walk.steps), len(sampled)]
         trims = [walk.first, *(one.reached for one in walk.steps)]
         for trim, (begin, end) in zip(trims, pairwise(changes), strict=True):
-            # The later half of what is between two steps: the maneuver is over, or the rule will say so.
+            # The later half between two steps, when the maneuver is over.
             off[trim].append(sampled[(begin + end) // 2 : end])
     used = [place for place, pieces in enumerate(off) if pieces]
     centres = {place: np.median(np.concatenate(off[place]), axis=0) for place in used}
     time_scale = 1 / min(response.frequency for response in model.responses)
     return _library(
         vehicle,
-        {place: _tidy(centres[place], width) for place in used},
+        {place: _round_velocity(centres[place], width) for place in used},
         {place: _band(np.concatenate(off[place]), centres[place], width) for place in used},
         sorted(edges),
         time_scale,
     )
 
 
-def _levels(motions: Sequence[Motion], width: Float[np.ndarray, "3"]) -> Motion:
-    """Returns where the steady windows are densest, each further from the others than the width."""
-    windows = np.concatenate([_steady(motion, width) for motion in motions])
+def _densest_velocities(motions: Sequence[MotionSamples], width: Float[np.ndarray, "3"]) -> MotionSamples:
+    """Returns the densest steady velocities, separated by the width."""
+    windows = np.concatenate([_steady_window_means(motion, width) for motion in motions])
     if len(windows) < 2:
-        raise NoTrimsError(f"expected velocities held for {HELD:g} s, within {_words(width)}; got none")
+        raise NoTrimsError(
+            f"expected steady velocities of {LEAST_HOLD:g} s, within {_describe_width(STEADY * width)}; "
+            f"got {len(windows)}: {_ADVICE}"
+        )
     thinned = windows[np.linspace(0, len(windows) - 1, min(len(windows), MOST_WINDOWS)).round().astype(int)]
     scaled = thinned / width
     near = (np.abs(scaled[:, None, :] - scaled) <= 0.5).all(axis=2)
@@ -114,26 +122,29 @@ def _levels(motions: Sequence[Motion], width: Float[np.ndarray, "3"]) -> Motion:
         centres.append(centre)
         left &= (np.abs(scaled - centre / width) > 1.0).any(axis=1)
     if len(centres) < 2:
-        raise NoTrimsError(f"expected two trims or more that differ by {_words(width)}, got {len(centres)}")
+        raise NoTrimsError(
+            f"expected two trims or more with differences of {_describe_width(width)}, got {len(centres)}: "
+            f"{_ADVICE}"
+        )
     found = np.array(centres)
     order = np.lexsort((found[:, 2], found[:, 1], found[:, 0]))
     return found[order]
 
 
-def _steady(motion: Motion, width: Float[np.ndarray, "3"]) -> Motion:
-    """Returns the mean velocities of all windows in which the velocity hardly moves."""
-    piece = coarser(motion, HELD / PIECES)
+def _steady_window_means(motion: MotionSamples, width: Float[np.ndarray, "3"]) -> MotionSamples:
+    """Returns the mean velocities of all windows of steady velocity."""
+    piece = downsample(motion, LEAST_HOLD / PIECES)
     if len(piece) < PIECES:
         return np.empty((0, 3))
     windows = np.lib.stride_tricks.sliding_window_view(piece, PIECES, axis=0)
     mean = windows.mean(axis=2)
-    held = (np.abs(windows - mean[:, :, None]).max(axis=2) <= 0.35 * width).all(axis=1)
-    steady: Motion = mean[held]
+    held = (np.abs(windows - mean[:, :, None]).max(axis=2) <= STEADY * width).all(axis=1)
+    steady: MotionSamples = mean[held]
     return steady
 
 
-def _tidy(centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Twist:
-    """Returns a trim's velocity, rounded to what is known of it: zero is zero."""
+def _round_velocity(centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Twist:
+    """Rounds a trim's velocity to 0.001; small components become zero."""
     forward, side, yaw_rate = (
         round(float(value), 3) + 0.0 if abs(value) > 0.25 * step else 0.0
         for value, step in zip(centre, width, strict=True)
@@ -141,7 +152,7 @@ def _tidy(centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Twis
     return Twist(forward, side, yaw_rate)
 
 
-def _band(samples: Motion, centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Band:
+def _band(samples: MotionSamples, centre: Float[np.ndarray, "3"], width: Float[np.ndarray, "3"]) -> Band:
     scatter = np.median(np.abs(samples - centre), axis=0) / MAD
     return Band(*np.round(np.clip(BAND_IN_SCATTERS * scatter, 0.4 * width, 1.5 * width), 4).tolist())
 
@@ -187,5 +198,5 @@ def _name(velocity: Twist) -> str:
     return ", ".join(parts)
 
 
-def _words(width: Float[np.ndarray, "3"]) -> str:
+def _describe_width(width: Float[np.ndarray, "3"]) -> str:
     return f"{width[0]:.2g} m/s forward, {width[1]:.2g} m/s to the side or {width[2]:.2g} rad/s"

@@ -1,1 +1,1 @@
-"""Deviations, bounds and coverage of the primitives observed."""
+"""Deviations, bounds and coverage of observed primitives."""

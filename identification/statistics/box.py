@@ -1,4 +1,4 @@
-"""A box that holds what many flights showed of one primitive: a centre and half widths, scalar by scalar."""
+"""Box of bounds of one primitive: centre and half widths."""
 
 from dataclasses import dataclass
 
@@ -8,20 +8,22 @@ from jaxtyping import Float
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
-    """The values within `size` of `centre`, closed.
+    """Closed box of values within `size` of `centre`.
 
     Attributes:
-        centre: a number for each scalar.
+        centre: centre of each scalar.
         size: half widths.
-        support: numbers that were fitted to the samples; what the coverage depends on.
+        support: number of values fitted to the samples, on which the coverage depends.
     """
 
     centre: Float[np.ndarray, "scalars"]
     size: Float[np.ndarray, "scalars"]
     support: int
 
-    def holds(self, low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]) -> np.ndarray:
-        """Returns for each sample whether the box holds it from its lowest to its highest value."""
+    def contains(
+        self, low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]
+    ) -> np.ndarray:
+        """Returns True for each sample that lies entirely inside."""
         inside = (np.abs(low - self.centre) <= self.size) & (np.abs(high - self.centre) <= self.size)
         return np.asarray(inside.all(axis=1))
 
@@ -31,22 +33,24 @@ def box_around(
     low: Float[np.ndarray, "n scalars"],
     high: Float[np.ndarray, "n scalars"],
 ) -> Box:
-    """Returns the smallest box about a centre that was fixed before the samples were seen.
+    """Returns the smallest box around a centre fixed before the samples.
 
     Args:
-        centre: of the box.
+        centre: centre of the box.
         low: lowest value of each sample and scalar; at least one sample.
-        high: highest value.
+        high: highest value of each sample and scalar.
     """
     return Box(centre, _half_widths(centre, low, high), len(centre))
 
 
 def smallest_box(low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]) -> Box:
-    """Returns the smallest box of all: both sides of every scalar are fitted, so the claim is weaker.
+    """Returns the smallest box of the samples.
+
+    Both sides of every scalar are fitted, so its coverage is lower than about a fixed centre.
 
     Args:
         low: lowest value of each sample and scalar; at least one sample.
-        high: highest value.
+        high: highest value of each sample and scalar.
     """
     centre = (low.min(axis=0) + high.max(axis=0)) / 2
     return Box(centre, _half_widths(centre, low, high), 2 * len(centre))

@@ -1,4 +1,4 @@
-"""The two kinds of trim error: at every instant of a coast, or averaged over it."""
+"""Trim errors: at every instant of a coast, or averaged over it."""
 
 from collections.abc import Callable, Sequence
 from itertools import pairwise
@@ -10,25 +10,25 @@ from identification.segmentation.segmentation import CoastSegment
 
 from .samples import Hull
 
-# Averages fall with the square root of time; more bins would have fewer flights each.
+# Averages fall with the square root of time; with more bins, each would have fewer flights.
 BINS = 3
 
 
 def instantaneous_hull(coasts: list[CoastSegment]) -> Hull:
-    """Returns the lowest and highest velocities at any instant of the coasts (thesis, 3.2.6)."""
+    """Returns the extreme instantaneous velocities of coasts (thesis, 3.2.6)."""
     velocity = np.concatenate([coast.velocity for coast in coasts])
     return velocity.min(axis=0), velocity.max(axis=0)
 
 
 def averaged_hull(shortest: float, longest: float = np.inf) -> Callable[[list[CoastSegment]], Hull | None]:
-    """Returns what finds the lowest and highest velocities averaged over a coast of some duration.
+    """Returns a function for the extreme averages over coasts of a duration.
 
-    The beginning of a coast is a coast: when the next command comes is decided without looking at the
-    velocity. So every coast shows the average over each of its beginnings.
+    Every beginning of a coast counts as a coast, because the time of the next command does not depend on the
+    velocity.
 
     Args:
         shortest: shortest duration in seconds.
-        longest: longest duration.
+        longest: longest duration in seconds.
     """
 
     def hull(coasts: list[CoastSegment]) -> Hull | None:
@@ -45,9 +45,9 @@ def averaged_hull(shortest: float, longest: float = np.inf) -> Callable[[list[Co
 def running_average(
     coast: CoastSegment,
 ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n 3"]]:
-    """Returns durations from a coast's beginning in seconds, and the velocities averaged over them.
+    """Returns durations from a coast's start, s, and velocities averaged over them.
 
-    Trapezoids over samples that are evenly spaced.
+    Uses the trapezoidal rule over evenly spaced samples.
     """
     velocity = coast.velocity
     time = np.linspace(0.0, coast.duration, len(velocity))[1:]
@@ -56,11 +56,11 @@ def running_average(
 
 
 def duration_bins(coasts: Sequence[float], ordered: tuple[float, float] | None) -> list[tuple[float, float]]:
-    """Returns bins of coast durations in seconds, none below the shortest coast flown.
+    """Returns bins of coast durations, s, from the shortest coast flown.
 
     Args:
         coasts: durations flown.
-        ordered: shortest and longest coasting time that the flights were given, where that is known.
+        ordered: shortest and longest commanded coasting time, where known.
     """
     shortest, longest = min(coasts), max(coasts)
     if ordered is not None:
@@ -70,5 +70,5 @@ def duration_bins(coasts: Sequence[float], ordered: tuple[float, float] | None) 
     return [(low, high) for low, high in pairwise(edges) if low < high]
 
 
-# Seconds: far less than a sample, far more than the rounding of sample times.
+# Tolerance of times, s: far below a sample, far above the rounding of sample times.
 _INSTANT = 1e-6

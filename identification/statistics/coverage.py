@@ -1,4 +1,4 @@
-"""What share of future samples a box of largest deviations covers, with which confidence."""
+"""Coverage of future samples by boxes and order statistics."""
 
 from math import comb
 
@@ -6,7 +6,7 @@ from scipy.stats import beta
 
 
 def joint_coverage(samples: int, *, support: int, confidence: float, discarded: int = 0) -> float:
-    """Returns the share of future samples that a box around the samples covers, at a confidence.
+    """Returns the share of future samples inside a box, at a confidence.
 
     The box is the solution of a scenario program: the smallest that holds every sample but the discarded
     ones. At most `support` of the samples determine it, so the probability that a new sample lies outside
@@ -16,63 +16,63 @@ def joint_coverage(samples: int, *, support: int, confidence: float, discarded: 
 
     with n samples, s of support and k discarded (Campi and Garatti, J. Optim. Theory Appl. 148, 2011,
     theorem 2.1; k = 0 is SIAM J. Optim. 19(3), 2008, theorem 1). The binomial tail is inverted exactly,
-    through the beta distribution. The factor in front is needed although nobody chooses which samples are
-    discarded: their number is chance, and without the factor 5 % become up to 6.3 % (with it the claim holds
-    for every probability of a discarded sample; a test computes both).
+    through the beta distribution. The combinatorial factor is needed although the discarded samples are not
+    chosen: their number is random, and without the factor 5 % become up to 6.3 % (with it the claim holds for
+    every probability of a discarded sample; a test computes both).
 
     Args:
         samples: independent, identically distributed samples, the discarded ones included.
-        support: numbers that the box is fitted to: one for each scalar where the centre was fixed before,
-            two for each scalar where only the smallest and largest sample fix the sides.
-        confidence: probability, over the samples drawn, with which the claim holds.
+        support: number of values fitted to the samples: one per scalar where the centre was fixed before, two
+            per scalar where the smallest and largest sample fix the sides.
+        confidence: probability, over the samples drawn, that the claim holds.
         discarded: samples that the box need not hold; each counts as outside.
 
     Returns:
-        The share in [0, 1]; 0 where there are too few samples to claim anything.
+        The share in [0, 1]; 0 for too few samples.
     """
     if discarded:
-        # With one number the factor is 1 and would not pay for chance; counted as two it does.
+        # For a support of 1 the factor is 1 and does not cover the random number; a support of 2 does.
         support = max(support, 2)
     counted = support + discarded
     if samples < counted:
         return 0.0
-    doubt = (1.0 - confidence) / comb(counted - 1, discarded)
-    return 1.0 - float(beta.isf(doubt, counted, samples - counted + 1))
+    failure = (1.0 - confidence) / comb(counted - 1, discarded)
+    return 1.0 - float(beta.isf(failure, counted, samples - counted + 1))
 
 
-def held_share(count: int, *, exceeding: int, confidence: float) -> float:
-    """Returns the share of a population that lies at or below an order statistic, at a confidence.
+def order_statistic_coverage(count: int, *, exceeding: int, confidence: float) -> float:
+    """Returns the population share below an order statistic, at a confidence.
 
-    Of `count` independent draws the limit is the largest but `exceeding`; how many exceed it was fixed before
-    they were seen. The share above it then follows a Beta(exceeding + 1, count - exceeding) law whatever the
-    population's, if that is continuous (Wilks, Ann. Math. Statist. 12, 1941), and covers more if it is not.
+    Of `count` independent draws the limit is the (`exceeding` + 1)-th largest, chosen before the draws. The
+    share above it then follows a Beta(exceeding + 1, count - exceeding) distribution for any continuous
+    population (Wilks, Ann. Math. Statist. 12, 1941); for others the coverage is larger.
 
     Args:
-        count: draws.
+        count: number of draws.
         exceeding: draws above the limit, fewer than all.
-        confidence: probability, over the draws, with which the share holds.
+        confidence: probability, over the draws, that the share holds.
     """
     if not 0 <= exceeding < count:
         return 0.0
     return 1.0 - float(beta.isf(1.0 - confidence, exceeding + 1, count - exceeding))
 
 
-def most_exceeding(count: int, *, coverage: float, confidence: float) -> int:
-    """Returns how many of so many draws may exceed the limit and a coverage be claimed; 0 where none may."""
+def most_exceedances(count: int, *, coverage: float, confidence: float) -> int:
+    """Returns the most draws above the limit that still give a coverage."""
     exceeding = 0
-    while held_share(count, exceeding=exceeding + 1, confidence=confidence) >= coverage:
+    while order_statistic_coverage(count, exceeding=exceeding + 1, confidence=confidence) >= coverage:
         exceeding += 1
     return exceeding
 
 
 def samples_needed(coverage: float, *, support: int, confidence: float, discarded: int = 0) -> int:
-    """Returns the fewest samples of which a box covers a share of future ones, at a confidence.
+    """Returns the least number of samples for a coverage, at a confidence.
 
     Args:
-        coverage: share wanted, inside (0, 1).
+        coverage: wanted share, inside (0, 1).
         support: as in `joint_coverage`.
-        confidence: likewise, inside (0, 1).
-        discarded: likewise.
+        confidence: as in `joint_coverage`, inside (0, 1).
+        discarded: as in `joint_coverage`.
 
     Raises:
         ValueError: coverage or confidence is not inside (0, 1).

@@ -1,4 +1,4 @@
-"""One primitive with the errors that follow from many flights, and what may be claimed of them."""
+"""Trims and maneuvers with errors and coverage from many flights."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -27,14 +27,14 @@ from .samples import MANEUVER_SCALARS, TRIM_SCALARS, Samples
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DurationBin:
-    """What flights show of a trim averaged over coasts of some duration, in seconds."""
+    """Samples of a trim's averages over coasts of some duration, s."""
 
     shortest: float
     longest: float
     samples: Samples
 
 
-def identified_trim(
+def identify_trim(
     trim: Trim,
     samples: Samples,
     confidence: float,
@@ -42,22 +42,22 @@ def identified_trim(
     commanded: bool = True,
     averaged: tuple[DurationBin, ...] = (),
 ) -> Trim:
-    """Returns the trim with the largest deviations from its velocity as its errors.
+    """Returns the trim with its largest deviations as errors.
 
-    A commanded velocity was fixed before any flight, so one number is fitted for each scalar. About one that
-    was found in the same flights the box still holds the smallest box of all, for which two are.
+    A commanded velocity was fixed before any flight, so one value is fitted per scalar. For a velocity found
+    in the same flights two are counted, because the box contains the smallest box of the samples.
 
     Args:
-        trim: names the trim and its velocity.
-        samples: of the kind of error wanted.
-        confidence: of the coverage claimed.
-        commanded: whether the velocity was fixed before the flights.
-        averaged: errors averaged over coasts, bin by bin, to stand beside.
+        trim: the trim with its velocity.
+        samples: samples of the wanted kind of error.
+        confidence: confidence of the coverage.
+        commanded: True if the velocity was fixed before the flights.
+        averaged: samples averaged over coasts, by bin.
     """
     centre = np.array([trim.velocity.forward, trim.velocity.side, trim.velocity.yaw_rate])
 
-    def box_of(shown: Samples) -> Box:
-        box = box_around(centre, shown.low, shown.high)
+    def box_of(part: Samples) -> Box:
+        box = box_around(centre, part.low, part.high)
         return box if commanded else replace(box, support=2 * box.support)
 
     def signed(size: Float[np.ndarray, "3"]) -> Twist:
@@ -73,7 +73,7 @@ def identified_trim(
     )
 
 
-def identified_maneuver(
+def identify_maneuver(
     maneuver: Maneuver,
     samples: Samples,
     *,
@@ -82,18 +82,18 @@ def identified_maneuver(
     reached: Trim,
     confidence: float,
 ) -> Maneuver:
-    """Returns the maneuver with its values, and its largest deviations from them as errors.
+    """Returns the maneuver with its values and largest deviations.
 
-    With nominal flights the values are their means: a centre fixed before the others were seen. Without, the
-    box is the smallest around all samples, its middle the value, with two numbers fitted for each scalar.
+    With nominal flights the values are their means, a centre independent of the other flights. Without, the
+    box is the smallest around all samples, its middle the value, with two values fitted per scalar.
 
     Args:
-        maneuver: names the maneuver; its numbers are not used.
-        samples: of the flights that give the bounds.
-        nominal: of the flights that give the values; None where there are none.
-        left: the trim that the maneuver leaves.
-        reached: the trim that it leads to.
-        confidence: of the coverage claimed.
+        maneuver: the maneuver; its numbers are not used.
+        samples: samples of the flights for the bounds.
+        nominal: samples of the flights for the values; None where there are none.
+        left: the trim left.
+        reached: the trim reached.
+        confidence: confidence of the coverage.
     """
     centre: Centre
     if nominal is None:
@@ -150,6 +150,6 @@ def _statistics(
 def _scalars(
     names: tuple[str, ...], rows: Float[np.ndarray, "n scalars"], largest: Float[np.ndarray, "scalars"]
 ) -> tuple[ScalarStatistics, ...]:
-    spread = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(len(names))
-    columns = zip(names, rows.mean(axis=0).tolist(), spread.tolist(), largest.tolist(), strict=True)
+    sigma = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(len(names))
+    columns = zip(names, rows.mean(axis=0).tolist(), sigma.tolist(), largest.tolist(), strict=True)
     return tuple(ScalarStatistics(*column) for column in columns)

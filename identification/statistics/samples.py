@@ -1,4 +1,4 @@
-"""What flights show of one primitive: a flight is one sample, however often it performs the primitive."""
+"""Samples of one primitive: one sample per flight."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -18,18 +18,18 @@ Hull = tuple[Float[np.ndarray, "scalars"], Float[np.ndarray, "scalars"]]
 
 
 class NeverFlownError(FlightError):
-    """No log shows a primitive of the automaton."""
+    """No log has a primitive of the automaton."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Samples:
-    """The samples of one primitive.
+    """Samples of one primitive.
 
     Attributes:
-        low: lowest value of each scalar, a row for each flight that shows the primitive.
-        high: highest value.
-        rows: what mean and standard deviation are taken of.
-        discarded: seeds of the flights that should have shown it and did not: lost, or it did not settle.
+        low: lowest value of each scalar, a row per flight with the primitive.
+        high: highest value of each scalar.
+        rows: values for mean and standard deviation.
+        discarded: seeds of flights outside the bounds: lost, or the primitive did not settle.
         timeouts: performances that did not settle.
     """
 
@@ -44,18 +44,18 @@ class Samples:
         """Number of samples, the discarded ones included."""
         return len(self.low) + len(self.discarded)
 
-    def required(self, what: str) -> "Samples":
-        """Returns these samples.
+    def require(self, what: str) -> "Samples":
+        """Returns these samples, after a check that there are some.
 
         Raises:
-            NeverFlownError: no flight shows the primitive.
+            NeverFlownError: no flight has the primitive.
         """
         if not len(self.low):
-            raise NeverFlownError(f"{what} in none of the logs")
+            raise NeverFlownError(f"expected {what} in at least one log, got none")
         return self
 
 
-def coasts_in(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
+def coasts_of(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
     """Returns a flight's coasts in a trim."""
     return [coast for coast in flight.segments.coasts if coast.trim == trim]
 
@@ -70,17 +70,17 @@ def trim_samples(
 ) -> Samples:
     """Returns the samples of a trim.
 
-    A flight that never held the trim is no sample, unless it was to: lost flights are discarded samples, and
-    so are flights in which no maneuver to the trim settled.
+    A flight without the trim is no sample; lost flights are discarded samples, and so are flights in which no
+    maneuver to the trim settled.
 
     Args:
-        flights: one for each log.
-        trim: its id.
-        hull: lowest and highest velocity of a flight's coasts; None where they show too little.
+        flights: one per log.
+        trim: id of the trim.
+        hull: function for the lowest and highest velocity of a flight's coasts; None for too short coasts.
     """
     hulls, rows, discarded = [], [], []
     for flight in flights:
-        coasts = coasts_in(flight, trim)
+        coasts = coasts_of(flight, trim)
         found = hull(coasts) if coasts else None
         if flight.lost or (not coasts and trim in flight.never_reached):
             discarded.append(flight.header.seed)
@@ -91,10 +91,10 @@ def trim_samples(
 
 
 def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Samples:
-    """Returns the samples of a maneuver: of each flight the lowest and highest of its performances.
+    """Returns the samples of a maneuver: extremes of each flight.
 
-    A flight in which one of them did not settle is a discarded sample; so is a lost flight. A flight that
-    never performed the maneuver is no sample.
+    A flight with an unsettled performance is a discarded sample; so is a lost flight. A flight without the
+    maneuver is no sample.
     """
     hulls, rows, discarded, timeouts = [], [], [], 0
     for flight in flights:
@@ -111,7 +111,7 @@ def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Sample
 
 
 def maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:
-    """Returns a performance in the order of `MANEUVER_SCALARS`."""
+    """Returns a performance's values in the order of `MANEUVER_SCALARS`."""
     displacement = segment.displacement
     return segment.duration, displacement.x, displacement.y, displacement.heading
 

@@ -16,10 +16,15 @@ from scipy.stats import binomtest
 
 from flight.automaton.library import Library
 from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_error
-from flight.plural import counted
+from flight.plural import plural
 from maneuver.options.numbers import Count, Seed
-from planner.independent_errors.monotonicity_audit import GAMMAS, Audit, Number, Rise
-from planner.independent_errors.monotonicity_audit import audit as audit_signs
+from planner.independent_errors.monotonicity_audit import (
+    GAMMAS,
+    MonotonicityAudit,
+    PrimitiveScalar,
+    TimeIncrease,
+)
+from planner.independent_errors.monotonicity_audit import audit_monotonicity as audit_signs
 from scenarios.find import find_library
 
 SHOWN = 12
@@ -34,7 +39,7 @@ def audit(
     max_trims: Count = 4,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Says how often the optimal time falls as gamma rises, where it does not, and which primitive is why.
+    """Counts how often the optimal time falls as gamma rises.
 
     Every error is signed so that gamma = +1 means fast and wide. Whether a mission then takes least time at
     gamma = +1 and most at gamma = -1 is measured: the best walk of each mission at gamma -1, 0 and +1. Where
@@ -65,7 +70,7 @@ def audit(
     interval = binomtest(result.monotone, result.reachable).proportion_ci(0.95, method="wilson")
     share = _share(result.monotone, result.reachable)
     print(
-        f"{found.name}: {counted(result.missions, 'mission')}, {result.reachable} with a plan; "
+        f"{found.name}: {plural(result.missions, 'mission')}, {result.reachable} with a plan; "
         f"optimal time never rises with gamma in {result.monotone} ({share}; 95 %: "
         f"{100 * interval.low:.1f}-{100 * interval.high:.1f} %)"
     )
@@ -84,8 +89,8 @@ def _share(part: int, whole: int) -> str:
     return f"{100 * part / max(whole, 1):.1f} %"
 
 
-def _table(library: Library, result: Audit) -> Table:
-    by_number: defaultdict[Number | None, list[Rise]] = defaultdict(list)
+def _table(library: Library, result: MonotonicityAudit) -> Table:
+    by_number: defaultdict[PrimitiveScalar | None, list[TimeIncrease]] = defaultdict(list)
     for rise in result.rises:
         by_number[rise.culprit].append(rise)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
@@ -96,16 +101,16 @@ def _table(library: Library, result: Audit) -> Table:
     ranked = sorted(by_number.items(), key=lambda item: -len(item[1]))
     for number, rises in ranked[:SHOWN]:
         sizes = sorted(rise.times[1] - rise.times[0] for rise in rises)
-        words = "several together" if number is None else _words(library, number)
+        words = "several together" if number is None else _describe(library, number)
         ruled = "" if number is None else ("yes" if _by_the_rule(library, number) else "no")
         table.add_row(words, ruled, str(len(rises)), f"{sizes[len(sizes) // 2]:.3f}")
     rest = sum(len(rises) for _, rises in ranked[SHOWN:])
     if rest:
-        table.add_row(counted(len(ranked) - SHOWN, "other"), "", str(rest), "")
+        table.add_row(plural(len(ranked) - SHOWN, "other"), "", str(rest), "")
     return table
 
 
-def _words(library: Library, number: Number) -> str:
+def _describe(library: Library, number: PrimitiveScalar) -> str:
     name = number.name.replace("_", " ")
     if number.kind == "trim":
         return f"trim {number.id} ({library.trim(number.id).name}): {name}"
@@ -113,8 +118,8 @@ def _words(library: Library, number: Number) -> str:
     return f"maneuver {number.id} ({row.from_trim}-{row.to_trim}): {name}"
 
 
-def _by_the_rule(library: Library, number: Number) -> bool:
-    """Whether an error has the sign that the convention gives it."""
+def _by_the_rule(library: Library, number: PrimitiveScalar) -> bool:
+    """Returns True where an error has the convention's sign."""
     if number.kind == "trim":
         trim = library.trim(number.id)
         return bool(

@@ -11,7 +11,7 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from flight.automaton.library_diff import Value, differences
+from flight.automaton.library_diff import Value, library_differences
 from scenarios.find import find_library
 
 DIFFERENT = 1
@@ -25,7 +25,7 @@ def diff(
     numbers: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Says what changed from one library to another, per primitive. The exit code is 1 where they differ.
+    """Compares two libraries, primitive by primitive.
 
     For example:
 
@@ -39,7 +39,7 @@ def diff(
         numbers: only values and signed errors of trims and maneuvers: not where they come from.
         json: print the differences as JSON.
     """
-    found = differences(find_library(first), find_library(second))
+    found = library_differences(find_library(first), find_library(second))
     if numbers:
         found = tuple(
             one

@@ -1,13 +1,13 @@
-"""`maneuver library graph`: a library's automaton as a picture, as the thesis draws Figures 3 and 4."""
+"""`maneuver library graph`: the automaton as a picture (thesis, Figures 3 and 4)."""
 
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import Parameter
 
-from review.pictures.flight_picture import publish_picture
+from review.pictures.flight_picture import write_picture
 from review.pictures.library_picture import graph_picture, library_picture
-from runtime.atomic_write import refuse_files
+from runtime.atomic_write import check_output_files
 from scenarios.find import find_library, library_path
 
 
@@ -19,7 +19,7 @@ def graph(
     numbers: Annotated[bool, Parameter(negative="")] = False,
     force: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Draws the directed graph of a library: trims by yaw rate and forward speed, maneuvers as arrows.
+    """Draws the automaton: trims by yaw rate and speed, maneuvers as arrows.
 
     For example:
 
@@ -35,7 +35,7 @@ def graph(
     """
     found = find_library(library)
     path = out or Path(f"{found.name}-graph.png")
-    refuse_files(path, force=force, inputs=[library_path(library)], ending=".png")
-    publish_picture(library_picture(found) if numbers else graph_picture(found), path, force=force)
+    check_output_files(path, force=force, inputs=[library_path(library)], ending=".png")
+    write_picture(library_picture(found) if numbers else graph_picture(found), path, force=force)
     print(f"picture {path}")
     return 0

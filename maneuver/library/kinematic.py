@@ -15,11 +15,11 @@ import libraries
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash, library_text
 from flight.automaton.maneuver import Maneuver
-from flight.plural import counted
+from flight.plural import plural
 from identification.design.kinematic_library import read_kinematic_library
 from scenarios.find import find_library
 
-from .publish import publish_library, refuse_library
+from .publish import check_library_target, publish_library
 
 THESIS = libraries.FOLDER / "kinematic.toml"
 PRINTED = "thesis-kinematic"
@@ -37,7 +37,7 @@ def kinematic(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Makes a library of assumed trims, durations and percent errors by kinematics (thesis, 2.6.1, 3.2.1).
+    """Makes a library from assumed trims, durations and errors (thesis, 2.6.1, 3.2.1).
 
     Its numbers are shown beside those of another library of the same edges: Tables 6 and 8 as printed, where
     FILE is the thesis's own, which is also an example of such a file.
@@ -57,25 +57,29 @@ def kinematic(
     """
     made = read_kinematic_library(file)
     if out is not None:
-        refuse_library(out, force=force, inputs=[file])
+        check_library_target(out, force=force, inputs=[file])
         publish_library(made, out, force=force)
     if json:
         sys.stdout.write(library_text(made))
         return 0
-    sizes = f"{counted(len(made.trims), 'trim')}, {counted(len(made.maneuvers), 'maneuver')}"
+    sizes = f"{plural(len(made.trims), 'trim')}, {plural(len(made.maneuvers), 'maneuver')}"
     print(f"{made.name}: {sizes}, {library_hash(made)}")
     compared = find_library(beside or PRINTED) if beside or file == THESIS else None
     Console(highlight=False).print(_table(made, compared))
     if compared is not None:
-        rows = [row for row in made.maneuvers if _other(row, compared)]
-        wrong = [row.id for row in rows if any(not same for *_, same in _numbers(row, _other(row, compared)))]
+        rows = [row for row in made.maneuvers if _matching_maneuver(row, compared)]
+        wrong = [
+            row.id
+            for row in rows
+            if any(not same for *_, same in _numbers(row, _matching_maneuver(row, compared)))
+        ]
         print(f"{len(rows) - len(wrong)} of {len(rows)} maneuvers are as in {compared.name} to its decimals")
         if wrong:
             print(f"not: {', '.join(map(str, wrong))}")
     return 0
 
 
-def _other(row: Maneuver, library: Library) -> Maneuver | None:
+def _matching_maneuver(row: Maneuver, library: Library) -> Maneuver | None:
     return next(
         (one for one in library.maneuvers if (one.from_trim, one.to_trim) == (row.from_trim, row.to_trim)),
         None,
@@ -83,7 +87,7 @@ def _other(row: Maneuver, library: Library) -> Maneuver | None:
 
 
 def _numbers(row: Maneuver, other: Maneuver | None) -> Iterator[tuple[str, str, bool]]:
-    """Yields each number with its error; the other library's where it differs; whether it is the same."""
+    """Yields each number with its error, and whether another library's agrees."""
     for name, (value, error), (known, known_error) in zip(
         ROUNDING, _pairs(row), _pairs(other) if other else ((None, None),) * len(ROUNDING), strict=True
     ):
@@ -112,7 +116,7 @@ def _table(library: Library, compared: Library | None) -> Table:
     for heading in headings:
         table.add_column(heading, justify="right" if heading not in {"id", "trims"} else "left", no_wrap=True)
     for row in library.maneuvers:
-        other = None if compared is None else _other(row, compared)
+        other = None if compared is None else _matching_maneuver(row, compared)
         numbers = list(_numbers(row, other))
         table.add_row(str(row.id), f"{row.from_trim}-{row.to_trim}", *(text for text, *_ in numbers))
         if any(printed for _, printed, _ in numbers):

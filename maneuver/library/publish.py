@@ -5,41 +5,41 @@ from pathlib import Path
 
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash, library_text
-from flight.plural import counted
+from flight.plural import plural
 from identification.data_sheet import data_sheet
-from runtime.atomic_write import file_target, publish_again, refuse_files, remove_partials
+from runtime.atomic_write import check_output_files, file_target, remove_partial_files, write_unless_equal
 
 
-def refuse_library(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
-    """Refuses, before any work is done, a library that could not be written with its data sheet.
+def check_library_target(path: Path, *, force: bool, inputs: Iterable[Path] = ()) -> None:
+    """Checks that a library and its data sheet can be written.
 
     Raises:
-        FlightError: as `refuse_files`.
+        FlightError: as `check_output_files`.
     """
     # A path without a name has no sheet beside it either.
     file_target(path, force=force)
-    refuse_files(path, path.with_suffix(".md"), force=force, inputs=inputs)
+    check_output_files(path, path.with_suffix(".md"), force=force, inputs=inputs)
 
 
 def publish_library(library: Library, path: Path, *, force: bool) -> None:
-    """Writes a library and its data sheet, each whole or not at all."""
+    """Writes a library and its data sheet atomically."""
     sheet = path.with_suffix(".md")
     for target, text in ((path, library_text(library)), (sheet, data_sheet(library))):
-        remove_partials(target.parent, of=target.name)
-        publish_again(text.encode(), target, force=force)
+        remove_partial_files(target.parent, of=target.name)
+        write_unless_equal(text.encode(), target, force=force)
 
 
-def report(library: Library, path: Path) -> str:
+def library_report(library: Library, path: Path) -> str:
     """Returns what is said of a library that was just made."""
     statistics = [trim.statistics for trim in library.trims]
     statistics += [maneuver.statistics for maneuver in library.maneuvers]
     known = [entry for entry in statistics if entry is not None]
     samples = sorted({entry.samples for entry in known})
     least, most = samples[0], samples[-1]
-    flights = counted(least, "flight") if least == most else f"{least}-{most} flights"
+    flights = plural(least, "flight") if least == most else f"{least}-{most} flights"
     return (
-        f"{counted(len(library.trims), 'trim')}, {counted(len(library.maneuvers), 'maneuver')}, "
-        f"{flights} each, {counted(sum(entry.timeouts for entry in known), 'time-out')}\n"
+        f"{plural(len(library.trims), 'trim')}, {plural(len(library.maneuvers), 'maneuver')}, "
+        f"{flights} each, {plural(sum(entry.timeouts for entry in known), 'time-out')}\n"
         f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
         f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"

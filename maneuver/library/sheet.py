@@ -7,22 +7,22 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from experiments.campaign.evidence import log_paths
-from experiments.thesis.error_ratios import Ratio, comparable, ratios
+from experiments.thesis.error_ratios import ErrorRatio, error_ratios, is_comparable
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
 from flight.units import FOOT
 from flightlog.file.reader import read_log
 from identification.data_sheet import data_sheet
-from identification.segmentation.observations import Observations, observations, together
+from identification.segmentation.observations import Observations, merge_observations, observations
 from identification.segmentation.segmentation import segment
 from maneuver.options.numbers import Count
-from review.pictures.flight_picture import publish_picture
+from review.pictures.flight_picture import write_picture
 from review.pictures.library_picture import graph_picture, library_picture
 from review.pictures.repeatability_picture import deviations_picture, repeatability_picture
-from runtime.atomic_write import publish_bytes, refuse_folder
+from runtime.atomic_write import check_output_folder, write_atomically
 from runtime.executor import default_workers, worker_pool
-from runtime.progress import shown
+from runtime.progress import show_progress
 from scenarios.find import find_library
 
 THESIS = "thesis-gtmax"
@@ -57,27 +57,27 @@ def sheet(
         force: overwrite what is in OUT.
     """
     found = find_library(library)
-    refuse_folder(out, force=force)
+    check_output_folder(out, force=force)
     paths = log_paths(logs) if logs else []
     seen = None
     if paths:
         with worker_pool(workers or default_workers()) as executor:
-            reading = executor.map(_observed, paths)
-            seen = together(shown(reading, total=len(paths), what="reading"))
-        _refuse_foreign(found, seen)
+            reading = executor.map(_observations_of, paths)
+            seen = merge_observations(show_progress(reading, total=len(paths), what="reading"))
+        _check_same_automaton(found, seen)
     pictures = {"graph.png": graph_picture(found), "numbers.png": library_picture(found)}
     if seen is not None:
         pictures["repeatability.png"] = repeatability_picture(found, seen.tracks)
         pictures["deviations.png"] = deviations_picture(found, seen.trims, seen.maneuvers)
     for name, figure in pictures.items():
-        publish_picture(figure, out / name, force=force)
+        write_picture(figure, out / name, force=force)
     text = "\n".join(_parts(found, seen is not None)) + "\n"
-    publish_bytes(text.encode(), out / "sheet.md", force=force)
+    write_atomically(text.encode(), out / "sheet.md", force=force)
     print(f"data sheet {out / 'sheet.md'}, {len(pictures)} pictures")
     return 0
 
 
-def _observed(path: Path) -> Observations:
+def _observations_of(path: Path) -> Observations:
     log = read_log(path)
     try:
         return observations(log, segment(log), log.library())
@@ -85,7 +85,7 @@ def _observed(path: Path) -> Observations:
         raise FlightError(f"{path}: {error}") from None
 
 
-def _refuse_foreign(library: Library, seen: Observations) -> None:
+def _check_same_automaton(library: Library, seen: Observations) -> None:
     known = {row.id for row in library.maneuvers}
     if not set(seen.tracks) <= known:
         unknown = sorted(set(seen.tracks) - known)
@@ -102,8 +102,8 @@ def _parts(library: Library, observed: bool) -> Iterator[str]:
         yield "## Deviations and bounds\n\n![Histograms of all deviations, with the bounds](deviations.png)\n"
         yield "Nominal flights among the logs gave the values, not the bounds: they may lie outside.\n"
     printed = find_library(THESIS)
-    if library.name != THESIS and comparable(library, printed):
-        yield from _beside(list(ratios(library, printed)))
+    if library.name != THESIS and is_comparable(library, printed):
+        yield from _comparison_with_thesis(list(error_ratios(library, printed)))
     flown = library.provenance.get("logs_by_seed")
     if isinstance(flown, dict) and flown:
         yield f"## Flights used\n\n{len(flown)} flights, by seed, with the sha256 of their logs:\n"
@@ -122,7 +122,7 @@ _UNITS = {
 }
 
 
-def _beside(rows: list[Ratio]) -> Iterator[str]:
+def _comparison_with_thesis(rows: list[ErrorRatio]) -> Iterator[str]:
     near = sum(row.same_order for row in rows)
     yield "## Beside the thesis's Tables 9 and 10\n"
     yield (

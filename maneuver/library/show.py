@@ -12,23 +12,25 @@ from rich.table import Table
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash, library_text
 from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_error
-from flight.plural import counted
+from flight.plural import plural
 from flight.units import FOOT
-from identification.data_sheet import worth
+from identification.data_sheet import describe_sample_size
 from scenarios.find import find_library
 
 # Metres, radians and seconds: what differs by less than rounding in a table is the same.
 SAME = 1e-12
 
-app = App(name="library", help="Shows, checks, tests, compares, grows and makes motion-primitive libraries.")
+app = App(
+    name="library", help="Shows, checks, tests, compares, interpolates and makes motion-primitive libraries."
+)
 app.command("maneuver.library.audit:audit", name="audit")
 app.command("maneuver.library.diff:diff", name="diff")
 app.command("maneuver.library.kinematic:kinematic", name="kinematic")
 app.command("maneuver.library.graph:graph", name="graph")
 app.command("maneuver.library.trends:trends", name="trends")
-app.command("maneuver.library.grow:grow", name="grow")
+app.command("maneuver.library.interpolate:interpolate", name="interpolate")
 app.command("maneuver.library.sheet:sheet", name="sheet")
-app.command("maneuver.library.trial:keep_promise", name="test")
+app.command("maneuver.library.trial:run_trial", name="test")
 
 
 @app.command
@@ -61,7 +63,7 @@ def show(
     console.print(
         f"{found.vehicle}; wind {found.conditions.wind}; sha256 {library_hash(found)}", soft_wrap=True
     )
-    console.print(worth(found), soft_wrap=True)
+    console.print(describe_sample_size(found), soft_wrap=True)
     console.print("Each value with its signed error:")
     console.print(_trims(found, feet=feet))
     console.print(_maneuvers(found, feet=feet))
@@ -73,7 +75,7 @@ def show(
 
 @app.command
 def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = False) -> int:
-    """Checks a library: its file, its references, and how its errors are signed.
+    """Checks a library's file, references and error signs.
 
     A broken library ends with exit code 2 and one line that names the place. Remarks do not make a library
     fail: the tables of the thesis have rows whose signs follow no rule.
@@ -94,13 +96,13 @@ def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = Fa
         return 0
     for remark in said:
         print(f"remark: {remark}")
-    sizes = f"{counted(len(found.trims), 'trim')}, {counted(len(found.maneuvers), 'maneuver')}"
+    sizes = f"{plural(len(found.trims), 'trim')}, {plural(len(found.maneuvers), 'maneuver')}"
     print(f"{found.name}: {sizes}, holds together")
     return 0
 
 
 def remarks(library: Library) -> list[str]:
-    """Returns what a user of the library should know: errors that break the sign rule, trims that trap."""
+    """Returns warnings: errors against the sign convention, trims without a way out."""
     said = []
     for trim in library.trims:
         if trim.error != signed_trim_error(trim.error, trim.velocity):

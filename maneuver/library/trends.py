@@ -1,4 +1,4 @@
-"""`maneuver library trends`: how primitives change with speed and yaw rate (thesis, Figures 7 to 9)."""
+"""`maneuver library trends`: primitives against speed and yaw rate (thesis, Figures 7 to 9)."""
 
 import json as json_module
 import sys
@@ -17,9 +17,9 @@ from flight.errors import FlightError
 from flight.units import FOOT
 from identification.trends import SpeedStep, Trends, TurnStep
 from identification.trends import trends as trends_of
-from review.pictures.flight_picture import publish_picture
+from review.pictures.flight_picture import write_picture
 from review.pictures.trends_picture import Points, trends_picture
-from runtime.atomic_write import refuse_files
+from runtime.atomic_write import check_output_files
 from scenarios.find import find_library, library_path
 
 
@@ -33,7 +33,7 @@ def trends(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Shows how errors and displacements change with speed and yaw rate, as tables and as a picture.
+    """Shows errors and displacements against speed and yaw rate.
 
     The library is one that was flown for this; campaign `trends` has straight flight in steps of 8 ft/s up to
     80 ft/s, and turns in steps of 0.1 rad/s.
@@ -52,14 +52,14 @@ def trends(
         force: overwrite OUT.
         json: print the trends as JSON.
     """
-    refuse_files(out, force=force, inputs=[library_path(library)], ending=".png")
+    check_output_files(out, force=force, inputs=[library_path(library)], ending=".png")
     found = find_library(library)
     seen = trends_of(found, speed_step=speed_step, rate_step=rate_step)
     if not (seen.speed_errors or seen.speed_steps or seen.turn_steps):
         raise FlightError(f"{library}: expected flown straight trims or steps between trims, got none")
     if out is not None:
         title = f"Trends of {found.name}    |    {found.vehicle}, wind {found.conditions.wind}"
-        publish_picture(_picture_of(title, seen), out, force=force)
+        write_picture(_picture_of(title, seen), out, force=force)
     if json:
         sys.stdout.write(json_module.dumps(asdict(seen), indent=2) + "\n")
         return 0
@@ -106,7 +106,7 @@ def _points(rows: Sequence[SpeedStep] | Sequence[TurnStep], across: str, up: str
 
 
 def _tables(seen: Trends) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
-    """Yields a headline, column heads and rows for each figure; feet beside metres."""
+    """Yields title, headings and rows of each figure, in metres and feet."""
     yield (
         "Forward error over speed (Figure 7)",
         ("ft/s", "m/s", "largest deviation, m/s", "%", "flights"),

@@ -14,28 +14,28 @@ from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.table import Table
 
-from experiments.campaign.campaign import TESTING, specify_campaign
 from experiments.campaign.evidence import gather_evidence, log_paths
-from experiments.campaign.interpolation_trial import (
-    NOTHING,
+from experiments.campaign.fly_campaign import TESTING, specify_campaign
+from experiments.campaign.interpolation_flights import (
+    EMPTY_SAMPLE,
     SAMPLE,
-    everything_grown,
-    flights_claimed,
-    judge_grown,
+    all_interpolated,
+    claimed_flight_count,
+    judge_interpolated,
     sampled_flights,
 )
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
 from flight.mission.campaign import Campaign
-from flight.plural import counted
-from identification.coverage_trial import NoClaimError, Trial, promise_trials
-from identification.design.interpolation_schedule import Drawn
-from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, evidence
+from flight.plural import plural
+from identification.coverage_trial import CoverageTrial, NoClaimError, coverage_trials
+from identification.design.interpolation_schedule import PrimitiveSample
+from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, extract_evidence
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_logs
 from maneuver.options.numbers import Count, Seed
 from runtime.executor import default_workers, worker_pool
-from runtime.progress import shown
+from runtime.progress import show_progress
 from scenarios.find import find_library
 from sim.campaign_flight import fly_specification
 from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
@@ -46,7 +46,7 @@ FLIGHTS = 100
 """New flights where no other number is asked for."""
 
 
-def keep_promise(
+def run_trial(
     library: str,
     /,
     *,
@@ -58,7 +58,7 @@ def keep_promise(
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Tests what a library claims: flies anew and counts the flights that stay inside the bounds.
+    """Tests a library's coverage claim on new flights.
 
     A flight is inside the bounds of a primitive when all its numbers are, at once. The new flights have air
     and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
@@ -95,15 +95,17 @@ def keep_promise(
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)
             warn_of_logs(found, [flight.header for flight in flown])
-            drawn = everything_grown(found)
+            drawn = all_interpolated(found)
         else:
             air = wind or found.conditions.wind
             warn_of_flight(found, wind=air)
-            drawn, specifications = _new(found, sample=sample, seed=seed, flights=flights, wind=air)
+            drawn, specifications = _sample_and_flights(
+                found, sample=sample, seed=seed, flights=flights, wind=air
+            )
             flown = list(_fly(specifications, found, of, executor))
     if found.interpolated:
-        return REFUTED if judge_grown(found, drawn, flown, json=json) else 0
-    trials = promise_trials(found, flown)
+        return REFUTED if judge_interpolated(found, drawn, flown, json=json) else 0
+    trials = coverage_trials(found, flown)
     refuted = any(trial.refuted for trial in trials)
     if json:
         document = {
@@ -116,17 +118,17 @@ def keep_promise(
         }
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
     else:
-        _show(found, trials, len(flown))
+        _print_trials(found, trials, len(flown))
     return REFUTED if refuted else 0
 
 
-def _new(
+def _sample_and_flights(
     library: Library, *, sample: int, seed: int, flights: int | None, wind: str
-) -> tuple[Drawn, tuple[FlightSpecification, ...]]:
+) -> tuple[PrimitiveSample, tuple[FlightSpecification, ...]]:
     """Returns what is drawn of a grown library, and new flights."""
     if not library.interpolated:
-        return NOTHING, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
-    claimed = flights_claimed(library)
+        return EMPTY_SAMPLE, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
+    claimed = claimed_flight_count(library)
     count = flights or claimed
     if count > claimed:
         raise FlightError(
@@ -137,7 +139,7 @@ def _new(
 
 
 def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tuple[FlightSpecification, ...]:
-    """Returns flights by the library's own schedule, with seeds that no campaign has.
+    """Returns flights by the library's own schedule with new seeds.
 
     Raises:
         FlightError: the library does not say how it was flown.
@@ -157,7 +159,7 @@ def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tupl
 
 
 def _coasting_range(library: Library) -> tuple[float, float]:
-    """Returns the shortest and longest coasting time that a library's flights were given, in seconds.
+    """Returns shortest and longest coasting time of a library's flights, in seconds.
 
     Raises:
         FlightError: the library does not say how it was flown.
@@ -179,16 +181,16 @@ def _fly(
     executor: Executor,
 ) -> Iterable[FlightEvidence]:
     cut = executor.map(partial(_fly_and_cut, library=library, of=of), specifications)
-    return shown(cut, total=len(specifications), what=f"testing {library.name}")
+    return show_progress(cut, total=len(specifications), what=f"testing {library.name}")
 
 
 def _fly_and_cut(specification: FlightSpecification, library: Library, of: StateJudged) -> FlightEvidence:
-    """Flies once and keeps the primitives; no log is written, so the seed stands for its bytes."""
+    """Flies once and returns the segments; writes no log."""
     log = fly_specification(specification, library)
-    return evidence(log, name=specification.name, sha256=f"seed {specification.seed}", of=of)
+    return extract_evidence(log, name=specification.name, sha256=f"seed {specification.seed}", of=of)
 
 
-def _show(library: Library, trials: tuple[Trial, ...], flights: int) -> None:
+def _print_trials(library: Library, trials: tuple[CoverageTrial, ...], flights: int) -> None:
     console = Console(highlight=False)
     if not console.is_terminal:
         console = Console(highlight=False, width=110)
@@ -200,7 +202,7 @@ def _show(library: Library, trials: tuple[Trial, ...], flights: int) -> None:
         share = f"{trial.inside / trial.flights:.3f}" if trial.flights else "-"
         table.add_row(
             *(f"{trial.kind} {trial.id}", str(trial.flights), str(trial.inside), str(trial.unsettled)),
-            *(share, f"{trial.low:.3f}-{trial.high:.3f}", f"{trial.claimed:.3f}", f"{trial.doubt:.2g}"),
+            *(share, f"{trial.low:.3f}-{trial.high:.3f}", f"{trial.claimed:.3f}", f"{trial.p_value:.2g}"),
             "REFUTED" if trial.refuted else "not flown" if not trial.flights else "not refuted",
         )
     console.print(table)
@@ -208,7 +210,7 @@ def _show(library: Library, trials: tuple[Trial, ...], flights: int) -> None:
     verdict = f"refuted for {', '.join(refuted)}" if refuted else "not refuted"
     least = min((t.inside / t.flights for t in trials if t.flights), default=0.0)
     console.print(
-        f"{library.name}: {counted(flights, 'new flight')}, at least {least:.1%} of them inside the bounds "
+        f"{library.name}: {plural(flights, 'new flight')}, at least {least:.1%} of them inside the bounds "
         f"of each primitive; its claim is {verdict}. p is Holm's for {len(trials)} primitives at once.",
         soft_wrap=True,
     )

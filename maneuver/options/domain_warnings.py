@@ -1,31 +1,31 @@
-"""Warnings on stderr where something is flown or planned outside a library's domain."""
+"""Warnings about flights and plans outside a library's domain."""
 
 import sys
 from collections.abc import Iterable, Sequence
 
-from flight.automaton.domain import air_departures, vehicle_departures, walk_departures
+from flight.automaton.domain import air_domain_warnings, vehicle_domain_warnings, walk_domain_warnings
 from flight.automaton.library import Library
 from flightlog.header import FlightHeader
 
 
 def warn_of_walk(library: Library, trims: Sequence[int], coasting_times: Sequence[float]) -> None:
-    """Warns by name where a walk leaves the domain of the library that it was planned with."""
-    _say(library, walk_departures(library, trims, coasting_times))
+    """Warns where a walk leaves the domain of its library."""
+    _print_warnings(library, walk_domain_warnings(library, trims, coasting_times))
 
 
 def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequence[float]]]) -> None:
-    """Warns where flights left the domain of their library: of one by name, of more how many.
+    """Warns where flights left the domain of their library.
 
     Args:
         library: planned and flown with.
         walks: trims of each flight, and the seconds that each was held.
     """
-    found = [walk_departures(library, trims, held) for trims, held in walks]
+    found = [walk_domain_warnings(library, trims, held) for trims, held in walks]
     if len(found) == 1:
-        _say(library, found[0])
+        _print_warnings(library, found[0])
     elif any(found):
         outside = sum(bool(one) for one in found)
-        _say(library, [f"{outside} of {len(found)} flights held trims, or left them, as never flown"])
+        _print_warnings(library, [f"{outside} of {len(found)} flights left the domain of the data"])
 
 
 def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None) -> None:
@@ -43,29 +43,31 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
     from sim.wind.wind import wind_class
 
     wind_class(wind)
-    said = vehicle_departures(library, vehicle_hash=model_hash())
-    stronger = _stronger(wind, library.conditions.wind)
-    _say(library, [*said, *air_departures(library, wind=wind, stronger=stronger, altitude=altitude)])
+    said = vehicle_domain_warnings(library, vehicle_hash=model_hash())
+    stronger = _is_stronger(wind, library.conditions.wind)
+    _print_warnings(
+        library, [*said, *air_domain_warnings(library, wind=wind, stronger=stronger, altitude=altitude)]
+    )
 
 
 def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
     """Warns by name where flights left a library's domain."""
     said: dict[str, None] = {}
     for header in headers:
-        stronger = _stronger(header.wind, library.conditions.wind)
-        said |= dict.fromkeys(vehicle_departures(library, vehicle_hash=header.model_hash))
-        said |= dict.fromkeys(air_departures(library, wind=header.wind, stronger=stronger))
-    _say(library, said)
+        stronger = _is_stronger(header.wind, library.conditions.wind)
+        said |= dict.fromkeys(vehicle_domain_warnings(library, vehicle_hash=header.model_hash))
+        said |= dict.fromkeys(air_domain_warnings(library, wind=header.wind, stronger=stronger))
+    _print_warnings(library, said)
 
 
-def _stronger(wind: str, stated: str) -> bool:
-    """Whether a wind class is stronger than another; never where one of them is not known here."""
+def _is_stronger(wind: str, stated: str) -> bool:
+    """Returns True where one wind class is known to be stronger."""
     from sim.wind.wind import WIND_CLASSES
 
     both = WIND_CLASSES.get(wind), WIND_CLASSES.get(stated)
     return both[0] is not None and both[1] is not None and both[0].wind_at_20_ft > both[1].wind_at_20_ft
 
 
-def _say(library: Library, departures: Iterable[str]) -> None:
-    for departure in departures:
-        print(f"outside the domain of {library.name}: {departure}", file=sys.stderr)
+def _print_warnings(library: Library, departures: Iterable[str]) -> None:
+    for warning in departures:
+        print(f"outside the domain of {library.name}: {warning}", file=sys.stderr)

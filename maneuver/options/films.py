@@ -3,13 +3,13 @@
 from pathlib import Path
 
 from flightlog.log import FlightLog
-from runtime.atomic_write import refuse_files
-from runtime.progress import shown
+from runtime.atomic_write import check_output_files
+from runtime.progress import show_progress
 
 FILM_ENDING, STILL_ENDING = ".mp4", ".png"
 
 
-def refuse_film(path: Path, *, force: bool) -> None:
+def check_film_target(path: Path, *, force: bool) -> None:
     """Refuses, before any flying, a film that could not be made.
 
     Raises:
@@ -17,7 +17,7 @@ def refuse_film(path: Path, *, force: bool) -> None:
     """
     from review.film.canvas import check_canvas
 
-    refuse_files(path, force=force, ending=FILM_ENDING)
+    check_output_files(path, force=force, ending=FILM_ENDING)
     check_canvas()
 
 
@@ -29,9 +29,12 @@ def make_film(log: FlightLog, path: Path, *, force: bool) -> None:
     """
     from review.film.film import write_film
 
-    refuse_film(path, force=force)
+    check_film_target(path, force=force)
     write_film(
-        log, path, force=force, shown=lambda numbers, total: shown(numbers, total=total, what="filming")
+        log,
+        path,
+        force=force,
+        shown=lambda numbers, total: show_progress(numbers, total=total, what="filming"),
     )
 
 
@@ -43,5 +46,5 @@ def make_still(log: FlightLog, path: Path, *, time: float, force: bool) -> None:
     """
     from review.film.film import write_still
 
-    refuse_files(path, force=force, ending=STILL_ENDING)
+    check_output_files(path, force=force, ending=STILL_ENDING)
     write_still(log, path, time=time)

@@ -1,4 +1,4 @@
-"""Latency on the command line: seconds, the clock's, or those of a flight that is to be repeated."""
+"""Planning latency: seconds, measured, or those of a recorded flight."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Numbers on the command line: whole ones are taken as they are, never rounded; times are above 0."""
+"""Number types of options: whole counts, never rounded; positive times."""
 
 from collections.abc import Sequence
 from math import inf
@@ -8,7 +8,7 @@ from cyclopts import Parameter, Token
 from cyclopts.validators import Number
 
 
-def _whole(_: type, tokens: Sequence[Token]) -> int:
+def _parse_whole_number(_: type, tokens: Sequence[Token]) -> int:
     (token,) = tokens
     try:
         return int(token.value)
@@ -16,14 +16,14 @@ def _whole(_: type, tokens: Sequence[Token]) -> int:
         raise ValueError(f"expected a whole number, got {token.value!r}") from None
 
 
-Count = Annotated[int, Parameter(converter=_whole, validator=Number(gte=1, lte=1_000_000))]
+Count = Annotated[int, Parameter(converter=_parse_whole_number, validator=Number(gte=1, lte=1_000_000))]
 """A number of things: at least one."""
 
-Seed = Annotated[int, Parameter(converter=_whole, validator=Number(gte=0, lt=2**63))]
+Seed = Annotated[int, Parameter(converter=_parse_whole_number, validator=Number(gte=0, lt=2**63))]
 """Of all chance."""
 
 
-def _positive(_: type, tokens: Sequence[Token]) -> float:
+def _parse_positive_number(_: type, tokens: Sequence[Token]) -> float:
     (token,) = tokens
     try:
         value = float(token.value)
@@ -34,5 +34,5 @@ def _positive(_: type, tokens: Sequence[Token]) -> float:
     return value
 
 
-Seconds = Annotated[float, Parameter(converter=_positive)]
+Seconds = Annotated[float, Parameter(converter=_parse_positive_number)]
 """A time: above 0."""

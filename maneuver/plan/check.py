@@ -1,4 +1,4 @@
-"""`maneuver plan check`: whether a plan keeps its word, and what of it is proved."""
+"""`maneuver plan check`: validity of a plan, and its proved guarantees."""
 
 import json as json_module
 import sys
@@ -7,17 +7,17 @@ from typing import Annotated
 
 from cyclopts import Parameter
 
-from experiments.mission.time_bound import broken_promise, promised_times
+from experiments.mission.stated_time_bound import stated_time_bounds, time_bound_problems
 from flight.plan.plan import PlanContradictionError, read_plan
 from maneuver.options.numbers import Count
-from planner.check.guarantees import Claims, claims
-from planner.check.plan_check import problems
+from planner.check.guarantees import Guarantees, guarantees_of
+from planner.check.plan_check import plan_problems
 
 from .context import library_and_mission
 
 FAILED = 1
 
-NOTHING = Claims((), ())
+NO_GUARANTEES = Guarantees((), ())
 
 
 def check(
@@ -29,7 +29,10 @@ def check(
     max_trims: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Checks a plan against its library and mission, without the search and without the solver.
+    """Checks a plan against its library and mission, without the search.
+
+    A plan file carries its mission and the name and hash of its library, so nothing else need be given where
+    that name finds the library.
 
     The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
@@ -43,40 +46,44 @@ def check(
 
         maneuver plan check plan.json
 
+        maneuver plan check plan.json --library my-library.json
+
         maneuver plan check plan.json --library my-library.json --mission my-mission.toml
 
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the name that the plan gives.
+        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
         max_trims: longest sequence that was asked for; the mission's by default.
         json: print the verdict as JSON.
     """
     try:
         answer = read_plan(file)
     except PlanContradictionError as error:
-        return _verdict(file, (str(error).removeprefix(f"{file}: "),), json=json)
+        return _print_verdict(file, (str(error).removeprefix(f"{file}: "),), json=json)
     primitives, task = library_and_mission(
         file, answer, library=library, mission=mission, max_trims=max_trims
     )
-    wrong = problems(answer, primitives, task)
+    wrong = plan_problems(answer, primitives, task)
     if not answer.found and answer.certificate is None:
         wrong = (*wrong, f"it holds no plan, only the word that there is none ({answer.status})")
     if not wrong and answer.time_promise is not None:
-        wrong = broken_promise(
-            answer, task, primitives, promised_times(library or answer.library, primitives)
+        wrong = time_bound_problems(
+            answer, task, primitives, stated_time_bounds(library or answer.library, primitives)
         )
-    return _verdict(file, wrong, json=json, said=NOTHING if wrong else claims(answer))
+    return _print_verdict(file, wrong, json=json, said=NO_GUARANTEES if wrong else guarantees_of(answer))
 
 
-def _verdict(file: Path, wrong: tuple[str, ...], *, json: bool, said: Claims = NOTHING) -> int:
+def _print_verdict(
+    file: Path, wrong: tuple[str, ...], *, json: bool, said: Guarantees = NO_GUARANTEES
+) -> int:
     if json:
         verdict = {"passed": not wrong, "problems": wrong, "proved": said.proved, "unproved": said.unproved}
         sys.stdout.write(json_module.dumps(verdict, indent=2) + "\n")
         return FAILED if wrong else 0
     for problem in wrong:
         print(problem)
-    print(f"{file}: {'fails its check' if wrong else 'keeps its word'}")
+    print(f"{file}: {'invalid' if wrong else 'valid'}")
     for heading, sentences in (("proved", said.proved), ("not proved", said.unproved)):
         for sentence in sentences:
             print(f"  {heading + ':':<12}{sentence}")

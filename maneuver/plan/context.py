@@ -1,5 +1,6 @@
-"""A plan file with the library and the mission that it was made with."""
+"""Plan file with the library and mission that it was made with."""
 
+import json
 from dataclasses import replace
 from pathlib import Path
 
@@ -7,9 +8,12 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import BadFileError
 from flight.mission.mission import Mission
-from flight.plan.plan import Plan
+from flight.plan.plan import Plan, read_plan
+from flight.schema import read_text
 from planner.check.plan_check import identity_problems
 from scenarios.find import NoSuchFileError, find_library, find_mission
+
+from .prices import SCHEMA as PRICES
 
 
 def library_and_mission(
@@ -21,8 +25,9 @@ def library_and_mission(
         file: the plan's.
         plan: what is in it.
         library: name or path; None for the name that the plan gives.
-        mission: name or path; None for the name that the plan gives.
-        max_trims: longest sequence that was asked for; None for the mission's, or the plan's if longer.
+        mission: name or path; None for the mission that the plan carries, or else names.
+        max_trims: longest sequence that was asked for; None for that of the mission that the plan carries, or
+            else the mission's, or the plan's if longer.
 
     Raises:
         FlightError: there is no such library or mission, or it is broken.
@@ -31,6 +36,9 @@ def library_and_mission(
         primitives = find_library(library or plan.library)
     except NoSuchFileError as error:
         raise error if library else _made_from(file, "library", "LIBRARY.json", error) from None
+    if mission is None and plan.stated_mission is not None:
+        task = plan.stated_mission
+        return primitives, replace(task, max_trims=max_trims or task.max_trims)
     try:
         task = find_mission(mission or plan.mission)
     except NoSuchFileError as error:
@@ -40,14 +48,29 @@ def library_and_mission(
     return primitives, replace(task, max_trims=max_trims or longest)
 
 
-def refuse_others(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
-    """Refuses a plan that was made with another library or for another mission.
+def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission) -> None:
+    """Checks that a plan belongs to a library and a mission.
 
     Raises:
         BadFileError: says which.
     """
     for problem in identity_problems(plan, library_hash(library), library.name, mission):
         raise BadFileError(file, problem)
+
+
+def holds_no_plan(path: Path | None) -> bool:
+    """Returns whether a file holds an answer without a plan, a price or a proof."""
+    if path is None or not path.is_file():
+        return False
+    try:
+        return read_plan(path).empty
+    except BadFileError:
+        pass
+    try:
+        prices = json.loads(read_text(path))
+    except (BadFileError, ValueError, RecursionError):
+        return False
+    return isinstance(prices, dict) and (prices.get("schema"), prices.get("points")) == (PRICES, [])
 
 
 def _made_from(file: Path, kind: str, example: str, error: NoSuchFileError) -> BadFileError:

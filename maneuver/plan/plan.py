@@ -8,31 +8,26 @@ from typing import Annotated
 
 from cyclopts import App, Parameter
 
-from experiments.mission.policies import DEFAULT_POLICY, PlannedPolicy, refuse_misfits
-from experiments.mission.time_bound import promised_times, with_promise
+from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of
+from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.mission.mission import MOST_TRIMS, Mission
-from flight.plan.plan import plan_text
-from flight.plan.time_bound import times_path
+from flight.mission.mission import MAX_TRIMS, Mission
+from flight.plan.plan import Policy, plan_text, with_mission
+from flight.plan.time_bound import time_bounds_path
 from maneuver.options.domain_warnings import warn_of_walk
 from maneuver.options.numbers import Count, Seconds
-from planner.policies.nominal import Nominal
-from planner.policies.policy import Planner
-from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
-from runtime.atomic_write import publish_bytes, refuse_files
+from runtime.atomic_write import check_output_files, write_atomically
 from scenarios.find import find_library, find_mission, library_path, mission_path
 
 from .check import check
-from .prices import png, show_prices
-from .show import show
+from .context import holds_no_plan
+from .policy_options import check_policy_options
+from .prices import png_bytes, print_prices
+from .show import print_plan
 from .signs import signs
 
 NO_PLAN = 1
-
-GAMMA, ALPHA = 1.0, 1.2
-"""What is planned for where nothing is asked."""
 
 app = App(name="plan")
 app.command(signs)
@@ -45,7 +40,7 @@ def plan(
     /,
     *,
     library: str = "gtmax-sim",
-    policy: PlannedPolicy | None = None,
+    policy: Policy | None = None,
     gamma: float | None = None,
     alpha: float | None = None,
     pareto: Annotated[bool, Parameter(negative="")] = False,
@@ -59,7 +54,7 @@ def plan(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Plans a mission: the trims, and how long to hold each, so that the goal is reached in the least time.
+    """Plans a mission: trims and coasting times of least total time.
 
     The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
     and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
@@ -102,78 +97,63 @@ def plan(
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
-        out: file for the plan, as JSON.
+        out: file for the plan with its mission, as JSON. A file that says no more than that there is no plan
+            is replaced, even without --force.
         picture: file for a picture of the plan, as PNG.
         force: overwrite these files.
         json: print the plan as JSON.
     """
     told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
     told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
-    refuse_misfits(policy, told, pareto=pareto)
+    check_policy_options(policy, told, pareto=pareto)
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
-    read = [mission_path(mission), library_path(library), times_path(library_path(library))]
-    refuse_files(out, picture, force=force, inputs=read)
-    refuse_files(picture, force=force, ending=".png")
+    read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]
+    replace_out = force or holds_no_plan(out)
+    check_output_files(out, picture, force=True, inputs=read)
+    check_output_files(out, force=replace_out)
+    check_output_files(picture, force=force, ending=".png")
     primitives = find_library(library)
-    task = _asked(mission, primitives, max_trims)
+    task = _find_mission(mission, primitives, max_trims)
     if pareto:
-        return show_prices(primitives, task, out=out, picture=picture, force=force, json=json)
-    planner = _planner(
-        primitives,
+        return print_prices(
+            primitives, task, out=out, picture=picture, replace_out=replace_out, force=force, json=json
+        )
+    planner = planner_of(
         policy or DEFAULT_POLICY,
-        GAMMA if gamma is None else gamma,
-        ALPHA if alpha is None else alpha,
+        primitives,
+        gamma=GAMMA if gamma is None else gamma,
+        alpha=ALPHA if alpha is None else alpha,
         max_nodes=max_nodes,
         deadline=inf if deadline is None else deadline,
         horizon=horizon,
     )
     answer = planner.plan(task)
     if certify:
-        from planner.proof.certify_plan import certified
+        from planner.proof.certify_plan import certify_plan
 
-        answer = certified(answer, primitives, task)
-    answer = with_promise(answer, task, planner, primitives, promised_times(library, primitives))
+        answer = certify_plan(answer, primitives, task)
+    answer = with_time_bound(answer, task, planner, primitives, stated_time_bounds(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
+    text = plan_text(with_mission(answer, task))
     if out is not None:
-        publish_bytes(plan_text(answer).encode(), out, force=force)
+        write_atomically(text.encode(), out, force=replace_out)
     if picture is not None and answer.found:
         from review.pictures.plan_picture import plan_picture
 
-        publish_bytes(png(plan_picture(answer, primitives, task)), picture, force=force)
+        write_atomically(png_bytes(plan_picture(answer, primitives, task)), picture, force=force)
     if json:
-        sys.stdout.write(plan_text(answer))
+        sys.stdout.write(text)
     else:
-        show(answer, primitives)
+        print_plan(answer, primitives)
     return 0 if answer.found else NO_PLAN
 
 
-def _planner(
-    library: Library,
-    policy: PlannedPolicy,
-    gamma: float,
-    alpha: float,
-    *,
-    max_nodes: int | None,
-    deadline: float,
-    horizon: float | None,
-) -> Planner:
-    if policy == "nominal":
-        return Nominal(library, max_nodes=max_nodes, deadline=deadline)
-    if policy == "price-of-robustness":
-        return PriceOfRobustness(library, alpha)
-    if policy == "committed":
-        from planner.commitment.committed import Committed
-
-        return Committed(library, gamma, max_nodes=max_nodes, deadline=deadline, horizon=horizon)
-    return WorstCase(library, gamma, max_nodes=max_nodes, deadline=deadline)
-
-
-def _asked(name: str, library: Library, max_trims: int | None) -> Mission:
+def _find_mission(name: str, library: Library, max_trims: int | None) -> Mission:
     task = find_mission(name, library)
     if max_trims is not None:
         task = replace(task, max_trims=max_trims)
-    if task.max_trims > MOST_TRIMS:
-        raise FlightError(f"--max-trims: expected at most {MOST_TRIMS}, got {task.max_trims}")
+    if task.max_trims > MAX_TRIMS:
+        raise FlightError(f"--max-trims: expected at most {MAX_TRIMS}, got {task.max_trims}")
     return task

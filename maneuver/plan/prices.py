@@ -1,4 +1,4 @@
-"""`maneuver plan --pareto`: the price of robustness as a table, as JSON and as a picture."""
+"""`maneuver plan --pareto`: price of robustness as table, JSON and picture."""
 
 import io
 import json as json_module
@@ -13,8 +13,8 @@ from rich.table import Table
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.policies.price_of_robustness import Price, prices
-from runtime.atomic_write import publish_bytes
+from planner.policies.price_of_robustness import PricePoint, price_curve
+from runtime.atomic_write import write_atomically
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -25,19 +25,36 @@ SCHEMA = "maneuver-prices/1"
 """Of the curve as JSON."""
 
 
-def show_prices(
-    library: Library, mission: Mission, *, out: Path | None, picture: Path | None, force: bool, json: bool
+def print_prices(
+    library: Library,
+    mission: Mission,
+    *,
+    out: Path | None,
+    picture: Path | None,
+    replace_out: bool,
+    force: bool,
+    json: bool,
 ) -> int:
-    """Shows the curve; returns the exit code, 1 where the mission has no nominal plan."""
-    curve = prices(library, mission)
+    """Prints the price curve; returns 1 where there is no nominal plan.
+
+    Args:
+        library: the primitives.
+        mission: from where to where.
+        out: file for the curve, as JSON.
+        picture: file for its picture.
+        replace_out: overwrite OUT.
+        force: overwrite the picture.
+        json: print the curve as JSON.
+    """
+    curve = price_curve(library, mission)
     document = json_module.dumps(_content(library, mission, curve), indent=2, allow_nan=False) + "\n"
     if out is not None:
-        publish_bytes(document.encode(), out, force=force)
+        write_atomically(document.encode(), out, force=replace_out)
     if picture is not None and curve:
         from review.pictures.price_picture import price_picture
 
         drawn = price_picture(mission.name, [(point.gamma, point.cost) for point in curve])
-        publish_bytes(png(drawn), picture, force=force)
+        write_atomically(png_bytes(drawn), picture, force=force)
     if json:
         sys.stdout.write(document)
     elif curve:
@@ -47,14 +64,14 @@ def show_prices(
     return 0 if curve else NO_PLAN
 
 
-def png(figure: "Figure") -> bytes:
-    """Returns a figure as a PNG file's bytes, the same for the same figure."""
+def png_bytes(figure: "Figure") -> bytes:
+    """Returns a figure as PNG bytes without a time stamp."""
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
     return stream.getvalue()
 
 
-def _content(library: Library, mission: Mission, curve: tuple[Price, ...]) -> dict[str, Any]:
+def _content(library: Library, mission: Mission, curve: tuple[PricePoint, ...]) -> dict[str, Any]:
     points = [
         {
             "alpha": point.alpha if isfinite(point.alpha) else None,
@@ -67,7 +84,7 @@ def _content(library: Library, mission: Mission, curve: tuple[Price, ...]) -> di
     return {"schema": SCHEMA, "library": library.name, "mission": mission.name, "points": points}
 
 
-def _table(curve: tuple[Price, ...]) -> Table:
+def _table(curve: tuple[PricePoint, ...]) -> Table:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("gamma", "worst-case time, s", "alpha", "trims"):
         table.add_column(heading, justify="left" if heading == "trims" else "right")

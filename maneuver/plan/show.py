@@ -1,4 +1,4 @@
-"""A plan for people: the walk with its times, every scenario's cost, and what is promised."""
+"""Printed plan: walk, coasting times, cost of each scenario, guarantees."""
 
 from rich.box import SIMPLE_HEAD
 from rich.console import Console
@@ -6,28 +6,28 @@ from rich.table import Table
 
 from flight.automaton.library import Library
 from flight.plan.plan import Plan
-from planner.check.guarantees import every_gamma, fastest_word
+from planner.check.guarantees import describe_gamma_range, describe_lower_bound
 
 
-def show(answer: Plan, library: Library) -> None:
-    """Prints a plan for people: the walk with its times, and every scenario's cost."""
+def print_plan(answer: Plan, library: Library) -> None:
+    """Prints a plan: walk, coasting times and the cost of each scenario."""
     console = Console(highlight=False)
     if not answer.found:
         console.print(f"{answer.mission}: {answer.status}: {answer.reason}", soft_wrap=True)
         if answer.at_smallest_tolerance is not None:
             wider = answer.at_smallest_tolerance
             console.print(f"the smallest tolerance for which there is a plan: {wider.tolerance:.4f} m")
-            show(wider, library)
+            print_plan(wider, library)
         return
     level = "" if answer.policy == "nominal" else f", gamma {answer.gamma:g}"
     console.print(f"{answer.mission} on {answer.library}: {answer.policy}{level}, {answer.cost:.6f} s")
     console.print(_walk(answer, library))
     if len(answer.scenarios) > 1:
         console.print(_scenarios(answer))
-    bound = f"; no plan {fastest_word(answer)}" if (answer.lower_bound or 0.0) > 0 else ""
+    bound = f"; no plan {describe_lower_bound(answer)}" if (answer.lower_bound or 0.0) > 0 else ""
     if answer.miss is not None:
         words = f"the same times end within {answer.miss:.4f} m of the goal"
-        console.print(f"{words} {every_gamma(answer)}", soft_wrap=True)
+        console.print(f"{words} {describe_gamma_range(answer)}", soft_wrap=True)
     verdict = "verified" if answer.verified else "not verified"
     if answer.certificate is not None:
         boxes = sum(len(one.tree.split()) for one in answer.certificate.refutations)

@@ -15,12 +15,12 @@ from rich.table import Table
 from flight.errors import BadFileError, FlightError
 from flight.plan.plan import read_plan
 from maneuver.options.numbers import Count
-from planner.check.plan_check import problems
-from planner.independent_errors.error_path import Each
-from planner.independent_errors.independent_errors import Trust, trust
+from planner.check.plan_check import plan_problems
+from planner.independent_errors.error_path import ErrorGranularity
+from planner.independent_errors.independent_errors import IndependentErrorBounds, bound_independent_errors
 from planner.independent_errors.worst_time import MOST_TIME_BOXES
 
-from .context import library_and_mission, refuse_others
+from .context import check_plan_origin, library_and_mission
 
 WHOLE = 1.0
 """Gamma of plans that have none."""
@@ -28,7 +28,7 @@ WHOLE = 1.0
 LOOSE = 1.02
 """Above the slowest found by more than this share a bound could be closer."""
 
-TOO_HOPEFUL = 1
+OPTIMISTIC = 1
 
 RESOLUTION = 1e-6
 """Seconds by which a scenario must exceed every single gamma to count as a counter-example."""
@@ -40,11 +40,11 @@ def signs(
     *,
     library: str | None = None,
     mission: str | None = None,
-    each: Each = "primitive",
+    each: ErrorGranularity = "primitive",
     boxes: Count = MOST_TIME_BOXES,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Lets every primitive of a plan err on its own: how slow it may get, and how far from the goal.
+    """Bounds time and miss of a plan under independent errors.
 
     Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
     their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
@@ -61,7 +61,7 @@ def signs(
     Args:
         file: the plan, as `maneuver plan --out` writes it.
         library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the name that the plan gives.
+        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
         each: what errs on its own.
         boxes: of errors, that the bound of the time may look at; more make it closer.
         json: print the figures as JSON.
@@ -70,11 +70,11 @@ def signs(
     if not plan.found:
         raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
     primitives, task = library_and_mission(file, plan, library=library, mission=mission)
-    refuse_others(file, plan, primitives, task)
-    for problem in problems(plan, primitives, task):
-        raise BadFileError(file, f"the plan does not keep its word: {problem}")
+    check_plan_origin(file, plan, primitives, task)
+    for problem in plan_problems(plan, primitives, task):
+        raise BadFileError(file, f"invalid plan: {problem}")
     gamma = plan.gamma or WHOLE
-    found = trust(
+    found = bound_independent_errors(
         primitives,
         task,
         plan.sequence,
@@ -85,18 +85,18 @@ def signs(
     )
     if json:
         figures = {"gamma": gamma, **asdict(found)}
-        sys.stdout.write(json_module.dumps(_plain(figures), indent=2) + "\n")
+        sys.stdout.write(json_module.dumps(_json_value(figures), indent=2) + "\n")
     else:
-        print(f"{plan.mission} on {plan.library}: every {each} errs on its own, to gamma {gamma:g}")
-        _show(found)
-    return TOO_HOPEFUL if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
+        print(f"{plan.mission} on {plan.library}: independent errors of every {each}, gamma {gamma:g}")
+        _print_bounds(found)
+    return OPTIMISTIC if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
 
 
-def _show(found: Trust) -> None:
+def _print_bounds(found: IndependentErrorBounds) -> None:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
     for heading in ("", "time, s", "miss, m"):
         table.add_column(heading, justify="right" if heading else "left")
-    corners = "all" if found.all_tried else "climbed, of"
+    corners = "all" if found.all_tried else "best of local search over"
     rows = {
         "one gamma for all": (found.slowest_single.value, found.furthest_single.value),
         f"{corners} {found.scenarios:,} corners": (found.slowest.value, found.furthest.value),
@@ -110,33 +110,33 @@ def _show(found: Trust) -> None:
     console = Console(highlight=False)
     console.print(table)
     for what, extreme in (("slowest", found.slowest), ("furthest", found.furthest)):
-        console.print(f"{what} corner: {_errors(found.names, extreme.errors)}", soft_wrap=True)
+        console.print(f"{what} corner: {_describe_errors(found.names, extreme.errors)}", soft_wrap=True)
     worst = found.slowest_bound
     if not isfinite(worst.found):
-        lost = _errors(found.names, worst.errors)
-        console.print(f"no time is enough: with {lost} this sequence never arrives", soft_wrap=True)
+        lost = _describe_errors(found.names, worst.errors)
+        console.print(f"infeasible: with errors {lost} the goal is unreachable", soft_wrap=True)
     elif not isfinite(worst.bound):
         console.print(
-            f"{worst.boxes:,} boxes give no bound of the time: slower errors may exist, --boxes looks at more"
+            f"no bound of the time after {worst.boxes:,} boxes: slower errors may exist; raise --boxes"
         )
     elif worst.bound > worst.found * LOOSE + RESOLUTION:
-        console.print(f"the bound of the time is that of {worst.boxes:,} boxes; --boxes looks at more")
+        console.print(f"bound of the time after {worst.boxes:,} boxes; raise --boxes to tighten it")
 
 
-def _errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
-    """Returns which errors there are, in shares of the largest where these are no corners."""
-    told = (
+def _describe_errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
+    """Returns errors in shares of the largest where they are no corners."""
+    parts = (
         f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
         for name, error in zip(names, errors, strict=True)
         if error
     )
-    return ", ".join(told) or "no errors"
+    return ", ".join(parts) or "no errors"
 
 
-def _plain(value: Any) -> Any:
+def _json_value(value: Any) -> Any:
     """Returns nested values with what is infinite as None."""
     if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
+        return {key: _json_value(part) for key, part in value.items()}
     if isinstance(value, list | tuple):
-        return [_plain(part) for part in value]
+        return [_json_value(part) for part in value]
     return None if isinstance(value, float) and not isfinite(value) else value

@@ -1,1 +1,1 @@
-"""Checks of plans and certificates; imports no other room of the planner."""
+"""Checks of plans and certificates; imports nothing else of the planner."""

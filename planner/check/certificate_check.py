@@ -1,9 +1,8 @@
-"""Whether a certificate proves what it says: every walk there is, every box of its tree, rounded outward.
+"""Check of a certificate: every walk, every box, rounded outward.
 
-Nothing here comes from the search or from what wrote the certificate: the walks are listed anew, their
-numbers taken from the library as intervals, the boxes cut as the tree says, and each bound evaluated in
-interval arithmetic. `docs/planner.md` has the formula; that it is a lower bound whatever the multipliers are
-is weak Lagrangian duality.
+Independent of the search and of the certificate's writer: the walks are listed anew, their coefficients taken
+from the library as intervals, the boxes cut as in the tree, and each bound evaluated in interval arithmetic.
+`docs/planner.md` has the formula; by weak Lagrangian duality it is a lower bound for any multipliers.
 """
 
 from collections import Counter
@@ -15,13 +14,13 @@ import numpy as np
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from flight.plan.certificate import Certificate, Cut, Leaf, Refutation, read_tree
+from flight.plan.certificate import BoxLeaf, BoxSplit, Certificate, InfeasibilityCertificate, read_tree
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
 
-from .certified_bound import GOAL_EQUALITY, Leaves, bound
-from .interval_walk import scaled, straightened, walk_numbers
-from .intervals import TURN, PoseBox, hypot, interval
+from .certified_bound import Leaves, dual_bound
+from .interval_walk import interval_walk, straighten_slow_turns, value_at_gamma
+from .intervals import TURN, PoseBox, as_interval, hypot
 
 
 def certificate_problems(
@@ -32,14 +31,14 @@ def certificate_problems(
     gammas: tuple[float, ...],
     lower_bound: float,
 ) -> tuple[str, ...]:
-    """Returns what a certificate fails to prove; nothing where no plan has a worst time below the bound.
+    """Returns the faults of a certificate; none if its bound is proved.
 
     Args:
         certificate: the proof.
         library: the primitives.
         mission: from where to where.
         gammas: levels at which a plan has to reach the goal.
-        lower_bound: seconds; infinite where it says that there is no plan.
+        lower_bound: seconds; infinite if it states that there is no plan.
     """
     if certificate.max_trims != mission.max_trims:
         depth = f"at most {certificate.max_trims} trims, the mission allows {mission.max_trims}"
@@ -49,20 +48,20 @@ def certificate_problems(
     missing = expected - set(listed)
     if missing:
         covered = len(expected) - len(missing)
-        return (f"certificate: covers {covered} of the {len(expected)} walks there are, not {min(missing)}",)
+        return (f"certificate: covers {covered} of {len(expected)} walks, not {min(missing)}",)
     for walk, times in listed.items():
         if walk not in expected:
             return (f"certificate: there is no walk {walk}",)
         if times > 1:
-            return (f"certificate: walk {walk} stands there {times} times, expected once",)
+            return (f"certificate: walk {walk} occurs {times} times, expected once",)
     found = []
     for refutation in certificate.refutations:
         where = f"certificate: walk {refutation.sequence} at gamma {refutation.gamma:g}"
         if refutation.gamma not in gammas:
-            found.append(f"{where}: the plan is made for the levels {gammas}")
+            found.append(f"{where}: the levels of the plan are {gammas}")
             continue
         try:
-            failed = _not_refuted(refutation, library, mission, lower_bound)
+            failed = _count_open_leaves(refutation, library, mission, lower_bound)
         except ValueError as error:
             found.append(f"{where}: {error}")
             continue
@@ -73,42 +72,44 @@ def certificate_problems(
 
 def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
     """Returns every walk that the mission allows, by following the maneuvers."""
-    grown: list[tuple[int, ...]] = [(mission.start_trim,)]
-    every = list(grown)
+    longest: list[tuple[int, ...]] = [(mission.start_trim,)]
+    every = list(longest)
     for _ in range(mission.max_trims - 1):
-        grown = [
+        longest = [
             (*walk, maneuver.to_trim)
-            for walk in grown
+            for walk in longest
             for maneuver in library.maneuvers
             if maneuver.from_trim == walk[-1]
         ]
-        every += grown
+        every += longest
     return [walk for walk in every if mission.goal_trim in (None, walk[-1])]
 
 
-def _not_refuted(refutation: Refutation, library: Library, mission: Mission, lower_bound: float) -> int:
-    """Returns how many leaves of a tree do not hold.
+def _count_open_leaves(
+    refutation: InfeasibilityCertificate, library: Library, mission: Mission, lower_bound: float
+) -> int:
+    """Returns the number of leaves in a tree whose bound fails.
 
     Raises:
         ValueError: the tree does not cut the whole box into parts.
     """
-    walk = walk_numbers(library, refutation.sequence, refutation.gamma)
-    walk = straightened(walk, mission, lower_bound)
-    leaves = _cut(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
+    walk = interval_walk(library, refutation.sequence, refutation.gamma)
+    walk = straighten_slow_turns(walk, mission, lower_bound)
+    leaves = _tree_leaves(read_tree(refutation.tree), tuple(place.longest for place in walk.places))
     spare = np.full(len(leaves.low), inf)
     if lower_bound < inf:
-        # No coasting time is longer than what the others leave of the seconds allowed.
+        # A coasting time is at most the allowed seconds less the least of the others.
         least = walk.fixed
         for place in range(leaves.low.shape[1]):
             least = least + leaves.low[:, place]
-        spare = (interval(lower_bound) - least).high
-    high = np.minimum(leaves.high, (interval(leaves.low) + np.maximum(spare, 0.0)[:, None]).high)
-    least_cost = bound(walk, replace(leaves, high=high), mission)
+        spare = (as_interval(lower_bound) - least).high
+    high = np.minimum(leaves.high, (as_interval(leaves.low) + np.maximum(spare, 0.0)[:, None]).high)
+    least_cost = dual_bound(walk, replace(leaves, high=high), mission)
     holds = np.where(leaves.kappa == 1, least_cost >= lower_bound, least_cost > 0) | (spare < 0)
     return int((~holds).sum())
 
 
-def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
+def _tree_leaves(nodes: list[BoxSplit | BoxLeaf], longest: tuple[float, ...]) -> Leaves:
     """Follows a tree from the box of all times to its leaves.
 
     Raises:
@@ -121,7 +122,7 @@ def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
         if not waiting:
             raise ValueError("its tree has nodes left over")
         low, high = waiting.pop()
-        if isinstance(node, Leaf):
+        if isinstance(node, BoxLeaf):
             if len(node.shares) not in ({trims} if node.kappa is not None else {0}):
                 raise ValueError(f"expected {trims} numbers in a leaf, got {len(node.shares)}")
             boxes.append((low, high))
@@ -145,47 +146,47 @@ def _cut(nodes: list[Cut | Leaf], longest: tuple[float, ...]) -> Leaves:
 
 
 def unproved_ends(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns the scenarios of a plan that interval arithmetic does not prove to end at the goal."""
+    """Returns the scenarios not proved by interval arithmetic to end at goal."""
     found = []
     for scenario in plan.scenarios:
         try:
-            end, heading = _flown(library, plan.sequence, scenario, mission)
+            end, heading = _largest_miss(library, plan.sequence, scenario, mission)
         except (ValueError, FlightError):
-            # Said elsewhere: there is no such walk, or no such time.
+            # Reported elsewhere: there is no such walk, or no such time.
             continue
-        wrong = not end <= max(mission.tolerance, GOAL_EQUALITY)
-        if mission.goal_heading is not None and mission.heading_tolerance < pi:
-            wrong |= not heading <= max(mission.heading_tolerance, GOAL_EQUALITY)
+        wrong = not end <= mission.destination.reach
+        if mission.destination.wants_heading:
+            wrong |= not heading <= mission.destination.heading_reach
         if wrong:
             found.append(f"scenario gamma {scenario.gamma:g}: not proved to end at the goal")
     return tuple(found)
 
 
-def _flown(
+def _largest_miss(
     library: Library, sequence: tuple[int, ...], scenario: Scenario, mission: Mission
 ) -> tuple[float, float]:
-    """Returns by how much a scenario can miss the goal at most, and the wanted heading: metres, radians."""
-    pose = _pose(mission.start)
+    """Returns upper bounds of a scenario's miss: metres and radians."""
+    pose = _pose_box(mission.start)
     maneuvers = (None, *library.maneuvers_along(sequence))
     for trim, maneuver, time in zip(sequence, maneuvers, scenario.coasting_times, strict=True):
         if maneuver is not None:
             moved, error = maneuver.displacement, maneuver.error
             pose = pose @ PoseBox(
-                scaled(moved.x, error.forward, scenario.gamma),
-                scaled(moved.y, error.side, scenario.gamma),
-                scaled(moved.heading, error.heading_change, scenario.gamma),
+                value_at_gamma(moved.x, error.forward, scenario.gamma),
+                value_at_gamma(moved.y, error.side, scenario.gamma),
+                value_at_gamma(moved.heading, error.heading_change, scenario.gamma),
             )
         held, wrong = library.trim(trim).velocity, library.trim(trim).error
         pose = pose @ PoseBox.exp(
-            scaled(held.forward, wrong.forward, scenario.gamma),
-            scaled(held.side, wrong.side, scenario.gamma),
-            scaled(held.yaw_rate, wrong.yaw_rate, scenario.gamma),
-            interval(time),
+            value_at_gamma(held.forward, wrong.forward, scenario.gamma),
+            value_at_gamma(held.side, wrong.side, scenario.gamma),
+            value_at_gamma(held.yaw_rate, wrong.yaw_rate, scenario.gamma),
+            as_interval(time),
         )
     off = pose.heading - (mission.goal_heading or 0.0)
     off = off - TURN * np.round(off.middle / (2 * pi))
     return float(hypot(pose.x - mission.goal[0], pose.y - mission.goal[1]).high), float(off.magnitude)
 
 
-def _pose(pose: SE2) -> PoseBox:
-    return PoseBox(interval(pose.x), interval(pose.y), interval(pose.heading))
+def _pose_box(pose: SE2) -> PoseBox:
+    return PoseBox(as_interval(pose.x), as_interval(pose.y), as_interval(pose.heading))

@@ -1,4 +1,4 @@
-"""The bound that multipliers give, in interval arithmetic: `docs/planner.md` has the formula."""
+"""Lagrangian bound of given multipliers, in interval arithmetic; formula in `docs/planner.md`."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -8,100 +8,101 @@ from jaxtyping import Float
 
 from flight.mission.mission import Mission
 
-from .interval_walk import Complex, Numbers, WalkNumbers, exact
-from .intervals import TURN, Interval, cos, hypot, interval, sin, sqrt, square
-
-GOAL_EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
+from .interval_walk import Complex, IntervalWalk, LeafValues, exact_point
+from .intervals import TURN, Interval, as_interval, cos, hypot, sin, sqrt, square
 
 ANGLE_SLACK = 1e-11
-"""Radians, relative too, by which the place of a minimum is blurred: far more than any arctan2 is off."""
+"""Radians, also relative, of slack for a minimum's place; far above arctan2's error."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaves:
-    """Boxes of coasting times in seconds, and the multipliers that are to refute them."""
+    """Boxes of coasting times in seconds, with their refuting multipliers."""
 
     low: Float[np.ndarray, "leaves trims"]
     high: Float[np.ndarray, "leaves trims"]
-    kappa: Numbers
-    north: Numbers
-    east: Numbers
+    kappa: LeafValues
+    north: LeafValues
+    east: LeafValues
     shares: Float[np.ndarray, "leaves trims"]
 
 
-def bound(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> Numbers:
-    """Returns, for each leaf, what kappa times the cost cannot be below if the goal is reached from its box.
+def dual_bound(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> LeafValues:
+    """Returns a lower bound of kappa times the cost for each leaf.
 
     Infinite where no heading in the box is one that is wanted at the goal.
     """
-    kappa = interval(leaves.kappa)
-    m = Complex(interval(leaves.north), interval(-leaves.east))
+    kappa = as_interval(leaves.kappa)
+    m = Complex(as_interval(leaves.north), as_interval(-leaves.east))
     goal = _goal(mission)
-    tolerance = interval(max(mission.tolerance, GOAL_EQUALITY)) + walk.astray
-    reach = hypot(interval(leaves.north), interval(leaves.east)) * tolerance
+    tolerance = as_interval(mission.destination.reach) + walk.position_slack
+    reach = hypot(as_interval(leaves.north), as_interval(leaves.east)) * tolerance
     total = kappa * walk.fixed - (m * goal).real - reach
-    way, slope = exact(0.0, 0.0), interval(np.zeros(len(leaves.low)))
+    way, slope = exact_point(0.0, 0.0), as_interval(np.zeros(len(leaves.low)))
     spans = _headings(walk, leaves, mission)
-    before = interval(np.zeros(len(leaves.low)))
+    before = as_interval(np.zeros(len(leaves.low)))
     for index, place in enumerate(walk.places):
         first, last, x = leaves.low[:, index], leaves.high[:, index], leaves.shares[:, index]
         way = way + place.displacement
         after = spans[index]
         if place.rate is not None:
-            worth = (kappa - x) / place.rate
-            total = total + _least_wave(slope - worth, m * (way - place.centre), before)
+            multiplier = (kappa - x) / place.rate
+            total = total + _least_wave(slope - multiplier, m * (way - place.centre), before)
             total = total + Interval(first, last) * x
-            way, slope = place.centre, worth
+            way, slope = place.centre, multiplier
         else:
             speed = m * place.velocity
-            still = interval(np.zeros(len(first)))
+            still = as_interval(np.zeros(len(first)))
             steady = kappa + _least_wave(still, speed, after)
             fast = kappa - _least_wave(still, speed.times(-1.0 + still), after)
-            total = total + kappa * x + _aside(first, last, x, steady.low, fast.high)
+            total = total + kappa * x + _straight_term(first, last, x, steady.low, fast.high)
             way = way + place.velocity.times(x)
         before = after
     least = (total + _least_wave(slope, m * way, before)).low
     nowhere = np.logical_or.reduce([span.low > span.high for span in spans])
-    bounds: Numbers = np.where(nowhere, inf, least)
+    bounds: LeafValues = np.where(nowhere, inf, least)
     return bounds
 
 
 def _goal(mission: Mission) -> Complex:
     start = mission.start
-    away = Complex(interval(mission.goal[0]) - start.x, interval(mission.goal[1]) - start.y)
-    return Complex.turned(interval(-start.heading)) * away
+    away = Complex(as_interval(mission.goal[0]) - start.x, as_interval(mission.goal[1]) - start.y)
+    return Complex.turned(as_interval(-start.heading)) * away
 
 
-def _aside(first: Numbers, last: Numbers, x: Numbers, steady: Numbers, fast: Numbers) -> Interval:
-    """Returns the products of a straight time less x with what a second of it is worth, from below."""
+def _straight_term(
+    first: LeafValues, last: LeafValues, x: LeafValues, steady: LeafValues, fast: LeafValues
+) -> Interval:
+    """Returns a lower bound of straight time less x, weighted by multipliers."""
     endless = np.isinf(last)
-    # Where every second is worth something, the first is the worst.
+    # With a positive weight of time the first second gives the bound.
     known = Interval(first, np.where(endless, first, last)) - x
     product = known * Interval(np.minimum(steady, fast), np.maximum(steady, fast))
     low = np.where(endless & (steady < 0), -inf, product.low)
     return Interval(low, low)
 
 
-def _headings(walk: WalkNumbers, leaves: Leaves, mission: Mission) -> list[Interval]:
-    """Returns between what the headings after each place lie; after the last turn only what is wanted."""
-    heading = interval(np.zeros(len(leaves.low)))
+def _headings(walk: IntervalWalk, leaves: Leaves, mission: Mission) -> list[Interval]:
+    """Returns the interval of headings after each place."""
+    heading = as_interval(np.zeros(len(leaves.low)))
     spans = []
     for index, place in enumerate(walk.places):
         if place.rate is not None:
             heading = heading + place.rate * Interval(leaves.low[:, index], leaves.high[:, index])
         spans.append(heading)
-    if mission.goal_heading is None or mission.heading_tolerance >= pi:
+    if mission.goal_heading is None or not mission.destination.wants_heading:
         return spans
-    wanted = interval(mission.goal_heading) - mission.start.heading - walk.turned
-    width = float((interval(max(mission.heading_tolerance, GOAL_EQUALITY)) + walk.askew).high)
+    wanted = as_interval(mission.goal_heading) - mission.start.heading - walk.turned
+    width = float((as_interval(mission.destination.heading_reach) + walk.heading_slack).high)
     turns = [index for index, place in enumerate(walk.places) if place.rate is not None]
     last = turns[-1] if turns else 0
-    return [span if index < last else _wanted(span, wanted, width) for index, span in enumerate(spans)]
+    return [
+        span if index < last else _wanted_headings(span, wanted, width) for index, span in enumerate(spans)
+    ]
 
 
-def _wanted(span: Interval, wanted: Interval, width: float) -> Interval:
-    """Returns the part of a span between its first and last headings that are wanted, modulo full turns."""
+def _wanted_headings(span: Interval, wanted: Interval, width: float) -> Interval:
+    """Returns the wanted headings within a span, modulo full turns."""
     middle = float(wanted.middle)
     full = 2 * pi
     first = np.ceil((span.low - width - middle) / full - 1e-9)
@@ -112,7 +113,7 @@ def _wanted(span: Interval, wanted: Interval, width: float) -> Interval:
 
 
 def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
-    """Returns, as an interval of one number, a bound below slope * psi + Re(wave exp(i psi)) over a span.
+    """Returns an interval below slope * psi + Re(wave exp(i psi)).
 
     The least is at an end, or where the wave's slope is the line's, rising: psi = arg((-d + i slope) / wave)
     with d = sqrt(|wave|^2 - slope^2), and is slope * psi - d there. Of slow turns d is the root of what
@@ -120,13 +121,13 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
     squared at most.
     """
     a, x, y = slope.middle, wave.real.middle, wave.imag.middle
-    blur = interval(slope.width) * span.magnitude + wave.real.width + wave.imag.width
+    blur = as_interval(slope.width) * span.magnitude + wave.real.width + wave.imag.width
     least = np.full(np.broadcast(a, span.low).shape, inf)
-    for psi in (interval(span.low), interval(span.high)):
+    for psi in (as_interval(span.low), as_interval(span.high)):
         least = np.minimum(least, (psi * a + cos(psi) * x - sin(psi) * y).low)
-    size = square(interval(x)) + square(interval(y)) - square(interval(a))
+    size = square(as_interval(x)) + square(as_interval(y)) - square(as_interval(a))
     depth = sqrt(size)
-    real, imag = depth * -x + interval(a) * y, depth * y + interval(a) * x
+    real, imag = depth * -x + as_interval(a) * y, depth * y + as_interval(a) * x
     at = np.arctan2(imag.middle, real.middle)
     length = np.hypot(imag.middle, real.middle)
     doubt = real.width + imag.width
@@ -139,10 +140,10 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
     ):
         around = Interval(psi - error, psi + error)
         inside = (size.high > 0) & (around.high >= span.low) & (around.low <= span.high)
-        near = interval(psi) * a + cos(interval(psi)) * x - sin(interval(psi)) * y
-        near = near - hypot(interval(x), interval(y)) * square(interval(error)) * 0.5
+        near = as_interval(psi) * a + cos(as_interval(psi)) * x - sin(as_interval(psi)) * y
+        near = near - hypot(as_interval(x), as_interval(y)) * square(as_interval(error)) * 0.5
         least = np.where(inside, np.minimum(least, np.maximum((around * a - depth).low, near.low)), least)
-    low = (interval(least) - blur).low
-    # Numbers too large to be squared tell nothing of where the least is.
+    low = (as_interval(least) - blur).low
+    # Numbers too large to be squared do not locate the minimum.
     low = np.where(np.isfinite(length) & np.isfinite(doubt), low, -inf)
     return Interval(low, low)

@@ -1,4 +1,4 @@
-"""Whether one set of coasting times keeps within the tolerance at every level, by formulas of its own.
+"""Check of committed plans over the whole gamma interval, independent of search.
 
 Position and heading are carried along the walk together with their slopes over the level gamma. On a piece of
 levels the end is then its tangent at the middle, give or take half the largest second derivative times the
@@ -14,25 +14,22 @@ from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
-EQUALITY = 1e-6
-"""Metres and radians within which a tolerance of 0 is met."""
-
 SMALL_TURN = 1e-2
 """Radians below which the chord of a turn is taken from its series."""
 
 NARROWEST = 1e-9
-"""Share of the interval below which a piece is not halved any more: it is then undecided, which is a no."""
+"""Share of the interval below which a piece is not halved; undecided pieces count as faults."""
 
-SAME_TIMES = "coasting_times: a committed plan flies the same at every gamma"
+SAME_TIMES = "coasting_times: expected the same at every gamma of a committed plan"
 
 
 def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[str]:
-    """Returns why a plan's coasting times do not serve every level from -gamma to gamma; nothing if they do.
+    """Returns the faults of a committed plan between -gamma and gamma.
 
     Args:
         plan: with a walk that the library has.
         library: the one it was planned with.
-        mission: the one it answers.
+        mission: the one it was planned for.
     """
     times = plan.coasting_times
     if any(scenario.coasting_times != times for scenario in plan.scenarios):
@@ -40,18 +37,17 @@ def committed_problems(plan: Plan, library: Library, mission: Mission) -> list[s
     trims = [library.trim(trim) for trim in plan.sequence]
     steps = list(library.maneuvers_along(plan.sequence))
     found = []
-    allowed = max(mission.tolerance, EQUALITY)
-    if plan.miss is None or plan.miss > allowed:
-        found.append(f"miss: allowed are {mission.tolerance} m at every gamma, stated are {plan.miss} m")
+    if plan.miss is None or plan.miss > mission.destination.reach:
+        found.append(f"miss: allowed {mission.tolerance} m at every gamma, stated {plan.miss} m")
         return found
     position = complex(mission.start.x, mission.start.y)
     walk = _Flight(trims, steps, times, position, mission.start.heading)
     worst = walk.level_beyond(complex(*mission.goal), plan.miss, plan.gamma)
     if worst is not None:
         found.append(f"goal: not shown to be within {plan.miss:.9g} m near gamma {worst:.9g}")
-    if mission.goal_heading is not None and mission.heading_tolerance < pi:
-        off = walk.heading_off(mission.goal_heading, plan.gamma)
-        if not off <= max(mission.heading_tolerance, EQUALITY):
+    if mission.goal_heading is not None and mission.destination.wants_heading:
+        off = walk.heading_error(mission.goal_heading, plan.gamma)
+        if not off <= mission.destination.heading_reach:
             found.append(
                 f"goal heading: off by {off:.6g} rad at some gamma, allowed {mission.heading_tolerance} rad"
             )
@@ -73,7 +69,7 @@ class _Flight:
         self._start, self._heading = start, heading
 
     def level_beyond(self, goal: complex, allowed: float, gamma: float) -> float | None:
-        """Returns a level near which the end may be further from the goal than allowed; None without one."""
+        """Returns a level that may exceed the allowed miss, or None."""
         if gamma == 0:
             return None if abs(self._end(0.0)[0] - goal) <= allowed else 0.0
         curvature = self._curvature(gamma)
@@ -92,8 +88,8 @@ class _Flight:
             pieces += [(middle - half / 2, half / 2), (middle + half / 2, half / 2)]
         return None
 
-    def heading_off(self, wanted: float, gamma: float) -> float:
-        """Returns the largest distance in radians between the heading and the wanted one.
+    def heading_error(self, wanted: float, gamma: float) -> float:
+        """Returns the largest heading error in radians over all levels.
 
         The heading changes evenly from one end of the interval to the other: where it passes through more
         than a turn, every heading is met.
@@ -126,7 +122,7 @@ class _Flight:
             held = trim.at(gamma)
             velocity = complex(held.forward, held.side)
             error = complex(trim.error.forward, trim.error.side)
-            chord, bending = _chord(held.yaw_rate * time)
+            chord, bending = _mean_direction(held.yaw_rate * time)
             coast = velocity * time * chord
             bent = error * time * chord + velocity * time * bending * trim.error.yaw_rate * time
             facing = exp(1j * heading)
@@ -137,7 +133,7 @@ class _Flight:
         return position, moving
 
     def _curvature(self, gamma: float) -> float:
-        """Returns a bound of the end's second derivative over the level, in metres.
+        """Returns a bound of the end's second derivative over level, in metres.
 
         Every piece of the way, turned by its heading, contributes twice the heading's slope times its own
         slope, and the square of the heading's slope times itself.
@@ -159,8 +155,8 @@ class _Flight:
         return total
 
 
-def _chord(turn: float) -> tuple[complex, complex]:
-    """Returns the mean of exp(i s) for s from 0 to a turn, and its slope over the turn."""
+def _mean_direction(turn: float) -> tuple[complex, complex]:
+    """Returns the mean of exp(i s) over a turn and its slope."""
     if abs(turn) < SMALL_TURN:
         x = 1j * turn
         value = 1 + x / 2 + x**2 / 6 + x**3 / 24 + x**4 / 120 + x**5 / 720

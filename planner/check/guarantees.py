@@ -1,4 +1,4 @@
-"""What a plan that passed its check is shown to keep, and what of it is only said."""
+"""Guarantees of a checked plan: proved claims and unproved statements."""
 
 from dataclasses import dataclass
 
@@ -6,70 +6,70 @@ from flight.plan.plan import Plan
 
 
 @dataclass(frozen=True, slots=True)
-class Claims:
-    """Sentences about one plan that passed its check.
+class Guarantees:
+    """Guarantees of one plan that passed its check.
 
     Attributes:
-        proved: what the check showed, from the plan, the library and the mission alone.
-        unproved: what the plan says beside that; it may be true.
+        proved: claims that the check showed from plan, library and mission alone.
+        unproved: further claims of the plan, not checked.
     """
 
     proved: tuple[str, ...]
     unproved: tuple[str, ...]
 
 
-def claims(plan: Plan) -> Claims:
-    """Returns what a plan's check showed and what it did not.
+def guarantees_of(plan: Plan) -> Guarantees:
+    """Returns the proved and the unproved claims of a plan.
 
     Args:
-        plan: in which `planner.check.plan_check.problems` found nothing.
+        plan: in which `planner.check.plan_check.plan_problems` found nothing.
     """
     proved, unproved = [], []
     if plan.found:
         levels = ", ".join(f"{scenario.gamma:g}" for scenario in plan.scenarios)
         exactly = "" if plan.certificate is None else ", in interval arithmetic too"
-        proved.append(
-            f"flown again the sequence ends at the goal at gamma {levels}, in the times stated{exactly}"
-        )
+        proved.append(f"the sequence ends at the goal at gamma {levels}, in the times stated{exactly}")
     if plan.miss is not None:
-        proved.append(f"the same coasting times end within {plan.miss:.4f} m of the goal {every_gamma(plan)}")
+        proved.append(
+            f"the same coasting times end within {plan.miss:.4f} m of the goal {describe_gamma_range(plan)}"
+        )
     if plan.certificate is not None:
         depth = f"of at most {plan.certificate.max_trims} trims"
-        rest = "leads to the goal" if plan.lower_bound is None else fastest_word(plan)
+        rest = "leads to the goal" if plan.lower_bound is None else describe_lower_bound(plan)
         proved.append(f"no plan {depth} {rest} (the certificate holds)")
     else:
-        unproved += _bound(plan)
+        unproved += _lower_bound_sentences(plan)
     if plan.policy == "price-of-robustness" and plan.found:
-        unproved += _price(plan)
+        unproved += _price_sentences(plan)
     if plan.time_promise is not None:
-        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not flown again")
-    return Claims(tuple(proved), tuple(unproved))
+        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not repeated here")
+    return Guarantees(tuple(proved), tuple(unproved))
 
 
-def fastest_word(plan: Plan) -> str:
-    """Returns what a plan's lower bound says, of no plan."""
+def describe_lower_bound(plan: Plan) -> str:
+    """Returns the plan's lower bound in words, following "no plan"."""
     return f"takes less than {max(plan.lower_bound or 0.0, 0.0):.3f} s"
 
 
-def every_gamma(plan: Plan) -> str:
-    """Returns for which levels a committed plan's times are."""
+def describe_gamma_range(plan: Plan) -> str:
+    """Returns the gamma range of a committed plan in words."""
     return f"at every gamma from {-plan.gamma:g} to {plan.gamma:g}" if plan.gamma else "at gamma 0"
 
 
-def _bound(plan: Plan) -> list[str]:
-    """Returns what is said of other plans without a certificate; none takes less than no time anyway."""
+def _lower_bound_sentences(plan: Plan) -> list[str]:
+    """Returns the unproved lower-bound claims of a plan without a certificate."""
     if plan.status == "optimal":
         none = "committed plans have none" if plan.policy == "committed" else "there is no certificate"
-        return [f"optimal: no plan {fastest_word(plan)} ({none})"] if plan.cost else []
+        return [f"optimal: no plan {describe_lower_bound(plan)} ({none})"] if plan.cost else []
     if plan.lower_bound is not None and plan.lower_bound > 0:
-        return [f"lower_bound: no plan {fastest_word(plan)} (there is no certificate)"]
+        return [f"lower_bound: no plan {describe_lower_bound(plan)} (there is no certificate)"]
     return []
 
 
-def _price(plan: Plan) -> list[str]:
-    """Returns what is said of levels that the plan does not show."""
+def _price_sentences(plan: Plan) -> list[str]:
+    """Returns the claims about levels that have no scenario in the plan."""
     assert plan.alpha is not None
     return [
         f"alpha: no plan takes less than {plan.cost / plan.alpha:.3f} s at gamma 0",
-        f"gamma: every level below {plan.gamma:g} keeps to alpha {plan.alpha:g}, and none above it does",
+        f"gamma: every level below {plan.gamma:g} meets alpha {plan.alpha:g}, and none above it does",
     ]

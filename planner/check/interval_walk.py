@@ -1,4 +1,4 @@
-"""A walk's numbers as intervals, rounded outward, for the check of certificates.
+"""Coefficients of a walk as intervals, rounded outward, for certificate checks.
 
 Positions are complex (north + i east), seen from the start with heading 0; what the maneuvers of a walk turn
 is folded into its vectors, so that headings are those that coasting alone makes.
@@ -13,14 +13,14 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 
-from .intervals import TURN, Interval, cos, hypot, interval, sin
+from .intervals import TURN, Interval, as_interval, cos, hypot, sin
 
-Numbers = Float[np.ndarray, "leaves"]
+LeafValues = Float[np.ndarray, "leaves"]
 
-ASTRAY = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+POSITION_SLACK = 1e-4
+"""Metres by which the end may shift if negligible turns are made straight."""
 
-ASKEW = 1e-7
+HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
 
 
@@ -37,26 +37,26 @@ class Complex:
         return cls(cos(angle), sin(angle))
 
     def __add__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns sums, rounded outward."""
         return Complex(self.real + other.real, self.imag + other.imag)
 
     def __sub__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns differences, rounded outward."""
         return Complex(self.real - other.real, self.imag - other.imag)
 
     def __mul__(self, other: "Complex") -> "Complex":
-        """Outward."""
+        """Returns products, rounded outward."""
         return Complex(
             self.real * other.real - self.imag * other.imag, self.real * other.imag + self.imag * other.real
         )
 
-    def times(self, factor: Interval | Numbers) -> "Complex":
+    def times(self, factor: Interval | LeafValues) -> "Complex":
         """Returns multiples."""
         return Complex(self.real * factor, self.imag * factor)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class WalkPlace:
     """One trim of a walk, and the maneuver before it.
 
     Attributes:
@@ -75,109 +75,116 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class WalkNumbers:
-    """A walk at one level: its places, seconds in maneuvers, and what these turn, in radians.
+class IntervalWalk:
+    """A walk at one level: places, maneuver seconds and maneuver turns.
 
     Attributes:
-        astray: metres that its end is off at most, for turns that were taken as straight lines.
-        askew: radians, likewise.
+        position_slack: metres that its end is off at most, for turns that were taken as straight lines.
+        heading_slack: radians, likewise.
     """
 
-    places: tuple[Place, ...]
+    places: tuple[WalkPlace, ...]
     fixed: Interval
     turned: Interval
-    astray: float = 0.0
-    askew: float = 0.0
+    position_slack: float = 0.0
+    heading_slack: float = 0.0
 
 
-def walk_numbers(library: Library, sequence: tuple[int, ...], gamma: float) -> WalkNumbers:
-    """Returns a walk's numbers, value + gamma * error rounded outward.
+def interval_walk(library: Library, sequence: tuple[int, ...], gamma: float) -> IntervalWalk:
+    """Returns the coefficients of a walk at gamma, rounded outward.
 
     Raises:
         UnknownTrimError: the library lacks a trim.
         NoManeuverError: the library does not join two of the trims.
     """
     places = []
-    fixed = turned = interval(0.0)
+    fixed = turned = as_interval(0.0)
     maneuvers = (None, *library.maneuvers_along(sequence))
     for identity, maneuver in zip(sequence, maneuvers, strict=True):
-        displacement = exact(0.0, 0.0)
+        displacement = exact_point(0.0, 0.0)
         if maneuver is not None:
             error = maneuver.error
             displacement = Complex.turned(turned) * Complex(
-                scaled(maneuver.displacement.x, error.forward, gamma),
-                scaled(maneuver.displacement.y, error.side, gamma),
+                value_at_gamma(maneuver.displacement.x, error.forward, gamma),
+                value_at_gamma(maneuver.displacement.y, error.side, gamma),
             )
-            turned = turned + scaled(maneuver.displacement.heading, error.heading_change, gamma)
-            fixed = fixed + scaled(maneuver.duration, error.duration, gamma)
-        places.append(_place(library, identity, gamma, turned, displacement))
-    return WalkNumbers(tuple(places), fixed, turned)
+            turned = turned + value_at_gamma(maneuver.displacement.heading, error.heading_change, gamma)
+            fixed = fixed + value_at_gamma(maneuver.duration, error.duration, gamma)
+        places.append(_walk_place(library, identity, gamma, turned, displacement))
+    return IntervalWalk(tuple(places), fixed, turned)
 
 
-def _place(library: Library, trim: int, gamma: float, turned: Interval, displacement: Complex) -> Place:
+def _walk_place(
+    library: Library, trim: int, gamma: float, turned: Interval, displacement: Complex
+) -> WalkPlace:
     velocity, error = library.trim(trim).velocity, library.trim(trim).error
-    moved = Complex(scaled(velocity.forward, error.forward, gamma), scaled(velocity.side, error.side, gamma))
+    moved = Complex(
+        value_at_gamma(velocity.forward, error.forward, gamma),
+        value_at_gamma(velocity.side, error.side, gamma),
+    )
     folded = Complex.turned(turned) * moved
-    rate = scaled(velocity.yaw_rate, error.yaw_rate, gamma)
+    rate = value_at_gamma(velocity.yaw_rate, error.yaw_rate, gamma)
     if rate.low == rate.high == 0:
         still = all(part.low == part.high == 0 for part in (moved.real, moved.imag))
-        return Place(None, folded, displacement, exact(0.0, 0.0), 0.0 if still else inf)
+        return WalkPlace(None, folded, displacement, exact_point(0.0, 0.0), 0.0 if still else inf)
     if rate.contains(0.0):
-        return Place(rate, folded, displacement, exact(0.0, 0.0), inf)
+        return WalkPlace(rate, folded, displacement, exact_point(0.0, 0.0), inf)
     size = rate if rate.low > 0 else -rate
     # v / (i r)
     centre = Complex(folded.imag / rate, -folded.real / rate)
-    return Place(rate, folded, displacement, centre, float((TURN / size).high))
+    return WalkPlace(rate, folded, displacement, centre, float((TURN / size).high))
 
 
-def straightened(walk: WalkNumbers, mission: Mission, seconds: float) -> WalkNumbers:
-    """Returns a walk with the turns made straight that do not show in so many seconds.
+def straighten_slow_turns(walk: IntervalWalk, mission: Mission, seconds: float) -> IntervalWalk:
+    """Returns a walk with turns negligible within the given seconds made straight.
 
-    With headings off by no more than an angle, the end is off by no more than the length of the way times the
-    angle: what counts as reached is widened by both.
+    If headings differ by at most an angle, the end shifts by at most the path length times the angle: the
+    goal's tolerances are widened by both.
 
     Raises:
-        ValueError: a yaw rate that cannot be told from 0 does show.
+        ValueError: a yaw rate whose interval contains 0 is not negligible.
     """
-    spare = float(np.maximum((interval(seconds) - walk.fixed).high, 0.0))
-    length = interval(0.0)
+    spare = float(np.maximum((as_interval(seconds) - walk.fixed).high, 0.0))
+    length = as_interval(0.0)
     fastest = 0.0
     for place in walk.places:
         length = length + hypot(place.displacement.real, place.displacement.imag)
         fastest = max(fastest, float(hypot(place.velocity.real, place.velocity.imag).high))
     with np.errstate(over="ignore", invalid="ignore"):
-        way = length + interval(fastest) * spare
-    places, worst = [], interval(0.0)
+        way = length + as_interval(fastest) * spare
+    places, worst = [], as_interval(0.0)
     for number, place in enumerate(walk.places):
         if place.rate is None:
             places.append(place)
             continue
         with np.errstate(over="ignore", invalid="ignore"):
-            angle = interval(spare) * place.rate.magnitude
-            astray = float((angle * way).high)
-        shows = not astray <= ASTRAY or (mission.goal_heading is not None and angle.high > ASKEW)
+            angle = as_interval(spare) * place.rate.magnitude
+            position_slack = float((angle * way).high)
+        shows = not position_slack <= POSITION_SLACK or (
+            mission.goal_heading is not None and angle.high > HEADING_SLACK
+        )
         if not shows:
             worst = worst.hull(angle)
             still = all(part.low == part.high == 0 for part in (place.velocity.real, place.velocity.imag))
             longest = 0.0 if still else inf
-            places.append(replace(place, rate=None, centre=exact(0.0, 0.0), longest=longest))
+            places.append(replace(place, rate=None, centre=exact_point(0.0, 0.0), longest=longest))
         elif place.rate.contains(0.0):
-            raise ValueError(f"the yaw rate at place {number} cannot be told from 0")
+            raise ValueError(f"the interval of the yaw rate at place {number} contains 0")
         else:
             places.append(place)
     off = float((worst * way).high) if worst.high > 0 else 0.0
-    return replace(walk, places=tuple(places), astray=off, askew=float(worst.high))
+    return replace(walk, places=tuple(places), position_slack=off, heading_slack=float(worst.high))
 
 
-def scaled(value: float, error: float, gamma: float) -> Interval:
+def value_at_gamma(value: float, error: float, gamma: float) -> Interval:
     """Returns value + gamma * error."""
     if gamma == 0 or error == 0:
-        return interval(value)
+        return as_interval(value)
     # 0 + gamma * error is as exact as gamma * error; a sum that is exactly 0 stays 0.
-    exact = interval(gamma) * error
-    return exact if value == 0 else exact + value
+    product = as_interval(gamma) * error
+    return product if value == 0 else product + value
 
 
-def exact(north: float, east: float) -> Complex:
-    """Returns a complex number without doubt."""
-    return Complex(interval(north), interval(east))
+def exact_point(north: float, east: float) -> Complex:
+    """Returns a complex number of zero width."""
+    return Complex(as_interval(north), as_interval(east))

@@ -19,18 +19,18 @@ Array = Float[np.ndarray, "..."]
 Operand: TypeAlias = "Interval | Array | float"
 
 LIBRARY_ERROR = 4 * 2.0**-52
-"""By which a sine or cosine may be off."""
+"""Error bound of a sine or cosine."""
 
 LARGEST_ANGLE = 1e6
 """Radians up to which the reduction modulo 2 pi is trusted; beyond, a sine is anything from -1 to 1."""
 
 
-def _down(value: Array) -> Array:
+def _round_down(value: Array) -> Array:
     lower: Array = np.nextafter(value, -np.inf)
     return lower
 
 
-def _up(value: Array) -> Array:
+def _round_up(value: Array) -> Array:
     upper: Array = np.nextafter(value, np.inf)
     return upper
 
@@ -47,7 +47,7 @@ class Interval:
 
     @classmethod
     def of(cls, low: Array | float, high: Array | float | None = None) -> Self:
-        """Returns the numbers between two, or one number alone."""
+        """Returns the interval between two numbers, or of one alone."""
         lower = np.asarray(low, dtype=float)
         return cls(lower, lower if high is None else np.asarray(high, dtype=float))
 
@@ -60,7 +60,7 @@ class Interval:
     @property
     def width(self) -> Array:
         """The distance from low to high, rounded up."""
-        return _up(self.high - self.low)
+        return _round_up(self.high - self.low)
 
     @property
     def magnitude(self) -> Array:
@@ -73,46 +73,41 @@ class Interval:
         return Interval(np.asarray(self.low[index]), np.asarray(self.high[index]))
 
     def contains(self, value: Array | float) -> Bool[np.ndarray, "..."]:
-        """Whether a number lies inside."""
+        """Returns True where a number lies inside."""
         return np.asarray((self.low <= value) & (value <= self.high))
 
     def hull(self, other: Operand) -> "Interval":
         """Returns the smallest interval around both."""
-        wide = interval(other)
+        wide = as_interval(other)
         return Interval(np.minimum(self.low, wide.low), np.maximum(self.high, wide.high))
 
-    def meet(self, other: Operand) -> "Interval":
-        """Returns what both hold; where that is nothing, `low` exceeds `high`."""
-        wide = interval(other)
-        return Interval(np.maximum(self.low, wide.low), np.minimum(self.high, wide.high))
-
     def __neg__(self) -> "Interval":
-        """Exact."""
+        """Returns the negatives, exactly."""
         return Interval(-self.high, -self.low)
 
     def __add__(self, other: Operand) -> "Interval":
-        """Outward."""
-        term = interval(other)
-        return Interval(_down(self.low + term.low), _up(self.high + term.high))
+        """Returns sums, rounded outward."""
+        term = as_interval(other)
+        return Interval(_round_down(self.low + term.low), _round_up(self.high + term.high))
 
     def __sub__(self, other: Operand) -> "Interval":
-        """Outward."""
-        return self + -interval(other)
+        """Returns differences, rounded outward."""
+        return self + -as_interval(other)
 
     def __mul__(self, other: Operand) -> "Interval":
-        """Outward."""
-        factor = interval(other)
+        """Returns products, rounded outward."""
+        factor = as_interval(other)
         products = (
             self.low * factor.low,
             self.low * factor.high,
             self.high * factor.low,
             self.high * factor.high,
         )
-        return Interval(_down(np.minimum.reduce(products)), _up(np.maximum.reduce(products)))
+        return Interval(_round_down(np.minimum.reduce(products)), _round_up(np.maximum.reduce(products)))
 
     def __truediv__(self, other: Operand) -> "Interval":
-        """Outward; the whole line where the divisor holds 0."""
-        divisor = interval(other)
+        """Returns quotients, rounded outward; the whole line for divisors containing 0."""
+        divisor = as_interval(other)
         through_zero = divisor.contains(0.0)
         with np.errstate(divide="ignore", invalid="ignore"):
             quotients = (
@@ -123,45 +118,45 @@ class Interval:
             )
             low, high = np.minimum.reduce(quotients), np.maximum.reduce(quotients)
         return Interval(
-            _down(np.where(through_zero, -np.inf, low)), _up(np.where(through_zero, np.inf, high))
+            _round_down(np.where(through_zero, -np.inf, low)), _round_up(np.where(through_zero, np.inf, high))
         )
 
     def __radd__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns sums, rounded outward."""
         return self + other
 
     def __rsub__(self, other: Array | float) -> "Interval":
-        """Outward."""
-        return interval(other) - self
+        """Returns differences, rounded outward."""
+        return as_interval(other) - self
 
     def __rmul__(self, other: Array | float) -> "Interval":
-        """Outward."""
+        """Returns products, rounded outward."""
         return self * other
 
     def __rtruediv__(self, other: Array | float) -> "Interval":
-        """Outward."""
-        return interval(other) / self
+        """Returns quotients, rounded outward."""
+        return as_interval(other) / self
 
 
-def interval(value: Operand) -> Interval:
-    """Returns a number as the interval that holds it alone."""
+def as_interval(value: Operand) -> Interval:
+    """Returns the zero-width interval of a number."""
     return value if isinstance(value, Interval) else Interval.of(value)
 
 
-TURN = Interval.of(_down(np.array(2 * np.pi)), _up(np.array(2 * np.pi)))
-"""2 pi, which is no floating-point number."""
+TURN = Interval.of(_round_down(np.array(2 * np.pi)), _round_up(np.array(2 * np.pi)))
+"""Enclosure of 2 pi."""
 
 
 def square(value: Interval) -> Interval:
     """Returns the squares, none of them negative."""
     small = np.where(value.contains(0.0), 0.0, np.minimum(np.abs(value.low), np.abs(value.high)))
-    return Interval(np.maximum(_down(small * small), 0.0), _up(value.magnitude * value.magnitude))
+    return Interval(np.maximum(_round_down(small * small), 0.0), _round_up(value.magnitude * value.magnitude))
 
 
 def sqrt(value: Interval) -> Interval:
-    """Returns the square roots of what is not negative."""
+    """Returns the square roots of non-negative numbers."""
     low, high = np.sqrt(np.maximum(value.low, 0.0)), np.sqrt(np.maximum(value.high, 0.0))
-    return Interval(np.maximum(_down(low), 0.0), _up(high))
+    return Interval(np.maximum(_round_down(low), 0.0), _round_up(high))
 
 
 def hypot(one: Interval, other: Interval) -> Interval:
@@ -170,13 +165,13 @@ def hypot(one: Interval, other: Interval) -> Interval:
 
 
 def cos(angle: Interval) -> Interval:
-    """Returns the cosines; largest at even multiples of pi, smallest at odd ones."""
+    """Returns the cosines: maximum at even multiples of pi, minimum at odd."""
     ends = np.cos(angle.low), np.cos(angle.high)
     anything = angle.magnitude > LARGEST_ANGLE
-    top = anything | _passes(angle, 0.0)
-    bottom = anything | _passes(angle, np.pi)
-    low = np.where(bottom, -1.0, np.maximum(_down(np.minimum(*ends)) - LIBRARY_ERROR, -1.0))
-    high = np.where(top, 1.0, np.minimum(_up(np.maximum(*ends)) + LIBRARY_ERROR, 1.0))
+    top = anything | _may_contain_peak(angle, 0.0)
+    bottom = anything | _may_contain_peak(angle, np.pi)
+    low = np.where(bottom, -1.0, np.maximum(_round_down(np.minimum(*ends)) - LIBRARY_ERROR, -1.0))
+    high = np.where(top, 1.0, np.minimum(_round_up(np.maximum(*ends)) + LIBRARY_ERROR, 1.0))
     return Interval(low, high)
 
 
@@ -190,13 +185,13 @@ SERIES = 0.01
 
 
 def sinc(angle: Interval) -> Interval:
-    """Returns sin(x) / x, which is 1 at 0: it falls from there to the first multiple of pi on either side."""
+    """Returns sin(x) / x, with value 1 at 0."""
     near = np.where(angle.contains(0.0), 0.0, np.minimum(np.abs(angle.low), np.abs(angle.high)))
     far = angle.magnitude
     most, least = _sinc(near), _sinc(far)
     # Beyond the first fall, a quotient where there is one; -0.25 is below its least value.
     quotient = sin(Interval(near, far)) / Interval(np.maximum(near, 1.0), np.maximum(far, 1.0))
-    risen = _up(1 / np.maximum(near, np.pi))
+    risen = _round_up(1 / np.maximum(near, np.pi))
     beyond = far >= np.pi
     high = np.where(beyond, np.where(near >= 1, quotient.high, np.maximum(most.high, risen)), most.high)
     low = np.where(beyond, np.where(near >= 1, quotient.low, -0.25), least.low)
@@ -204,9 +199,9 @@ def sinc(angle: Interval) -> Interval:
 
 
 def _sinc(size: Array) -> Interval:
-    """Returns sin(x) / x of numbers that are not negative; of small ones by its alternating series."""
-    quotient = sin(interval(np.maximum(size, SERIES))) / np.maximum(size, SERIES)
-    x = square(interval(np.minimum(size, SERIES)))
+    """Returns sin(x) / x for x >= 0; small x by series."""
+    quotient = sin(as_interval(np.maximum(size, SERIES))) / np.maximum(size, SERIES)
+    x = square(as_interval(np.minimum(size, SERIES)))
     upper = 1.0 - x / 6.0 + square(x) / 120.0
     lower = upper - x * square(x) / 5040.0
     small = size < SERIES
@@ -214,8 +209,8 @@ def _sinc(size: Array) -> Interval:
     return Interval(low, np.where(small, upper.high, quotient.high))
 
 
-def _passes(angle: Interval, peak: float) -> Bool[np.ndarray, "..."]:
-    """Whether a peak plus a multiple of 2 pi may lie inside: a hair beyond counts too."""
+def _may_contain_peak(angle: Interval, peak: float) -> Bool[np.ndarray, "..."]:
+    """Returns True where the interval may contain a peak modulo 2 pi."""
     hair = 1e-15 * (1 + angle.magnitude)
     first = np.ceil((angle.low - hair - peak) / (2 * np.pi) - 1e-15 * angle.magnitude)
     return np.asarray(first * (2 * np.pi) + peak <= angle.high + 2 * hair)
@@ -223,7 +218,7 @@ def _passes(angle: Interval, peak: float) -> Bool[np.ndarray, "..."]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PoseBox:
-    """Poses or displacements: metres, metres, radians (not wrapped), each in its interval."""
+    """Poses or displacements as intervals: metres, metres, radians (not wrapped)."""
 
     x: Interval
     y: Interval
@@ -240,7 +235,7 @@ class PoseBox:
 
     @classmethod
     def exp(cls, forward: Interval, side: Interval, yaw_rate: Interval, duration: Interval) -> "PoseBox":
-        """Returns the displacements of holding a body velocity for a time (thesis, eq. 17-18).
+        """Returns displacements of a constant body velocity (thesis, eq. 17-18).
 
         Args:
             forward: metres per second.

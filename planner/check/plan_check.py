@@ -1,4 +1,4 @@
-"""Whether a plan keeps its word: flown again from the library alone, by formulas of its own."""
+"""Check of a plan by repeating its flight, independent of the search."""
 
 from cmath import exp
 from dataclasses import replace
@@ -8,20 +8,16 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.automaton.maneuver import Maneuver
 from flight.errors import FlightError
+from flight.mission.destination import SLACK, slack_of
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import Twist
 
 from .certificate_check import certificate_problems, unproved_ends
-from .certified_bound import GOAL_EQUALITY
 from .committed_check import committed_problems
 
-END_AGREEMENT = 1e-6
-"""Metres and radians by which a stated end may differ from the one flown."""
-
-TIME_AGREEMENT = 1e-9
-"""Seconds by which a stated cost may differ from the sum of its parts."""
-
+END_AGREEMENT = 1e3
+"""Rounding slacks by which stated and recomputed ends may differ: 1e-6 m and rad, up to 1 km."""
 
 OPTIMALITY = 2e-5
 """Seconds by which an optimal plan's cost may exceed its lower bound."""
@@ -30,50 +26,47 @@ PROVED_OPTIMALITY = 1e-3
 """Seconds likewise, where a certificate proves the bound, or branch and bound gave it."""
 
 
-def problems(
-    plan: Plan, library: Library, mission: Mission, *, known_hash: str | None = None
-) -> tuple[str, ...]:
-    """Returns what is wrong with a plan; nothing for one that keeps its word.
+def plan_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns the faults of a plan; none for a valid one.
 
     Args:
         plan: the plan.
-        library: the one it says it was planned with.
-        mission: the one it says it answers.
-        known_hash: of the library, where it is at hand.
+        library: the one it was planned with.
+        mission: the one it was planned for.
     """
-    found = identity_problems(plan, known_hash or library_hash(library), library.name, mission)
-    found += _said(plan)
+    found = identity_problems(plan, library_hash(library), library.name, mission)
+    found += _gamma_problems(plan)
     if plan.at_smallest_tolerance is not None:
-        found += _widened(plan.at_smallest_tolerance, library, mission, known_hash=plan.library_hash)
+        found += _problems_at_wider_tolerance(plan.at_smallest_tolerance, library, mission)
     if not plan.found:
-        return (*found, *_certificate(plan, library, mission))
+        return (*found, *_certificate_problems(plan, library, mission))
     try:
         maneuvers = library.maneuvers_along(plan.sequence)
         velocities = [library.trim(trim) for trim in plan.sequence]
     except FlightError as error:
         return (*found, f"sequence: {error}")
-    found += _walk(plan, maneuvers, mission)
-    found += _tail(plan, library)
+    found += _walk_problems(plan, maneuvers, mission)
+    found += _safe_stop_problems(plan, library)
     for scenario in plan.scenarios:
         flown = [trim.at(scenario.gamma) for trim in velocities]
         found += [
             f"scenario gamma {scenario.gamma:g}: {problem}"
-            for problem in _scenario(scenario, flown, maneuvers, mission)
+            for problem in _scenario_problems(scenario, flown, maneuvers, mission)
         ]
-    if plan.lower_bound is not None and plan.lower_bound > plan.cost + TIME_AGREEMENT:
+    if plan.lower_bound is not None and plan.lower_bound > plan.cost + slack_of(plan.cost):
         found.append(f"lower_bound: {plan.lower_bound} s is above the cost, {plan.cost} s")
     branched = plan.policy == "committed" or plan.certificate is not None
     gap = PROVED_OPTIMALITY if branched else OPTIMALITY
     if plan.status == "optimal" and not (plan.lower_bound or 0.0) >= plan.cost - gap:
-        found.append(f"lower_bound: called optimal at {plan.cost} s, the bound is {plan.lower_bound} s")
+        found.append(f"lower_bound: stated optimal at {plan.cost} s, but the bound is {plan.lower_bound} s")
     if plan.policy == "committed" and not found:
         found += committed_problems(plan, library, mission)
-    # The certificate takes longest: it is looked at where nothing else is wrong.
-    return tuple(found) or _certificate(plan, library, mission)
+    # The certificate check takes longest: it runs only on otherwise valid plans.
+    return tuple(found) or _certificate_problems(plan, library, mission)
 
 
-def _certificate(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
-    """Returns what a plan's certificate, if it has one, does not prove."""
+def _certificate_problems(plan: Plan, library: Library, mission: Mission) -> tuple[str, ...]:
+    """Returns the claims that a plan's certificate fails to prove."""
     if plan.certificate is None:
         return ()
     if plan.found == (plan.lower_bound is None):
@@ -88,19 +81,16 @@ def _levels(plan: Plan) -> set[float]:
     return {0.0} if plan.policy == "nominal" else {0.0, -plan.gamma, plan.gamma}
 
 
-def _widened(plan: Plan, library: Library, mission: Mission, *, known_hash: str) -> list[str]:
-    """Returns what is wrong with the plan for a tolerance that is larger than the mission's."""
+def _problems_at_wider_tolerance(plan: Plan, library: Library, mission: Mission) -> list[str]:
+    """Returns the faults of the plan at the smallest feasible tolerance."""
     if not (plan.found and plan.tolerance > mission.tolerance and plan.at_smallest_tolerance is None):
         return ["at_smallest_tolerance: expected a plan for a larger tolerance than the mission's"]
     wider = replace(mission, tolerance=plan.tolerance)
-    return [
-        f"at_smallest_tolerance: {problem}"
-        for problem in problems(plan, library, wider, known_hash=known_hash)
-    ]
+    return [f"at_smallest_tolerance: {problem}" for problem in plan_problems(plan, library, wider)]
 
 
 def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) -> list[str]:
-    """Returns where a plan is not for this library and this mission.
+    """Returns mismatches of a plan with this library and mission.
 
     Args:
         plan: the plan.
@@ -114,15 +104,15 @@ def identity_problems(plan: Plan, hash_now: str, name: str, mission: Mission) ->
     if plan.library_hash != hash_now:
         found.append(f"library_hash: planned with another library than this {name}")
     if plan.mission != mission.name:
-        found.append(f"mission: answers {plan.mission}, not {mission.name}")
+        found.append(f"mission: planned for {plan.mission}, not {mission.name}")
     if plan.tolerance != mission.tolerance:
         found.append(f"tolerance: planned with {plan.tolerance} m, the mission has {mission.tolerance} m")
     return found
 
 
-def _said(plan: Plan) -> list[str]:
-    """Returns where the levels that a plan says it is for are not those that it shows."""
-    found = _price(plan)
+def _gamma_problems(plan: Plan) -> list[str]:
+    """Returns mismatches between a plan's stated gamma and its scenarios."""
+    found = _price_problems(plan)
     if plan.policy == "nominal" and plan.gamma != 0:
         found.append(f"gamma: nominal plans are for 0, got {plan.gamma}")
     if plan.policy != "committed" and plan.miss is not None:
@@ -139,10 +129,10 @@ def _said(plan: Plan) -> list[str]:
     return found
 
 
-def _price(plan: Plan) -> list[str]:
-    """Returns where a price is not what the plan's own scenarios show.
+def _price_problems(plan: Plan) -> list[str]:
+    """Returns mismatches between a stated alpha and the plan's scenarios.
 
-    The sequence at gamma 0 is one of the plans that the nominal optimum is the best of.
+    The sequence at gamma 0 is a candidate for the nominal optimum.
     """
     if plan.policy != "price-of-robustness":
         return [] if plan.alpha is None else [f"alpha: {plan.policy} plans have none, got {plan.alpha}"]
@@ -153,11 +143,11 @@ def _price(plan: Plan) -> list[str]:
     nominal = [scenario.cost for scenario in plan.scenarios if scenario.gamma == 0]
     if nominal and plan.cost > plan.alpha * nominal[0] + OPTIMALITY:
         paid = plan.cost / nominal[0] if nominal[0] > 0 else inf
-        return [f"alpha: the scenarios show a price of {paid:.6g} at least, got {plan.alpha:g}"]
+        return [f"alpha: the scenarios need at least {paid:.6g}, got {plan.alpha:g}"]
     return []
 
 
-def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
+def _walk_problems(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list[str]:
     found = []
     if not plan.sequence or plan.sequence[0] != mission.start_trim:
         found.append(
@@ -173,14 +163,14 @@ def _walk(plan: Plan, maneuvers: tuple[Maneuver, ...], mission: Mission) -> list
     return found
 
 
-def _tail(plan: Plan, library: Library) -> list[str]:
-    """A tail comes to rest: to a trim that nothing straight is slower than, or to the slowest turn.
+def _safe_stop_problems(plan: Plan, library: Library) -> list[str]:
+    """Returns the faults of a plan's safe-stop path.
 
     Committed plans need not carry one.
     """
     if not plan.tail:
-        missing = plan.policy != "committed" and _comes_to_rest(plan.sequence[-1], library)
-        return [f"tail: missing, though trim {plan.sequence[-1]} leads to rest"] if missing else []
+        missing = plan.policy != "committed" and _fails_to_rest(plan.sequence[-1], library)
+        return [f"tail: missing, though trim {plan.sequence[-1]} has a safe stop"] if missing else []
     try:
         library.maneuvers_along((plan.sequence[-1], *plan.tail))
         end = library.trim(plan.tail[-1]).velocity
@@ -191,11 +181,11 @@ def _tail(plan: Plan, library: Library) -> list[str]:
     slowest = min(speeds[trim] for trim in straight)
     if plan.tail[-1] in straight and hypot(end.forward, end.side) <= slowest:
         return []
-    return [f"tail: ends in trim {plan.tail[-1]}, which is no rest; one at {slowest:g} m/s is"]
+    return [f"tail: ends in trim {plan.tail[-1]}, which is no rest trim: one at {slowest:g} m/s is slower"]
 
 
-def _comes_to_rest(trim: int, library: Library) -> bool:
-    """Returns whether a trim is no rest, and maneuvers lead from it to the trim that rests best."""
+def _fails_to_rest(trim: int, library: Library) -> bool:
+    """Returns True if a better rest trim is reachable from this trim."""
     speeds = {one.id: hypot(one.velocity.forward, one.velocity.side) for one in library.trims}
     turning = {one.id: one.velocity.yaw_rate != 0 for one in library.trims}
     rest = min(speeds, key=lambda one: (turning[one], speeds[one], one))
@@ -205,7 +195,7 @@ def _comes_to_rest(trim: int, library: Library) -> bool:
     return trim != rest and rest in reached
 
 
-def _scenario(
+def _scenario_problems(
     scenario: Scenario, velocities: list[Twist], maneuvers: tuple[Maneuver, ...], mission: Mission
 ) -> list[str]:
     times = scenario.coasting_times
@@ -217,8 +207,8 @@ def _scenario(
     durations = [outcome.duration for outcome in outcomes]
     found = [f"a maneuver lasts {duration} s" for duration in durations if duration < 0]
     total = sum(times) + sum(durations)
-    if not abs(total - scenario.cost) <= TIME_AGREEMENT:
-        found.append(f"cost: the parts take {total} s, stated are {scenario.cost} s")
+    if not abs(total - scenario.cost) <= slack_of(total):
+        found.append(f"cost: the parts sum to {total} s, stated is {scenario.cost} s")
     position, heading = complex(mission.start.x, mission.start.y), mission.start.heading
     for place, (velocity, time) in enumerate(zip(velocities, times, strict=True)):
         if place:
@@ -227,26 +217,27 @@ def _scenario(
             heading += moved.heading
         position += exp(1j * heading) * _chord(velocity, time)
         heading += velocity.yaw_rate * time
-    return found + _end(scenario, position, heading, mission)
+    return found + _end_problems(scenario, position, heading, mission)
 
 
-def _end(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
+def _end_problems(scenario: Scenario, position: complex, heading: float, mission: Mission) -> list[str]:
     found = []
-    apart = abs(position - complex(scenario.end.x, scenario.end.y))
-    if not (apart <= END_AGREEMENT and abs(_turn(heading - scenario.end.heading)) <= END_AGREEMENT):
-        found.append(f"end: flown again it ends {apart:.3g} m from the stated end")
+    distance = abs(position - complex(scenario.end.x, scenario.end.y))
+    turned = abs(_turn(heading - scenario.end.heading))
+    if not (distance <= END_AGREEMENT * mission.destination.slack and turned <= END_AGREEMENT * SLACK):
+        found.append(f"end: recomputed, it is {distance:.3g} m from the stated end")
     miss = abs(position - complex(*mission.goal))
-    if not miss <= max(mission.tolerance, GOAL_EQUALITY):
-        found.append(f"goal: missed by {miss:.6g} m, allowed are {mission.tolerance} m")
+    if not miss <= mission.destination.reach:
+        found.append(f"goal: missed by {miss:.6g} m, allowed {mission.tolerance} m")
     if mission.goal_heading is not None:
         off = abs(_turn(heading - mission.goal_heading))
-        if not off <= max(mission.heading_tolerance, GOAL_EQUALITY):
-            found.append(f"goal heading: off by {off:.6g} rad, allowed are {mission.heading_tolerance} rad")
+        if not off <= mission.destination.heading_reach:
+            found.append(f"goal heading: off by {off:.6g} rad, allowed {mission.heading_tolerance} rad")
     return found
 
 
 def _chord(velocity: Twist, time: float) -> complex:
-    """The straight line from begin to end of a coast: it points half the turn aside, and is shorter."""
+    """Returns the chord of a coast, at half its heading change."""
     half = 0.5 * velocity.yaw_rate * time
     shrunk = sin(half) / half if half else 1.0
     return complex(velocity.forward, velocity.side) * time * shrunk * exp(1j * half)

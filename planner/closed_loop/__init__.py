@@ -1,1 +1,1 @@
-"""The receding horizon, for anything that satisfies the Vehicle protocol."""
+"""The receding horizon, for any implementation of the Vehicle protocol."""

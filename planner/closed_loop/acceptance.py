@@ -1,4 +1,4 @@
-"""Whether the answer of a planner may be flown."""
+"""Acceptance of plans in flight."""
 
 from dataclasses import dataclass
 
@@ -6,32 +6,31 @@ from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import DecisionKind
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
 
 
 @dataclass(frozen=True, slots=True)
-class Verdict:
-    """What an answer is worth: ADOPTED, FAILED, LATE or REFUSED, and why it may not be flown."""
+class Acceptance:
+    """Acceptance of a plan: ADOPTED, FAILED, LATE or REFUSED, with its reason."""
 
     kind: DecisionKind
     reason: str = ""
 
 
-def judge(plan: Plan, library: Library, asked: Mission, *, known_hash: str, late: bool) -> Verdict:
-    """Returns whether a plan may be flown; it is checked again, whatever it says of itself.
+def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> Acceptance:
+    """Returns the acceptance of a plan after an independent check.
 
     Args:
-        plan: the answer.
+        plan: of the planner.
         library: flown with.
-        asked: the question.
-        known_hash: of the library.
-        late: whether it came when the vehicle was no longer where it begins.
+        asked: the mission that was planned.
+        late: whether the vehicle had already passed the plan's start.
     """
     if not plan.found:
-        return Verdict(DecisionKind.FAILED, plan.reason)
+        return Acceptance(DecisionKind.FAILED, plan.reason)
     if late:
-        return Verdict(DecisionKind.LATE, f"it took {plan.solve_time:.3f} s")
-    wrong = problems(plan, library, asked, known_hash=known_hash)
+        return Acceptance(DecisionKind.LATE, f"planning took {plan.solve_time:.3f} s")
+    wrong = plan_problems(plan, library, asked)
     if wrong:
-        return Verdict(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")
-    return Verdict(DecisionKind.ADOPTED)
+        return Acceptance(DecisionKind.REFUSED, f"a plan failed its check: {wrong[0]}")
+    return Acceptance(DecisionKind.ADOPTED)

@@ -1,4 +1,4 @@
-"""The maneuver automaton as something that flies: the library's own model with the library's own errors.
+"""The maneuver automaton with errors as a vehicle.
 
 This is the plant of the thesis's closed loop (chapter 7): it moves by the errors of the library at one level
 that the planner does not know, or at another level for every primitive, and it knows exactly where it is.
@@ -15,27 +15,27 @@ from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightError
 from flight.se2 import SE2
-from planner.walks.kinematics import refuse_negative_durations
+from planner.walks.kinematics import check_durations
 
 TRACK_STEP = 0.05
 """Seconds between the points of a track."""
 
 
 class TrueGammaError(FlightError):
-    """The level at which the vehicle truly moves is outside its range."""
+    """The vehicle's true gamma is outside its range."""
 
     def __init__(self, gamma: float) -> None:
         super().__init__(f"the true gamma must be between -1 and 1, got {gamma}")
 
 
 def independent_gammas(rng: np.random.Generator) -> Iterator[float]:
-    """Yields levels that know nothing of one another, evenly between -1 and 1."""
+    """Yields independent levels, uniform between -1 and 1."""
     while True:
         yield float(rng.uniform(-1.0, 1.0))
 
 
 class AutomatonVehicle:
-    """Moves as the library says at one uncertainty level, or at one after the other.
+    """Vehicle with the library's motion at one or several gamma levels.
 
     Args:
         library: the primitives.
@@ -69,17 +69,17 @@ class AutomatonVehicle:
 
     @property
     def pose(self) -> SE2:
-        """Pose in the world; belief and truth are the same."""
+        """Pose in the world; the estimate equals the truth."""
         return self._pose
 
     def coast(self, duration: float) -> Leg:
         """Holds the trim for a time in seconds."""
         velocity = self._library.trim(self._trim).at(self._held)
-        poses = [self._pose @ SE2.exp(velocity, float(time)) for time in _moments(duration)]
+        poses = [self._pose @ SE2.exp(velocity, float(time)) for time in _sample_times(duration)]
         return self._flown(duration, poses)
 
     def perform(self, maneuver: Maneuver) -> Leg:
-        """Performs a maneuver; on the way it is taken to move and turn evenly from begin to end.
+        """Performs a maneuver, at constant velocity and yaw rate.
 
         Raises:
             FlightError: the maneuver leaves another trim than the one held now.
@@ -89,7 +89,9 @@ class AutomatonVehicle:
             raise FlightError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; {held}")
         outcome = maneuver.at(self._next_gamma())
         moved = outcome.displacement
-        shares = _moments(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])
+        shares = (
+            _sample_times(outcome.duration) / outcome.duration if outcome.duration else np.array([0.0, 1.0])
+        )
         poses = [self._pose @ SE2(s * moved.x, s * moved.y, s * moved.heading) for s in shares.tolist()]
         self._trim = maneuver.to_trim
         self._held = self._next_gamma()
@@ -99,7 +101,7 @@ class AutomatonVehicle:
         gamma = next(self._gammas)
         if not -1 <= gamma <= 1:
             raise TrueGammaError(gamma)
-        refuse_negative_durations(self._library, gamma)
+        check_durations(self._library, gamma)
         return gamma
 
     def _flown(self, duration: float, poses: list[SE2]) -> Leg:
@@ -110,5 +112,5 @@ class AutomatonVehicle:
         return Leg(duration=duration, settled=True, track=track)
 
 
-def _moments(duration: float) -> Float[np.ndarray, "n"]:
+def _sample_times(duration: float) -> Float[np.ndarray, "n"]:
     return np.linspace(0.0, duration, max(int(np.ceil(duration / TRACK_STEP)), 1) + 1)

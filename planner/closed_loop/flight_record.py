@@ -1,73 +1,84 @@
-"""What a closed-loop flight came to, and what is noted on the way."""
+"""Record of a closed-loop flight."""
 
 from dataclasses import dataclass, field, replace
 from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.goal import Arrival, first_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
+from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 REFUSALS = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED)
-"""What leaves a vehicle with the plan that it had."""
+"""Decisions after which the previous plan is flown on."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
-    """What a closed-loop flight came to.
+class FlightRecord:
+    """Result of a closed-loop flight.
 
     Attributes:
-        reached: whether the true track entered the final tolerance, in the trim wanted there, on a plan, and
-            the vehicle ended its flight for that.
-        claimed: whether the vehicle ended its flight because it took itself to be at the goal.
+        arrival: judgement of the true track.
         flown_time: seconds to there; the whole flight's where it was not reached.
-        predicted_time: seconds that the policy promises from the start to the part of the tolerance that
-            plans aim at, thinking included; infinite without a plan.
-        closest: metres between the goal and the nearest point of the true track.
-        activations: how often it was planned.
-        failures: how often that gave no plan that could be flown: none, too late, or failing its check.
-        fallbacks: how often the way to rest was begun.
-        plans: every answer of the planner, in order.
-        times: seconds since the start at which each was asked for.
-        latencies: seconds that each took, as charged.
-        missions: what each of them was asked: from where, how exactly.
+        predicted_time: seconds that the policy predicts from the start to the part of the tolerance that
+            plans aim at, planning included; infinite without a plan.
+        replans: number of replans.
+        failures: replans without an acceptable plan: none found, late, or refused by the check.
+        safe_stops: number of safe stops begun.
+        plans: every plan of the planner, in order.
+        times: seconds since the start at which each planning began.
+        latencies: seconds charged for each.
+        missions: mission of each planning: start and tolerance.
         decisions: what was decided, in the order of time.
-        legs: what was flown, in order.
-        steps: what each leg was meant to be.
-        reason: how it ended, one sentence.
+        legs: flown legs, in order.
+        steps: the intended primitive of each leg.
+        reason: reason for the end, one sentence.
     """
 
-    reached: bool
-    claimed: bool
+    arrival: ArrivalVerdict
     flown_time: float
     predicted_time: float
-    closest: float
-    activations: int
+    replans: int
     failures: int
-    fallbacks: int
+    safe_stops: int
     plans: tuple[Plan, ...]
     times: tuple[float, ...]
     latencies: tuple[float, ...]
     missions: tuple[Mission, ...]
     decisions: tuple[Decision, ...]
     legs: tuple[Leg, ...]
-    steps: tuple[Step, ...]
+    steps: tuple[PlanStep, ...]
     reason: str
+
+    @property
+    def reached(self) -> bool:
+        """True where the goal was reached."""
+        return self.arrival.reached
+
+    @property
+    def claimed(self) -> bool:
+        """True where the vehicle declared its arrival."""
+        return self.arrival.declared
+
+    @property
+    def closest(self) -> float:
+        """Least true distance to the goal in metres; infinite without flight."""
+        return inf if self.arrival.closest is None else self.arrival.closest
 
 
 @dataclass(slots=True)
-class FlightRecord:
-    """What has happened so far.
+class FlightRecorder:
+    """Records a closed-loop flight while it runs.
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the believed position that must be inside the goal's tolerance.
-        predicted_time: promised at the start.
-        claimed: whether the vehicle took itself to be at the goal, on a plan and in the trim wanted there.
+        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        predicted_time: seconds predicted at the start.
+        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
@@ -79,87 +90,85 @@ class FlightRecord:
     missions: list[Mission] = field(default_factory=list)
     decisions: list[Decision] = field(default_factory=list)
     legs: list[Leg] = field(default_factory=list)
-    steps: list[Step] = field(default_factory=list)
-    counted: list[bool] = field(default_factory=list)
+    steps: list[PlanStep] = field(default_factory=list)
+    on_plan: list[bool] = field(default_factory=list)
     claimed: bool = False
 
     def add_planning(self, time: float, asked: Mission, plan: Plan, latency: float) -> None:
-        """Notes a question and its answer."""
+        """Records a planning request and its plan."""
         self.times.append(time)
         self.missions.append(asked)
         self.plans.append(plan)
         self.latencies.append(latency)
 
-    def add_leg(self, step: Step, leg: Leg, *, on_a_plan: bool) -> None:
-        """Notes what was flown; arrival counts only on a plan, and in the trim that is wanted at the goal."""
+    def add_leg(self, step: PlanStep, leg: Leg, *, on_a_plan: bool) -> None:
+        """Records a leg; arrival counts on a plan in the wanted trim."""
         held = step.trim if step.to_trim is None else None
         self.steps.append(step)
         self.legs.append(leg)
+        self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        self.counted.append(counts)
-        if counts and not self.claimed and not leg.alarm and self._takes_itself_to_arrive(leg):
+        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _takes_itself_to_arrive(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.spread
-        believed = leg.track if leg.believed is None else leg.believed
+    def _believes_arrival(self, leg: Leg) -> bool:
+        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
+        estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([believed], goal).time is not None
+        return sure > 0 and first_arrival([estimated], goal).time is not None
 
     @property
     def _level(self) -> float:
         return self.decisions[-1].level if self.decisions else 0.0
 
     def decide(self, time: float, kind: DecisionKind, *, cost: float, level: float) -> None:
-        """Notes a decision about the planning noted last."""
+        """Records a decision about the latest plan."""
         tolerance = self.missions[-1].tolerance if self.missions else self.goal.tolerance
         latency = self.latencies[-1] if self.latencies else 0.0
         self.decisions.append(Decision(time, kind, len(self.plans), cost, latency, tolerance, level))
 
     @property
     def refused(self) -> bool:
-        """Whether the planning noted last gave nothing that could be flown."""
+        """Returns True if the latest planning gave no acceptable plan."""
         last = [one.kind for one in self.decisions if one.kind is not DecisionKind.FALLBACK]
         return bool(last) and last[-1] in REFUSALS
 
-    def add_lost(self, step: Step, error: FlightLostError) -> None:
-        """Notes the leg in which the vehicle was lost, as far as it was flown; nothing is reached in it."""
+    def add_lost_leg(self, step: PlanStep, error: FlightLostError) -> None:
+        """Records the leg of the loss; it cannot reach the goal."""
         if error.track is not None:
             duration = float(error.track[-1, 0] - error.track[0, 0])
             self.steps.append(step)
             self.legs.append(Leg(duration, settled=False, track=error.track))
-            self.counted.append(False)
+            self.on_plan.append(False)
 
-    def _arrival(self) -> Arrival:
-        """Returns when the goal was truly reached, on a plan and in the trim wanted there."""
-        tracks = [leg.track for leg, counts in zip(self.legs, self.counted, strict=True) if counts]
-        return first_arrival(tracks, self.goal.destination)
+    def _arrival(self) -> ArrivalVerdict:
+        """Returns the arrival verdict of the true track."""
+        segments = [
+            TrackSegment(leg.track, step.trim if step.to_trim is None else None, on_plan)
+            for leg, step, on_plan in zip(self.legs, self.steps, self.on_plan, strict=True)
+        ]
+        goal = self.goal
+        return judge_arrival(segments, goal.destination, trim=goal.goal_trim, declared=self.claimed)
 
-    def _closest(self) -> float:
-        return first_arrival([leg.track for leg in self.legs], self.goal.destination).closest
-
-    def close(self, time: float, reason: str) -> Flown:
-        """Returns what the flight came to.
+    def close(self, time: float, reason: str) -> FlightRecord:
+        """Returns the flight record.
 
         Args:
             time: seconds since the start at which it ended.
             reason: how, one sentence.
         """
         arrival = self._arrival()
-        reached = self.claimed and arrival.time is not None
-        if self.claimed and not reached:
-            reason = f"took itself to be at the goal, which it came no nearer to than {arrival.closest:.2f} m"
+        if arrival.declared and not arrival.reached:
+            reason = arrival.reason
         kinds = [one.kind for one in self.decisions]
-        return Flown(
-            reached=reached,
-            claimed=self.claimed,
-            flown_time=arrival.time if reached and arrival.time is not None else time,
+        return FlightRecord(
+            arrival=arrival,
+            flown_time=time if arrival.time is None else arrival.time,
             predicted_time=self.predicted_time,
-            closest=arrival.closest if reached else self._closest(),
-            activations=len(self.plans),
+            replans=len(self.plans),
             failures=sum(kind in REFUSALS for kind in kinds),
-            fallbacks=kinds.count(DecisionKind.FALLBACK),
+            safe_stops=kinds.count(DecisionKind.FALLBACK),
             plans=tuple(self.plans),
             times=tuple(self.times),
             latencies=tuple(self.latencies),

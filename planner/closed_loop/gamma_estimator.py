@@ -1,4 +1,4 @@
-"""Which uncertainty level the vehicle has shown: one model for each level, and the best of them."""
+"""Online estimate of gamma: the level with the least prediction error."""
 
 from collections import deque
 from collections.abc import Sequence
@@ -6,21 +6,20 @@ from collections.abc import Sequence
 from flight.automaton.library import Library
 from flight.se2 import SE2
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 MEMORY = 0.8
-"""How much of what was seen still counts after another primitive; chosen."""
+"""Weight of the past after each further primitive; chosen."""
 
 REMEMBERED = 40
-"""Primitives that score a level asked for later; what is older counts for less than a thousandth."""
+"""Primitives kept to score new levels; older ones weigh less than a thousandth."""
 
 
-class Levels:
-    """Scores every level by how well it foretold where primitives end.
+class GammaEstimator:
+    """Scores every level by its error in predicting the ends of primitives.
 
-    The worst case promises a time to whoever learns the level before flying. In flight it shows itself: each
-    primitive ends where it would at one of the levels, or nearest to that. What counts is by how many metres
-    a level misplaces the goal.
+    The worst-case plan's time holds if the level is known. In flight it is estimated: each primitive ends
+    near the end predicted at one of the levels. A level's error is the shift of the goal in metres.
 
     Args:
         library: the primitives.
@@ -29,17 +28,17 @@ class Levels:
 
     def __init__(self, library: Library, goal: tuple[float, float]) -> None:
         self._library, self._goal = library, goal
-        self._seen: deque[tuple[Step, SE2, SE2]] = deque(maxlen=REMEMBERED)
+        self._seen: deque[tuple[PlanStep, SE2, SE2]] = deque(maxlen=REMEMBERED)
         self._scores: dict[float, float] = {}
 
-    def see(self, step: Step, begin: SE2, end: SE2) -> None:
-        """Takes a primitive that was flown, from where and to where as far as the vehicle believes."""
+    def update(self, step: PlanStep, begin: SE2, end: SE2) -> None:
+        """Updates the scores with one primitive and its estimated poses."""
         self._seen.append((step, begin, end))
         for level, score in self._scores.items():
             self._scores[level] = self._after(score, level, step, begin, end)
 
-    def shown(self, levels: Sequence[float], *, otherwise: float) -> float:
-        """Returns the level that foretold best, of some; another one where nothing was flown yet."""
+    def estimate(self, levels: Sequence[float], *, otherwise: float) -> float:
+        """Returns the best-scoring level, or the default before any flight."""
         for level in levels:
             if level not in self._scores:
                 score = 0.0
@@ -48,9 +47,9 @@ class Levels:
                 self._scores[level] = score
         return min(levels, key=self._scores.__getitem__) if self._seen and levels else otherwise
 
-    def _after(self, score: float, level: float, step: Step, begin: SE2, end: SE2) -> float:
-        foretold = step.exit(begin, self._library, level)
-        miss = _seen_from(foretold, self._goal).distance_to(_place(_seen_from(end, self._goal)))
+    def _after(self, score: float, level: float, step: PlanStep, begin: SE2, end: SE2) -> float:
+        predicted = step.exit(begin, self._library, level)
+        miss = _seen_from(predicted, self._goal).distance_to(_place(_seen_from(end, self._goal)))
         return MEMORY * score + miss**2
 
 

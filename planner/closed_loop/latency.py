@@ -1,4 +1,4 @@
-"""How long thinking takes, as far as the vehicle is concerned."""
+"""Planning latency in flight."""
 
 from dataclasses import dataclass
 
@@ -15,15 +15,15 @@ class LatencyRecordError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class Latency:
-    """Seconds for which the vehicle flies on while a plan is made.
+    """Seconds that the vehicle flies on while a plan is made.
 
-    A plan is asked for from the state predicted after that time. Measured time is no part of a flight that
-    repeats, unless it is told: then it comes from the record of the flight that is repeated.
+    The plan starts at the state predicted after that time. A repeated flight with measured latency takes the
+    latencies from the record of the first flight.
 
     Attributes:
         configured: seconds charged for every planning.
-        measured: whether the clock is asked; a plan that took longer than configured is late.
-        recorded: seconds that each planning took, in order, instead of the clock's; None asks the clock.
+        measured: whether the clock decides; a plan that took longer than configured is late.
+        recorded: seconds of each planning, in order, instead of the clock's; None measures them.
     """
 
     configured: float = 0.05
@@ -31,16 +31,16 @@ class Latency:
     recorded: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        """Refuses a time that is none."""
+        """Raises ValueError for a latency outside its range."""
         if not 0 <= self.configured <= 10:
             raise ValueError(f"latency must be between 0 and 10 s, got {self.configured} s")
 
     def of(self, number: int, plan: Plan) -> float:
-        """Returns the seconds that a planning took, by the record, the clock or the configuration.
+        """Returns the planning latency from the record, the clock or the settings.
 
         Args:
             number: of the planning, from 0.
-            plan: its answer.
+            plan: its result.
 
         Raises:
             LatencyRecordError: the record does not reach that far.

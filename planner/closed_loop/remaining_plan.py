@@ -1,4 +1,4 @@
-"""What is left of a plan that is being flown, and where it leads."""
+"""The unflown part of a plan and its predicted end."""
 
 from dataclasses import dataclass, replace
 
@@ -12,8 +12,8 @@ SHORTEST_COAST = 1e-3
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
-    """One primitive to be flown: a trim held for seconds, or a maneuver to another trim.
+class PlanStep:
+    """One primitive to fly: a coast or a maneuver.
 
     Attributes:
         trim: id of the trim held at its begin.
@@ -26,7 +26,7 @@ class Step:
     to_trim: int | None = None
 
     def exit(self, pose: SE2, library: Library, level: float) -> SE2:
-        """Returns where the step ends, begun at a pose, at an uncertainty level."""
+        """Returns the pose after the step at an uncertainty level."""
         if self.to_trim is None:
             return pose @ SE2.exp(library.trim(self.trim).at(level), self.duration)
         return pose @ library.maneuver(self.trim, self.to_trim).at(level).displacement
@@ -39,55 +39,57 @@ class Step:
 
 
 @dataclass(frozen=True, slots=True)
-class Remainder:
-    """What is left of a plan.
+class RemainingPlan:
+    """The unflown part of a plan.
 
     Attributes:
         trim: id of the trim held now.
         coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
         trims: ids of the trims to come.
         tail: ids of the trims that lead to rest from where the plan ends.
-        fallback: whether nothing but the way to rest is being flown.
+        is_safe_stop: whether only the safe-stop path remains.
     """
 
     trim: int
     coasts: tuple[float, ...] = ()
     trims: Walk = ()
     tail: Walk = ()
-    fallback: bool = False
+    is_safe_stop: bool = False
 
     @classmethod
-    def of(cls, plan: Plan, scenario: Scenario) -> "Remainder":
-        """Returns all of a plan, with the coasting times of one of its scenarios."""
+    def of(cls, plan: Plan, scenario: Scenario) -> "RemainingPlan":
+        """Returns the whole plan with the coasting times of one scenario."""
         return cls(plan.sequence[0], scenario.coasting_times, plan.sequence[1:], plan.tail)
 
     @property
-    def used_up(self) -> bool:
-        """Whether the plan is flown: it promised no more than to be near, so its last trim is held."""
+    def finished(self) -> bool:
+        """Returns True if no maneuver and no coasting time are left."""
         return not self.trims and sum(self.coasts) <= SHORTEST_COAST
 
     @property
     def maneuver_due(self) -> bool:
-        """Whether a maneuver is the next thing to do."""
+        """Returns True if the next step is a maneuver."""
         return bool(self.trims) and (not self.coasts or self.coasts[0] <= SHORTEST_COAST)
 
-    def retreat(self) -> "Remainder":
-        """Returns the way to rest from where the plan ends."""
-        return replace(self, coasts=(0.0,) * (len(self.tail) + 1), trims=self.tail, tail=(), fallback=True)
+    def safe_stop(self) -> "RemainingPlan":
+        """Returns the safe-stop path from the end of the plan."""
+        return replace(
+            self, coasts=(0.0,) * (len(self.tail) + 1), trims=self.tail, tail=(), is_safe_stop=True
+        )
 
-    def step(self, within: float) -> tuple[Step, "Remainder"]:
-        """Returns what to do next, for so many seconds at most or a maneuver, and what is left then."""
+    def step(self, within: float) -> tuple[PlanStep, "RemainingPlan"]:
+        """Returns the next step, at most so long, and the remainder."""
         if self.maneuver_due:
-            step = Step(self.trim, 0.0, self.trims[0])
+            step = PlanStep(self.trim, 0.0, self.trims[0])
             return step, replace(self, trim=self.trims[0], coasts=self.coasts[1:], trims=self.trims[1:])
         due = self.coasts[0] if self.coasts else 0.0
         time = within if not self.trims else min(within, due)
         coasts = (max(due - time, 0.0), *self.coasts[1:])
-        return Step(self.trim, time), replace(self, coasts=coasts)
+        return PlanStep(self.trim, time), replace(self, coasts=coasts)
 
-    def window(self, duration: float) -> tuple[tuple[Step, ...], "Remainder"]:
-        """Returns what is flown in the seconds to come, and what is left then; a maneuver ends it."""
-        steps: list[Step] = []
+    def window(self, duration: float) -> tuple[tuple[PlanStep, ...], "RemainingPlan"]:
+        """Returns the steps of the coming seconds, up to a maneuver's end."""
+        steps: list[PlanStep] = []
         left, time = self, duration
         while time > SHORTEST_COAST:
             step, left = left.step(time)
@@ -97,10 +99,10 @@ class Remainder:
             time -= step.duration
         return tuple(steps), left
 
-    def outcome(self, pose: SE2, library: Library, level: float) -> tuple[SE2, float]:
-        """Returns where the plan ends, flown from a pose at a level, and after how many seconds."""
+    def predicted_end(self, pose: SE2, library: Library, level: float) -> tuple[SE2, float]:
+        """Returns predicted end pose and time from a pose at a level."""
         left, elapsed = self, 0.0
-        while not left.used_up:
+        while not left.finished:
             step, left = left.step(left.coasts[0] if left.coasts else 0.0)
             pose, elapsed = step.exit(pose, library, level), elapsed + step.time(library, level)
         return pose, elapsed

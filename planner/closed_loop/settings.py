@@ -1,4 +1,4 @@
-"""How the loop is closed."""
+"""Settings of the closed loop."""
 
 from dataclasses import dataclass, field
 from math import inf
@@ -6,31 +6,31 @@ from math import inf
 from .latency import Latency
 
 LONGEST_INTERVAL = 3600.0
-"""Seconds between two plannings; long enough for a plan to be flown as it is."""
+"""Seconds between two replans; long enough to fly a whole plan without replanning."""
 
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """How the loop is closed.
+    """Settings of the closed loop.
 
     Attributes:
-        activation_interval: seconds between two plannings; a maneuver under way is finished first.
-        max_activations: plannings after which the flight is given up, and the vehicle brought to rest.
+        activation_interval: seconds between two replans; a maneuver under way is finished first.
+        max_activations: replans after which the vehicle stops safely.
         final_tolerance: metres within which the goal counts as reached; None for the mission's.
         tolerance_share: of the distance to go; the planner is handed that as its tolerance where it is larger
             than the final one (thesis, 6.3.1).
         aim: part of the final tolerance that the planner is handed: a plan of least time ends at the edge of
             what it is given, where every error misses.
         latency: for how long the vehicle flies on while a plan is made.
-        replan_in_maneuver: whether it is planned again during every maneuver, from where it is foretold to
-            end, so that the plan is ready there (thesis, 6.3.3).
+        replan_in_maneuver: whether to replan during every maneuver from its predicted end, so that
+            the plan is ready there (thesis, 6.3.3).
         hysteresis: seconds by which a new plan must be faster than the one under way, where that still leads
             to the goal, to be taken instead.
         learn_level: whether the coasting times flown are those of the uncertainty level that the vehicle has
             shown so far, not those of the deciding one.
-        certainty: standard deviations of its believed position by which the vehicle must be inside the
-            tolerance before it takes itself to be at the goal.
-        wait: seconds for which rest is held where a flight was given up.
+        certainty: standard deviations of the estimated position by which the vehicle must be inside the
+            tolerance before it declares arrival.
+        wait: seconds in the rest trim after a safe stop.
     """
 
     activation_interval: float = 0.5
@@ -46,7 +46,7 @@ class Settings:
     wait: float = 0.0
 
     def __post_init__(self) -> None:
-        """Refuses a loop that cannot run."""
+        """Raises ValueError for a setting outside its range."""
         if not 0 < self.activation_interval <= LONGEST_INTERVAL:
             raise ValueError(
                 f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "

@@ -1,8 +1,8 @@
-"""The tube of a flight: where it may be between two plannings if no primitive leaves its errors.
+"""Flight tube: reachable positions between replans within the library's errors.
 
 Every primitive flown errs on its own, and so does each of its numbers: the tube is an enclosure with
 independent signs. A pose is a middle, a slope for each error variable, from -1 to 1, and a radius for what is
-not linear: with the heading off by f and a stretch a longer by b, exp(i f) (a + b) differs from
+not linear: with a heading error f and a displacement a longer by b, exp(i f) (a + b) differs from
 a + b + i f a by at most f^2 |a| / 2 + |f| |b|. Each planning begins a tube anew, from where the vehicle truly
 is.
 """
@@ -19,7 +19,7 @@ from flight.automaton.trim import Trim
 from flight.automaton.vehicle import Leg
 from flight.se2 import SE2, wrap_angle
 
-from .remaining_plan import Step
+from .remaining_plan import PlanStep
 
 ROUNDING = 1e-9
 """Metres, radians and seconds by which the tube is widened."""
@@ -31,8 +31,8 @@ _DIRECTIONS = np.exp(1j * np.linspace(0.0, np.pi, 64, endpoint=False))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Enclosure:
-    """Where a vehicle may be.
+class ReachableSet:
+    """Reachable set of a vehicle: a polygon of positions, headings, time.
 
     Attributes:
         middle: north + i east in metres.
@@ -53,8 +53,8 @@ class Enclosure:
     due: float = 0.0
 
     @classmethod
-    def at(cls, pose: SE2) -> "Enclosure":
-        """Returns a pose that is known."""
+    def at(cls, pose: SE2) -> "ReachableSet":
+        """Returns the set of one known pose."""
         return cls(complex(pose.x, pose.y), pose.heading, np.zeros(0, dtype=complex), np.zeros(0))
 
     def after(
@@ -67,8 +67,8 @@ class Enclosure:
         bent: float = 0.0,
         due: float = 0.0,
         late: float = 0.0,
-    ) -> "Enclosure":
-        """Returns where a primitive may lead from here.
+    ) -> "ReachableSet":
+        """Returns the reachable set after a primitive.
 
         Args:
             displacement: forward + i right, metres.
@@ -82,7 +82,7 @@ class Enclosure:
         facing = np.exp(1j * self.heading)
         off = float(np.abs(self.turns).sum())
         longer = float(np.abs(moves).sum()) + bent
-        return Enclosure(
+        return ReachableSet(
             middle=self.middle + facing * displacement,
             heading=self.heading + turn,
             moves=np.concatenate(
@@ -95,7 +95,7 @@ class Enclosure:
         )
 
     def holds(self, pose: SE2, *, elapsed: float) -> bool:
-        """Returns whether a pose is inside, after so many seconds in maneuvers."""
+        """Returns True if a pose is inside after so many maneuver seconds."""
         off = complex(pose.x, pose.y) - self.middle
         turned = abs(wrap_angle(pose.heading - self.heading))
         if turned > np.abs(self.turns).sum() + ROUNDING or abs(elapsed - self.due) > self.late + CLOCK:
@@ -109,14 +109,14 @@ class Enclosure:
         return bool((seen <= reach + ROUNDING).all())
 
 
-def coasted(where: Enclosure, trim: Trim, duration: float, *, share: float) -> Enclosure:
-    """Returns where a coast may lead, whose velocity errs differently at every moment.
+def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: float) -> ReachableSet:
+    """Returns the reachable set after a coast with time-varying velocity errors.
 
     Args:
         where: it begins.
         trim: that is held.
         duration: seconds.
-        share: of the errors that the tube is made of.
+        share: factor on the library's errors.
     """
     nominal, error = SE2.exp(trim.velocity, duration), trim.error
     turn = trim.velocity.yaw_rate * duration
@@ -137,8 +137,8 @@ def coasted(where: Enclosure, trim: Trim, duration: float, *, share: float) -> E
     )
 
 
-def maneuvered(where: Enclosure, maneuver: Maneuver, *, share: float) -> Enclosure:
-    """Returns where a maneuver may lead; arguments as in `coasted`."""
+def propagate_maneuver(where: ReachableSet, maneuver: Maneuver, *, share: float) -> ReachableSet:
+    """Returns the reachable set after a maneuver; arguments as in `propagate_coast`."""
     moved, error = maneuver.displacement, maneuver.error
     return where.after(
         complex(moved.x, moved.y),
@@ -150,43 +150,48 @@ def maneuvered(where: Enclosure, maneuver: Maneuver, *, share: float) -> Enclosu
     )
 
 
-def leaves_tube(
-    library: Library, steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float], *, share: float
+def tube_exit_time(
+    library: Library,
+    steps: Sequence[PlanStep],
+    legs: Sequence[Leg],
+    plannings: Sequence[float],
+    *,
+    share: float,
 ) -> float | None:
-    """Returns when a flight first left its tube, in seconds since its start; None where it never did.
+    """Returns the time of first leaving the tube, or None.
 
-    A flight is looked at until an alarm broke off a maneuver.
+    The flight is checked until an alarm interrupts a maneuver.
 
     Args:
         library: flown with.
-        steps: what each leg was meant to be.
-        legs: what was flown; their true tracks are looked at.
-        plannings: seconds since the start at which a tube begins anew.
-        share: of the library's errors that the tube is made of.
+        steps: the intended primitive of each leg.
+        legs: flown legs; their true tracks are checked.
+        plannings: seconds since the start of each replan, where a tube begins.
+        share: factor on the library's errors.
     """
     for window in _windows(steps, legs, plannings):
-        where, elapsed = Enclosure.at(_pose(window[0][1], 0)), 0.0
+        where, elapsed = ReachableSet.at(_pose(window[0][1], 0)), 0.0
         for step, leg in window:
             if step.to_trim is None:
                 flown = float(leg.track[-1, 0] - leg.track[0, 0])
-                where = coasted(where, library.trim(step.trim), flown, share=share)
+                where = propagate_coast(where, library.trim(step.trim), flown, share=share)
             elif leg.alarm:
-                # Broken off: no primitive of the library was flown, and what follows is no plan's.
+                # The interrupted maneuver is no primitive of the library; the safe stop follows.
                 return None
             else:
                 elapsed += leg.duration
-                where = maneuvered(where, library.maneuver(step.trim, step.to_trim), share=share)
+                where = propagate_maneuver(where, library.maneuver(step.trim, step.to_trim), share=share)
             if not where.holds(_pose(leg, -1), elapsed=elapsed):
                 return float(leg.track[-1, 0])
     return None
 
 
 def _windows(
-    steps: Sequence[Step], legs: Sequence[Leg], plannings: Sequence[float]
-) -> Iterator[list[tuple[Step, Leg]]]:
-    """Yields what was flown from one planning to the next."""
+    steps: Sequence[PlanStep], legs: Sequence[Leg], plannings: Sequence[float]
+) -> Iterator[list[tuple[PlanStep, Leg]]]:
+    """Yields the legs from one replan to the next."""
     marks = sorted(plannings)
-    found: dict[int, list[tuple[Step, Leg]]] = {}
+    found: dict[int, list[tuple[PlanStep, Leg]]] = {}
     for step, leg in zip(steps, legs, strict=True):
         number = int(np.searchsorted(marks, float(leg.track[0, 0]) + ROUNDING, side="right"))
         found.setdefault(number, []).append((step, leg))

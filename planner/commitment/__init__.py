@@ -1,1 +1,1 @@
-"""One set of coasting times for a whole range of uncertainty: what the committed policy searches with."""
+"""Search for one set of coasting times over a gamma interval."""

@@ -1,4 +1,4 @@
-"""Boxes of coasting times, and what is certain about all times in a box at once.
+"""Boxes of coasting times, with bounds valid for a whole box.
 
 At the middle of a box the ends at all levels are known with their velocities, and beyond that they stray by
 no more than a bound of the second derivatives allows. Any weighted sum of the directions in which levels miss
@@ -9,39 +9,37 @@ seconds, and bounds the largest miss from below.
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Bool, Complex, Float, Int
+from jaxtyping import Complex, Float, Int
 
-from .fan import Fan
-from .inequalities import Inequalities, cut, least, least_sum
-from .task import Task
+from planner.walks.boxes import Boxes
+
+from .committed_task import CommittedTask
+from .inequalities import LinearInequalities, least_sum, least_values, tighten_offsets
+from .walk_batch import WalkBatch
 
 SLACK = 1e-9
-"""Metres, seconds and radians that no bound is trusted beyond, for rounding."""
+"""Metres, seconds and radians of slack for rounding in every bound."""
 
 
 AFTER_PULLS = 3
 """Where the known directions stand among all, from the last."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Boxes:
-    """Boxes of coasting times.
+@dataclass(frozen=True, eq=False)
+class TimeBoxes(Boxes):
+    """Boxes of coasting times in seconds.
 
     Attributes:
         rows: which walk each belongs to.
         turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
-        low: smallest times in seconds.
-        high: largest times in seconds.
         seconds: that all times in the box take together, at least.
-        miss: metres that the largest miss of each set of times in the box exceeds, at least.
-        near: metres that the times in the middle miss by at most, at the levels looked at.
-        widest: the place whose time the box is best split along.
+        miss: lower bound in metres of the largest miss over the box.
+        near: largest miss in metres of the middle times at the computed levels.
+        widest: the place of the best split.
     """
 
     rows: Int[np.ndarray, "n"]
     turns: Int[np.ndarray, "n"]
-    low: Float[np.ndarray, "n trims"]
-    high: Float[np.ndarray, "n trims"]
     seconds: Float[np.ndarray, "n"]
     miss: Float[np.ndarray, "n"]
     near: Float[np.ndarray, "n"]
@@ -54,116 +52,71 @@ class Boxes:
         turns: Int[np.ndarray, "n"],
         low: Float[np.ndarray, "n trims"],
         high: Float[np.ndarray, "n trims"],
-    ) -> "Boxes":
-        """Returns boxes about which nothing is known yet."""
+    ) -> "TimeBoxes":
+        """Returns boxes without known bounds."""
         nothing = np.zeros(len(rows))
-        return cls(rows, turns, low, high, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
-
-    def take(self, which: Int[np.ndarray, "taken"] | Bool[np.ndarray, "n"]) -> "Boxes":
-        """Returns some of them."""
-        return Boxes(
-            self.rows[which],
-            self.turns[which],
-            self.low[which],
-            self.high[which],
-            self.seconds[which],
-            self.miss[which],
-            self.near[which],
-            self.widest[which],
-        )
-
-    def halves(self) -> "Boxes":
-        """Returns both halves of each, with what is known of the whole."""
-        at = np.arange(len(self.rows))
-        middle = 0.5 * (self.low[at, self.widest] + self.high[at, self.widest])
-        below, above = self.high.copy(), self.low.copy()
-        below[at, self.widest] = middle
-        above[at, self.widest] = middle
-        return joined(
-            [
-                Boxes(
-                    self.rows, self.turns, self.low, below, self.seconds, self.miss, self.near, self.widest
-                ),
-                Boxes(
-                    self.rows, self.turns, above, self.high, self.seconds, self.miss, self.near, self.widest
-                ),
-            ]
-        )
-
-
-def joined(parts: list[Boxes]) -> Boxes:
-    """Returns all boxes in one."""
-    return Boxes(
-        np.concatenate([part.rows for part in parts]),
-        np.concatenate([part.turns for part in parts]),
-        np.concatenate([part.low for part in parts]),
-        np.concatenate([part.high for part in parts]),
-        np.concatenate([part.seconds for part in parts]),
-        np.concatenate([part.miss for part in parts]),
-        np.concatenate([part.near for part in parts]),
-        np.concatenate([part.widest for part in parts]),
-    )
+        return cls(low, high, rows, turns, low.sum(axis=1), nothing, nothing, np.zeros(len(rows), dtype=int))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
-    """What cuts well near the best known times of each box's walk; 0 for nothing.
+class CutDirections:
+    """Directions of effective cuts for each walk; 0 for none.
 
     Attributes:
-        pulls: weighted directions, metres per metre.
-        twists: signed weights of the heading at the smallest and the largest level, metres per radian.
+        position_weights: weighted directions, metres per metre.
+        heading_weights: signed weights of the heading at the smallest and the largest gamma, m/rad.
     """
 
-    pulls: Complex[np.ndarray, "n levels"]
-    twists: Float[np.ndarray, "n 2"]
+    position_weights: Complex[np.ndarray, "n levels"]
+    heading_weights: Float[np.ndarray, "n 2"]
 
 
-def examine(
-    fan: Fan,
-    boxes: Boxes,
-    task: Task,
-    known: Known,
+def contract_boxes(
+    walk_batch: WalkBatch,
+    boxes: TimeBoxes,
+    task: CommittedTask,
+    known: CutDirections,
     *,
     radius: float,
     budget: Float[np.ndarray, "n"],
-) -> Boxes:
-    """Returns what may remain of boxes: smaller, better known, and without those that hold no allowed times.
+) -> TimeBoxes:
+    """Returns contracted boxes, without those that hold no feasible times.
 
     Args:
-        fan: the walk of each box, at levels from the smallest to the largest or between them.
+        walk_batch: the walk of each box, at levels from the smallest to the largest or between them.
         boxes: of times.
-        task: what is asked.
-        known: what cuts well; anything is right.
+        task: the mission over the levels.
+        known: cut directions; any are valid.
         radius: metres within which every level must end.
         budget: seconds that the coasting times of each box may take together.
     """
-    middle, width = 0.5 * (boxes.low + boxes.high), 0.5 * (boxes.high - boxes.low)
-    end, heading, along = fan.ends(middle)
+    middle, width = boxes.middle, boxes.width
+    end, heading, along = walk_batch.ends(middle)
     off = end - task.goal
-    fastest = fan.fastest(along, width, boxes.high)
-    bent = _bent(np.abs(fan.rate), fastest, width)
+    fastest = walk_batch.fastest(along, width, boxes.high)
+    bent = _curvature_shares(np.abs(walk_batch.rate), fastest, width)
     stray = bent.sum(axis=2) / 2
     moved = (fastest * width[:, None, :]).sum(axis=2)
-    directions = _directions(off, known.pulls)
-    position, here = _position(off, along, stray, directions, radius)
-    turning = _turning(fan, heading, boxes.turns, task)
-    both = _with_heading(position, turning, known.twists)
+    directions = _directions(off, known.position_weights)
+    position, here = _position_inequalities(off, along, stray, directions, radius)
+    turning = _heading_inequalities(walk_batch, heading, boxes.turns, task)
+    both = _combine_with_heading(position, turning, known.heading_weights)
     spare = budget - middle.sum(axis=1)
-    every = Inequalities(
+    every = LinearInequalities(
         np.concatenate([position.slope, both.slope, np.ones((len(spare), 1, width.shape[1]))], axis=1),
         np.concatenate([position.room, both.room, spare[:, None]], axis=1),
     )
-    below, above, open_ = cut(every, width)
+    below, above, open_ = tighten_offsets(every, width)
     middle_miss = (np.abs(off) - moved).max(axis=1)
     miss = np.maximum(middle_miss, _least_miss(position, here, directions, below, above))
     seconds = middle.sum(axis=1) + least_sum(every, below, above)
     kept = open_ & (miss <= radius + SLACK) & (seconds <= budget + SLACK)
     influence = bent.max(axis=1) + 0.1 * fastest.max(axis=1) * width
-    return Boxes(
-        boxes.rows,
-        boxes.turns,
+    return TimeBoxes(
         np.maximum(middle + below, 0.0),
         middle + above,
+        boxes.rows,
+        boxes.turns,
         np.maximum(boxes.seconds, seconds),
         np.maximum(boxes.miss, miss),
         np.abs(off).max(axis=1),
@@ -171,12 +124,12 @@ def examine(
     ).take(kept)
 
 
-def _bent(
+def _curvature_shares(
     rate: Float[np.ndarray, "n levels trims"],
     fastest: Float[np.ndarray, "n levels trims"],
     width: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n levels trims"]:
-    """Returns the share of each time in twice the metres that an end may stray from its linearisation."""
+    """Returns each coast's share in twice the linearisation error, in metres."""
     span = width[:, None, :]
     turned = rate * span
     before = np.cumsum(turned, axis=2) - turned
@@ -187,90 +140,93 @@ def _bent(
 
 
 def _directions(
-    off: Complex[np.ndarray, "n levels"], pulls: Complex[np.ndarray, "n levels"]
+    off: Complex[np.ndarray, "n levels"], position_weights: Complex[np.ndarray, "n levels"]
 ) -> Complex[np.ndarray, "n cuts levels"]:
-    """Returns weighted directions: each level's own, those known for the walk, and what splits the levels."""
+    """Returns cut directions: of each level, of the walk, between levels."""
     count, levels = off.shape
     own = off / np.maximum(np.abs(off), 1e-300)
     cuts = np.zeros((count, levels + 3, levels), dtype=complex)
     each = np.arange(levels)
     cuts[:, each, each] = own
-    cuts[:, levels] = pulls
-    cuts[:, levels + 1] = np.abs(pulls) * own
+    cuts[:, levels] = position_weights
+    cuts[:, levels + 1] = np.abs(position_weights) * own
     apart = off[:, -1] - off[:, 0]
     apart = apart / np.maximum(np.abs(apart), 1e-300)
     cuts[:, levels + 2, -1], cuts[:, levels + 2, 0] = 0.5 * apart, -0.5 * apart
     return cuts
 
 
-def _position(
+def _position_inequalities(
     off: Complex[np.ndarray, "n levels"],
     along: Complex[np.ndarray, "n levels trims"],
     stray: Float[np.ndarray, "n levels"],
     directions: Complex[np.ndarray, "n cuts levels"],
     radius: float,
-) -> tuple[Inequalities, Float[np.ndarray, "n cuts"]]:
-    """Returns what "within the radius" means along each direction, and the miss there at the middle."""
+) -> tuple[LinearInequalities, Float[np.ndarray, "n cuts"]]:
+    """Returns linearised miss constraints and the miss at the box middle."""
     slope = np.einsum("ncl,nlt->nct", np.conj(directions), along).real
     here = np.einsum("ncl,nl->nc", np.conj(directions), off).real
     weight = np.abs(directions)
     straying = np.einsum("ncl,nl->nc", weight, stray)
     room = radius * weight.sum(axis=2) + straying - here + SLACK
-    return Inequalities(slope, room), here - straying
+    return LinearInequalities(slope, room), here - straying
 
 
 def _least_miss(
-    position: Inequalities,
+    position: LinearInequalities,
     here: Float[np.ndarray, "n cuts"],
     directions: Complex[np.ndarray, "n cuts levels"],
     below: Float[np.ndarray, "n trims"],
     above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n"]:
-    """Returns metres that no offsets between these can make the largest miss smaller than."""
+    """Returns a lower bound of the largest miss over a box."""
     weight = np.abs(directions).sum(axis=2)
-    value = (here + least(position.slope, below, above)) / np.maximum(weight, 1e-300)
+    value = (here + least_values(position.slope, below, above)) / np.maximum(weight, 1e-300)
     known: Float[np.ndarray, "n"] = np.where(weight > 1e-12, value, 0.0).max(axis=1)
     return known
 
 
-def _turning(
-    fan: Fan, heading: Float[np.ndarray, "n levels"], turns: Int[np.ndarray, "n"], task: Task
-) -> Inequalities:
-    """Returns what the wanted heading asks for: at the outer levels not too far right, then not too far left.
+def _heading_inequalities(
+    walk_batch: WalkBatch,
+    heading: Float[np.ndarray, "n levels"],
+    turns: Int[np.ndarray, "n"],
+    task: CommittedTask,
+) -> LinearInequalities:
+    """Returns the heading constraints at the outer levels, right then left.
 
     From one level to the next the heading changes evenly: all levels have it with the same full turns. Then
     follow, likewise, mixtures of both outer levels in which one time after the other is of no matter.
     """
-    count, _, trims = fan.rate.shape
+    count, _, trims = walk_batch.rate.shape
     if not task.wants_heading:
-        return Inequalities(np.zeros((count, 0, trims)), np.zeros((count, 0)))
+        return LinearInequalities(np.zeros((count, 0, trims)), np.zeros((count, 0)))
     left = (heading - task.heading - 2 * np.pi * turns[:, None])[:, [0, -1]]
-    low, high = fan.rate[:, 0], fan.rate[:, -1]
+    low, high = walk_batch.rate[:, 0], walk_batch.rate[:, -1]
     mixed = high[:, :, None] * low[:, None, :] - low[:, :, None] * high[:, None, :]
     apart = high * left[:, :1] - low * left[:, 1:]
     limit = task.heading_tolerance + SLACK
     wide = limit * (np.abs(low) + np.abs(high)) + SLACK
-    outer = fan.rate[:, [0, -1]]
-    return Inequalities(
+    outer = walk_batch.rate[:, [0, -1]]
+    return LinearInequalities(
         np.concatenate([outer, -outer, mixed, -mixed], axis=1),
         np.concatenate([limit - left, limit + left, wide - apart, wide + apart], axis=1),
     )
 
 
-def _with_heading(
-    position: Inequalities, turning: Inequalities, twists: Float[np.ndarray, "n 2"]
-) -> Inequalities:
-    """Returns what the heading asks for, and that together with what the known directions ask for."""
+def _combine_with_heading(
+    position: LinearInequalities, turning: LinearInequalities, heading_weights: Float[np.ndarray, "n 2"]
+) -> LinearInequalities:
+    """Returns the heading constraints, alone and combined with position cuts."""
     if not turning.slope.shape[1]:
         return turning
     place = position.slope.shape[1] - AFTER_PULLS
     slope, room = position.slope[:, place], position.room[:, place]
     for side in (0, 1):
-        weight = twists[:, side]
+        weight = heading_weights[:, side]
         row = np.arange(len(weight)), np.where(weight > 0, side, 2 + side)
         slope = slope + np.abs(weight)[:, None] * turning.slope[row]
         room = room + np.abs(weight) * turning.room[row]
-    return Inequalities(
+    return LinearInequalities(
         np.concatenate([turning.slope, slope[:, None]], axis=1),
         np.concatenate([turning.room, room[:, None]], axis=1),
     )

@@ -1,4 +1,4 @@
-"""The committed policy: one set of coasting times, chosen before gamma is known (thesis, Problem 8.1).
+"""Committed policy: coasting times chosen before gamma is known (thesis, 8.1).
 
 The same times must end within the tolerance at every level between -gamma and gamma, ends and interior alike,
 with the heading wanted there; of all that do, the ones whose slowest level is fastest are taken.
@@ -16,54 +16,52 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
-from planner.check.plan_check import problems
-from planner.kernel.build import kernel
-from planner.kernel.exact import least_costs_of_each
+from planner.check.plan_check import plan_problems
+from planner.kernel.exact import least_costs
 from planner.kernel.tables import tables
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
-from planner.walks.goal import EQUALITY_TOLERANCE
-from planner.walks.kinematics import motion, refuse_gamma, refuse_negative_durations
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
+from planner.walks.kinematics import check_durations, check_gamma, walk_motion
 from planner.walks.walk import Walk, walks
 
-from .branching import Best, Branching
-from .task import Task
+from .branch_and_bound_times import BranchAndBound, Incumbent
+from .committed_task import CommittedTask
 from .whole_interval import ROUNDING
 
 GAP = 5e-4
 """Seconds, or metres of tolerance, within which nothing better is left."""
 
 MOST_NODES = 500_000
-"""Boxes of coasting times that a search examines before it gives up its proof."""
+"""Boxes of coasting times that a search may examine."""
 
 LEVELS = 5
 """Levels at which each walk is solved exactly, alone, for a bound."""
 
 HORIZON = 120.0
-"""Seconds that a plan may take unless told otherwise; twice the nominal plan's where that is more."""
+"""Default horizon of a plan in seconds; twice the nominal plan's where that is more."""
 
 WALKS_AT_ONCE = 64
-"""That are solved between two looks at the clock."""
+"""Walks solved between two checks of the deadline."""
 
-NOTHING = Best((), None, inf, 0.0, False, 0)
+NOTHING = Incumbent((), None, inf, 0.0, False, 0)
 
 UNFINISHED = "not proved optimal: the search stopped before every box of coasting times was excluded"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Case:
-    """A mission prepared: its walks, what each takes without coasting, and at least."""
+class _PreparedMission:
+    """Walks of a mission, with fixed and least times."""
 
     mission: Mission
     walks: tuple[Walk, ...]
     fixed: Float[np.ndarray, "walks"]
     bounds: Float[np.ndarray, "walks"]
-    search: Branching
+    search: BranchAndBound
     horizon: float
 
 
-class Committed:
-    """Plans one set of coasting times for all levels from -gamma to gamma.
+class CommittedPlanner:
+    """Planner of one set of coasting times for all levels.
 
     Args:
         library: the primitives.
@@ -87,49 +85,51 @@ class Committed:
         deadline: float = inf,
         horizon: float | None = None,
     ) -> None:
-        refuse_gamma(gamma)
+        check_gamma(gamma)
         for level in (-gamma, gamma):
-            refuse_negative_durations(library, level)
+            check_durations(library, level)
         self._library, self._gamma = library, gamma
         self._hash = library_hash(library)
         self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal = Nominal(library, deadline=deadline)
-        self._worst_case = WorstCase(library, gamma, deadline=deadline)
+        self._nominal = nominal_planner(library, deadline=deadline)
+        self._worst_case = worst_case_planner(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the fastest committed plan; without one, the smallest tolerance for which there is one.
+        """Returns the fastest committed plan, or the smallest feasible tolerance.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
         if self._gamma == 0:
-            return _committed(self._nominal.plan(mission), mission)
-        case = self._prepared(mission, began + self._deadline)
+            return _as_committed(self._nominal.plan(mission), mission)
+        case = self._prepare(mission, began + self._deadline)
         search, horizon = case.search, case.horizon
         starts = self._starts(case)
-        fast = self._descended(case, starts, soonest=True)
-        fast = search.soonest(case.bounds, fast, GAP, limit=horizon)
+        fast = self._refine_starts(case, starts, minimise_time=True)
+        fast = search.minimise_time(case.bounds, fast, GAP, limit=horizon)
         near = NOTHING
         if fast.found is None:
-            near = self._descended(case, starts, soonest=False)
+            near = self._refine_starts(case, starts, minimise_time=False)
             enough = search.task.tolerance
-            near = search.nearest(near, GAP, limit=horizon, enough=0.0 if fast.complete else enough)
+            near = search.minimise_miss(near, GAP, limit=horizon, enough=0.0 if fast.complete else enough)
             if near.value <= enough and near.found is not None:
                 seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
-                fast = search.soonest(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
-        plan = self._none(case, near, fast) if fast.found is None else self._found(case, fast)
+                fast = search.minimise_time(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
+        plan = (
+            self._infeasible_plan(case, near, fast) if fast.found is None else self._optimal_plan(case, fast)
+        )
         return replace(plan, solve_time=perf_counter() - began)
 
     def horizon(self, mission: Mission) -> float:
-        """Returns the seconds that a plan may take."""
+        """Returns the planning horizon in seconds."""
         if self._horizon is not None:
             return self._horizon
         nominal = self._nominal.plan(mission)
         return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
 
-    def _prepared(self, mission: Mission, until: float) -> _Case:
+    def _prepare(self, mission: Mission, until: float) -> _PreparedMission:
         every = walks(
             self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
         )
@@ -137,12 +137,12 @@ class Committed:
         nominal_fixed = np.array([sum(step.duration for step in path) for path in paths])
         slope = np.array([sum(step.error.duration for step in path) for path in paths])
         fixed = nominal_fixed + self._gamma * np.abs(slope)
-        task = Task.of(mission, self._gamma)
-        search = Branching(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
-        coasting = self._coasting(mission, every, nominal_fixed, slope, until)
-        return _Case(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
+        task = CommittedTask.of(mission, self._gamma)
+        search = BranchAndBound(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
+        coasting = self._least_coasting_times(mission, every, nominal_fixed, slope, until)
+        return _PreparedMission(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
 
-    def _coasting(
+    def _least_coasting_times(
         self,
         mission: Mission,
         every: tuple[Walk, ...],
@@ -150,10 +150,8 @@ class Committed:
         slope: Float[np.ndarray, "walks"],
         until: float,
     ) -> Float[np.ndarray, "walks"]:
-        """Returns seconds that each walk coasts at least: exact at each of some levels alone, in time."""
+        """Returns lower bounds of each walk's coasting time, within a deadline."""
         least = np.zeros(len(every))
-        if kernel() is None:
-            return least
         row_of = {walk: row for row, walk in enumerate(every)}
         for gamma in np.linspace(-self._gamma, self._gamma, LEVELS).tolist():
             for table in tables(
@@ -163,12 +161,12 @@ class Committed:
                     if perf_counter() > until:
                         return least
                     rows = [row_of[tuple(walk)] for walk in part.walks.tolist()]
-                    coasting = least_costs_of_each(part, mission) - (fixed[rows] + gamma * slope[rows])
+                    coasting = least_costs(part, mission) - (fixed[rows] + gamma * slope[rows])
                     least[rows] = np.maximum(least[rows], coasting)
         return least
 
-    def _starts(self, case: _Case) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
-        """Returns coasting times to start from: those of who learns gamma first, and their mean."""
+    def _starts(self, case: _PreparedMission) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
+        """Returns starting times: the worst-case plan's at each level, and mean."""
         known = self._worst_case.plan(case.mission)
         if not known.found:
             return ()
@@ -176,19 +174,19 @@ class Committed:
         each.append(tuple(np.mean(each, axis=0).tolist()))
         return tuple((known.sequence, times) for times in each)
 
-    def _descended(
-        self, case: _Case, starts: Iterable[tuple[Walk, tuple[float, ...]]], *, soonest: bool
-    ) -> Best:
+    def _refine_starts(
+        self, case: _PreparedMission, starts: Iterable[tuple[Walk, tuple[float, ...]]], *, minimise_time: bool
+    ) -> Incumbent:
         descend, horizon = case.search.descend, case.horizon
         found = [
-            descend(case.walks.index(walk), np.array(times), horizon, soonest=soonest)
+            descend(case.walks.index(walk), np.array(times), horizon, minimise_time=minimise_time)
             for walk, times in starts
         ]
         return min((one for one in found if one is not None), key=lambda one: one.value, default=NOTHING)
 
-    def _found(self, case: _Case, best: Best) -> Plan:
-        plan = self._assembled(case.mission, best)
-        return self._verified(
+    def _optimal_plan(self, case: _PreparedMission, best: Incumbent) -> Plan:
+        plan = self._assemble(case.mission, best)
+        return self._verify(
             replace(
                 plan,
                 status="optimal" if best.complete else "feasible",
@@ -198,10 +196,10 @@ class Committed:
             case.mission,
         )
 
-    def _none(self, case: _Case, nearest: Best, fast: Best) -> Plan:
-        """Returns the honest no, with the plan for the smallest tolerance."""
+    def _infeasible_plan(self, case: _PreparedMission, nearest: Incumbent, fast: Incumbent) -> Plan:
+        """Returns an infeasible plan with the smallest-tolerance plan attached."""
         mission = case.mission
-        plan = self._empty(mission)
+        plan = self._empty_plan(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
         alone = not np.isfinite(case.bounds).any()
         tolerance = case.search.task.tolerance
@@ -210,12 +208,14 @@ class Committed:
         headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
         kept = "have the wanted heading" if headless else "stay within the tolerance"
         if alone:
-            reason = f"no walk {depth} leads to the goal at every one of {LEVELS} levels alone, provably"
+            reason = (
+                f"no walk {depth} leads to the goal at all of {LEVELS} levels, each planned alone: proved"
+            )
         elif proved:
             reason = (
                 f"no coasting times that take at most {case.horizon:.1f} s with the maneuvers, in any "
                 f"walk {depth}, {kept} at every gamma from {-self._gamma:g} to "
-                f"{self._gamma:g}; longer ones were not looked at"
+                f"{self._gamma:g}; longer ones were not searched"
             )
         else:
             reason = (
@@ -226,17 +226,17 @@ class Committed:
         if nearest.found is None:
             return plan
         wider = replace(mission, tolerance=nearest.found.worst.bound)
-        widened = self._assembled(wider, nearest)
+        widened = self._assemble(wider, nearest)
         note = (
             f"the smallest tolerance within {case.horizon:.1f} s: none below {bound:.4f} m"
             if nearest.complete
             else f"the smallest tolerance that was found within {case.horizon:.1f} s; the search for smaller "
-            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'nothing is proved of them'}"
+            f"ones was stopped, {f'none below {bound:.4f} m' if bound else 'without a lower bound'}"
         )
-        widened = self._verified(replace(widened, status="feasible", reason=note), wider)
+        widened = self._verify(replace(widened, status="feasible", reason=note), wider)
         return replace(plan, at_smallest_tolerance=widened if widened.found else None)
 
-    def _empty(self, mission: Mission) -> Plan:
+    def _empty_plan(self, mission: Mission) -> Plan:
         return Plan(
             status="unknown",
             library=self._library.name,
@@ -247,7 +247,7 @@ class Committed:
             tolerance=mission.tolerance,
         )
 
-    def _assembled(self, mission: Mission, best: Best) -> Plan:
+    def _assemble(self, mission: Mission, best: Incumbent) -> Plan:
         assert best.found is not None
         times, worst = best.found.times, best.found.worst
         levels = [0.0, -self._gamma, self._gamma]
@@ -255,26 +255,28 @@ class Committed:
             levels.append(worst.gamma)
         scenarios = []
         for gamma in levels:
-            numbers = motion(self._library, best.walk, gamma)
+            numbers = walk_motion(self._library, best.walk, gamma)
             scenarios.append(Scenario(gamma, numbers.cost(times), times, numbers.end(mission.start, times)))
         return replace(
-            self._empty(mission),
+            self._empty_plan(mission),
             sequence=best.walk,
             maneuvers=tuple(step.id for step in self._library.maneuvers_along(best.walk)),
             scenarios=tuple(scenarios),
             miss=worst.bound,
         )
 
-    def _verified(self, plan: Plan, mission: Mission) -> Plan:
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+    def _verify(self, plan: Plan, mission: Mission) -> Plan:
+        wrong = plan_problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
-        return replace(self._empty(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}")
+        return replace(
+            self._empty_plan(mission), status="unknown", reason=f"a plan failed its check: {wrong[0]}"
+        )
 
 
-def _committed(plan: Plan, mission: Mission) -> Plan:
+def _as_committed(plan: Plan, mission: Mission) -> Plan:
     """Returns a nominal plan as the committed one without uncertainty."""
     if not plan.found:
         return replace(plan, policy="committed")
     miss = plan.deciding.end.distance_to(mission.goal) + ROUNDING
-    return replace(plan, policy="committed", miss=min(miss, max(mission.tolerance, EQUALITY_TOLERANCE)))
+    return replace(plan, policy="committed", miss=min(miss, mission.destination.reach))

@@ -1,4 +1,4 @@
-"""Linear inequalities over boxes of offsets: what they leave of a box, and how small a sum they allow."""
+"""Linear inequalities over boxes: interval contraction and dual bounds."""
 
 from dataclasses import dataclass
 
@@ -10,19 +10,19 @@ ROUNDS = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Inequalities:
-    """Linear inequalities slope . d <= room that all allowed times of a box satisfy, d from its middle."""
+class LinearInequalities:
+    """Linear inequalities slope . d <= room over offsets from the middle."""
 
     slope: Float[np.ndarray, "n count trims"]
     room: Float[np.ndarray, "n count"]
 
 
-def least(
+def least_values(
     slope: Float[np.ndarray, "n count trims"],
     below: Float[np.ndarray, "n trims"],
     above: Float[np.ndarray, "n trims"],
 ) -> Float[np.ndarray, "n count"]:
-    """Returns the least value of each slope . d for offsets d between these."""
+    """Returns the minimum of each slope . d over a box."""
     value: Float[np.ndarray, "n count"] = (
         np.maximum(slope, 0) @ below[:, :, None] + np.minimum(slope, 0) @ above[:, :, None]
     )[:, :, 0]
@@ -30,28 +30,28 @@ def least(
 
 
 def least_sum(
-    given: Inequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
+    given: LinearInequalities, below: Float[np.ndarray, "n trims"], above: Float[np.ndarray, "n trims"]
 ) -> Float[np.ndarray, "n"]:
-    """Returns the least sum of offsets between these that one inequality at a time allows: its dual."""
+    """Returns a dual lower bound of the sum of offsets."""
     total = below.sum(axis=1)
     for place in range(below.shape[1]):
         falling = given.slope[:, :, place]
         with np.errstate(divide="ignore", invalid="ignore"):
             price = np.where(falling < 0, -1 / falling, 0.0)
             price = np.where(np.isfinite(price), price, 0.0)
-        value = least(1 + price[:, :, None] * given.slope, below, above) - price * given.room
+        value = least_values(1 + price[:, :, None] * given.slope, below, above) - price * given.room
         total = np.maximum(total, value.max(axis=1))
     return np.asarray(total)
 
 
-def cut(
-    given: Inequalities, width: Float[np.ndarray, "n trims"]
+def tighten_offsets(
+    given: LinearInequalities, width: Float[np.ndarray, "n trims"]
 ) -> tuple[Float[np.ndarray, "n trims"], Float[np.ndarray, "n trims"], Bool[np.ndarray, "n"]]:
-    """Returns the smallest and largest offsets that the inequalities leave, and whether any are left."""
+    """Returns the tightened offset bounds, and where any offsets remain."""
     below, above, open_ = -width, width, np.ones(len(width), dtype=bool)
     rising, falling = given.slope > 0, given.slope < 0
     for _ in range(ROUNDS):
-        slack = given.room - least(given.slope, below, above)
+        slack = given.room - least_values(given.slope, below, above)
         with np.errstate(divide="ignore", invalid="ignore"):
             reach = slack[:, :, None] / given.slope
         most = np.where(rising, below[:, None, :] + reach, np.inf).min(axis=1)

@@ -1,4 +1,4 @@
-"""The largest miss of one set of coasting times over a whole interval of uncertainty levels, enclosed.
+"""Verified enclosure of the largest miss over a gamma interval.
 
 Between two levels the end of a walk strays from the straight line between its ends there by at most
 K (b - a)^2 / 8, K a bound of its second derivative with respect to the level; and on a straight line nothing
@@ -36,8 +36,8 @@ class WorstMiss:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Lines:
-    """The numbers of one walk, which are straight lines over the level: value + gamma * slope.
+class LinearWalk:
+    """One walk with coefficients linear in gamma: value + gamma * slope.
 
     Attributes:
         velocity: forward + i side in metres per second, and its slope.
@@ -52,8 +52,8 @@ class Lines:
     turn: Float[np.ndarray, "two trims"]
 
     @classmethod
-    def of(cls, library: Library, walk: Walk) -> "Lines":
-        """Returns the numbers of a walk.
+    def of(cls, library: Library, walk: Walk) -> "LinearWalk":
+        """Returns the coefficients of a walk.
 
         Raises:
             NoManeuverError: the library does not join two trims of it.
@@ -76,7 +76,7 @@ class Lines:
     def ends(
         self, times: Float[np.ndarray, "trims"], gammas: Float[np.ndarray, "n"]
     ) -> Complex[np.ndarray, "n"]:
-        """Returns where the coasting times lead at every level."""
+        """Returns the ends for coasting times at every level."""
         level = gammas[:, None]
         velocity, rate = self.velocity[0] + level * self.velocity[1], self.rate[0] + level * self.rate[1]
         moved = self.displacement[0] + level * self.displacement[1]
@@ -88,8 +88,8 @@ class Lines:
         ends: Complex[np.ndarray, "n"] = (step + coast).sum(axis=1)
         return ends
 
-    def bend(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
-        """Returns a bound of the second derivative of the end over levels from -gamma to gamma, in metres."""
+    def curvature_bound(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
+        """Returns a bound of the end's second derivative, in metres."""
         swung = np.cumsum(self.turn[1] + self.rate[1] * times)
         before = np.abs(swung - self.rate[1] * times)
         entry = np.abs(swung - self.rate[1] * times - self.turn[1])
@@ -101,7 +101,7 @@ class Lines:
 
 
 def worst_miss(
-    lines: Lines,
+    lines: LinearWalk,
     times: Float[np.ndarray, "trims"],
     goal: complex,
     gamma: float,
@@ -119,7 +119,7 @@ def worst_miss(
         resolution: metres by which the bound may exceed the miss found.
         enough: metres; a miss found beyond it ends the search, the bound is then of no use.
     """
-    bend = lines.bend(times, gamma)
+    bend = lines.curvature_bound(times, gamma)
     low = np.linspace(-gamma, gamma, FIRST_PIECES + 1)
     low, high = low[:-1], low[1:]
     found, at = -1.0, 0.0

@@ -1,1 +1,1 @@
-"""Errors that move on their own: at corners, between them, and at most (thesis, appendix B)."""
+"""Independent errors: corners, boxes and bounds (thesis, appendix B)."""

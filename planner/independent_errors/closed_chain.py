@@ -1,7 +1,7 @@
-"""A walk and its goal as a ring of displacements, for all errors in boxes.
+"""A walk and its goal as a closed chain of displacements.
 
-Each displacement is turned by what comes before it; with the way back from the goal to the start they add up
-to nothing. A wanted heading cuts the ring at a turn that makes up for it, and joins it at the goal.
+Each displacement is rotated by the headings before it; with the way back from the goal to the start they sum
+to zero. A wanted heading cuts the chain at a turn that restores it, and joins it at the goal.
 """
 
 from collections.abc import Sequence
@@ -10,36 +10,36 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from .affine import Affine, Point, Row, coasted
+from .affine import AffineForm, AffinePoint, BoxValues, affine_coast
 from .error_path import ErrorPath
 
 
 @dataclass(frozen=True, eq=False)
-class Coast:
-    """A coast of the ring, at a place of the walk."""
+class ChainCoast:
+    """A coast of the chain, at a place of the walk."""
 
     place: int
 
 
 @dataclass(frozen=True, eq=False)
-class Move:
+class ChainDisplacement:
     """A displacement and the turn after it."""
 
-    by: Point
-    turn: Affine
+    by: AffinePoint
+    turn: AffineForm
 
 
-Ring = Sequence[Coast | Move]
+Chain = Sequence[ChainCoast | ChainDisplacement]
 
 
-class ErrorBoxes:
-    """The numbers of a walk for all errors in boxes.
+class AffineWalk:
+    """Coefficients of a walk for all errors in boxes.
 
     Args:
         path: the walk.
         errors: middles of the boxes.
         width: half widths of the boxes.
-        times: coasting times in seconds at the middles; those that do not answer keep them.
+        times: coasting times in seconds at the middles; those not adjusted keep them.
         own: symbols beside those of the errors.
     """
 
@@ -66,68 +66,84 @@ class ErrorBoxes:
     def _slope(self, change: np.ndarray) -> np.ndarray:
         return np.concatenate([self._width * change, np.zeros((len(self._width), self._own))], axis=1)
 
-    def _number(self, value: Row, change: Float[np.ndarray, "variables"]) -> Affine:
-        return Affine.exact(value, self._slope(change))
+    def _number(self, value: BoxValues, change: Float[np.ndarray, "variables"]) -> AffineForm:
+        return AffineForm.exact(value, self._slope(change))
 
-    def _point(self, value: Complex[np.ndarray, "n"], change: Complex[np.ndarray, "variables"]) -> Point:
-        return Point.exact(value, self._slope(change))
+    def _point(
+        self, value: Complex[np.ndarray, "n"], change: Complex[np.ndarray, "variables"]
+    ) -> AffinePoint:
+        return AffinePoint.exact(value, self._slope(change))
 
     @property
     def variables(self) -> int:
-        """Error variables."""
+        """Number of error variables."""
         return int(self._width.shape[1])
 
-    def known(self, value: Row) -> Affine:
-        """Returns numbers that no error changes."""
-        return Affine.exact(value, np.zeros((len(value), self.variables + self._own)))
+    def known(self, value: BoxValues) -> AffineForm:
+        """Returns numbers independent of the errors."""
+        return AffineForm.exact(value, np.zeros((len(value), self.variables + self._own)))
 
-    def place(self, value: Complex[np.ndarray, "n"]) -> Point:
-        """Returns points that no error changes."""
-        return Point(self.known(value.real), self.known(value.imag))
+    def place(self, value: Complex[np.ndarray, "n"]) -> AffinePoint:
+        """Returns points independent of the errors."""
+        return AffinePoint(self.known(value.real), self.known(value.imag))
 
-    def spoke(self, place: int) -> Point:
-        """Returns where a turn is entered, seen from its centre, in the body frame."""
-        return (self.velocity[place] * self.rate[place].inverse()).leftward()
+    def turn_radius(self, place: int) -> AffinePoint:
+        """Returns the entry of a turn from its centre, body frame."""
+        return (self.velocity[place] * self.rate[place].inverse()).rotated_left()
 
-    def coast(self, place: int) -> tuple[Point, Affine] | None:
-        """Returns displacement and turn of a coast that keeps its time; None where that is 0."""
+    def coast(self, place: int) -> tuple[AffinePoint, AffineForm] | None:
+        """Returns displacement and turn of a fixed coast; None if 0."""
         held = self.times[:, place]
-        return coasted(self.velocity[place], self.rate[place], self.known(held)) if held.any() else None
+        return affine_coast(self.velocity[place], self.rate[place], self.known(held)) if held.any() else None
 
-    def ring(self, goal: Complex[np.ndarray, "n"]) -> Ring:
-        """Returns the walk behind the way from its goal to its start."""
-        ring: list[Coast | Move] = [Move(self.place(-goal), self.nothing), Coast(0)]
+    def chain(self, goal: Complex[np.ndarray, "n"]) -> Chain:
+        """Returns the chain of the path from goal to start, then walk."""
+        chain: list[ChainCoast | ChainDisplacement] = [
+            ChainDisplacement(self.place(-goal), self.nothing),
+            ChainCoast(0),
+        ]
         for place, (by, turn) in enumerate(zip(self.displacement, self.turn, strict=True), start=1):
-            ring += [Move(by, turn), Coast(place)]
-        return ring
+            chain += [ChainDisplacement(by, turn), ChainCoast(place)]
+        return chain
 
-    def ring_from(self, turn: int, goal: Complex[np.ndarray, "n"], heading: Row) -> Ring:
-        """Returns the ring cut at a turn, from its centre to its centre, with a heading at the goal."""
-        ring = list(self.ring(goal))
-        at = places(ring).index(turn)
-        spoke, back = self.spoke(turn), Move(self.place(np.zeros(len(goal), complex)), self.known(-heading))
-        return [Move(spoke, self.nothing), *ring[at + 1 :], back, *ring[:at], Move(-spoke, self.nothing)]
+    def chain_from(self, turn: int, goal: Complex[np.ndarray, "n"], heading: BoxValues) -> Chain:
+        """Returns the chain cut at a turn, from centre to centre."""
+        chain = list(self.chain(goal))
+        at = coast_places(chain).index(turn)
+        turn_radius, back = (
+            self.turn_radius(turn),
+            ChainDisplacement(self.place(np.zeros(len(goal), complex)), self.known(-heading)),
+        )
+        return [
+            ChainDisplacement(turn_radius, self.nothing),
+            *chain[at + 1 :],
+            back,
+            *chain[:at],
+            ChainDisplacement(-turn_radius, self.nothing),
+        ]
 
 
-def places(ring: Ring) -> list[int]:
-    """Returns the places of the coasts in a part of the ring, -1 for displacements between."""
-    return [one.place if isinstance(one, Coast) else -1 for one in ring]
+def coast_places(chain: Chain) -> list[int]:
+    """Returns the places of a chain's coasts; -1 for fixed displacements."""
+    return [one.place if isinstance(one, ChainCoast) else -1 for one in chain]
 
 
-def parts_of(boxes: ErrorBoxes, ring: Ring) -> tuple[list[tuple[Point, Affine]], Affine]:
-    """Returns displacements with the turn before each, and the turn after the last."""
+def displacements_of(
+    boxes: AffineWalk, chain: Chain
+) -> tuple[list[tuple[AffinePoint, AffineForm]], AffineForm]:
+    """Returns displacements with the turn before each, and the last turn."""
     parts, turned = [], boxes.nothing
-    for one in ring:
-        moved = (one.by, one.turn) if isinstance(one, Move) else boxes.coast(one.place)
+    for one in chain:
+        moved = (one.by, one.turn) if isinstance(one, ChainDisplacement) else boxes.coast(one.place)
         if moved is not None:
             parts.append((moved[0], turned))
             turned = moved[1]
     return parts, turned
 
 
-def forward(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
-    """Returns the sum of a part of the ring in the frame behind it, and by how much that frame is turned."""
-    parts, turned = parts_of(boxes, ring)
+def forward_sum(boxes: AffineWalk, chain: Chain) -> tuple[AffinePoint, AffineForm]:
+    """Returns the sum of a chain in its final frame, and turn."""
+    parts, turned = displacements_of(boxes, chain)
     heading = boxes.nothing
     point = boxes.place(np.zeros(len(turned.middle), complex))
     for by, turn in parts:
@@ -135,7 +151,7 @@ def forward(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
     return point.rotated(-turned), heading + turned
 
 
-def backward(boxes: ErrorBoxes, parts: Sequence[tuple[Point, Affine]]) -> Point:
+def backward_sum(boxes: AffineWalk, parts: Sequence[tuple[AffinePoint, AffineForm]]) -> AffinePoint:
     """Returns the sum of displacements in the frame before them."""
     point = boxes.place(np.zeros(len(boxes.times), complex))
     for by, turn in reversed(parts):
@@ -143,13 +159,13 @@ def backward(boxes: ErrorBoxes, parts: Sequence[tuple[Point, Affine]]) -> Point:
     return point
 
 
-def steadiest(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
-    """Returns the sum of a part of the ring in the frame that errors sway least, and that frame's heading.
+def least_sensitive_sum(boxes: AffineWalk, chain: Chain) -> tuple[AffinePoint, AffineForm]:
+    """Returns the sum in the frame least sensitive to errors, and heading.
 
     Turning what comes before a frame into it sways that by what the joints between are unsure, and likewise
     what comes after.
     """
-    parts, _ = parts_of(boxes, ring)
+    parts, _ = displacements_of(boxes, chain)
     by = [one.middle[0] for one, _ in parts]
     turn = [np.exp(1j * one.middle[0]) for _, one in parts]
     unsure = [one.reach[0] for _, one in parts]
@@ -167,20 +183,20 @@ def steadiest(boxes: ErrorBoxes, ring: Ring) -> tuple[Point, Affine]:
     point, heading = parts[0]
     for moved, turned in parts[1 : frame + 1]:
         point, heading = point.rotated(-turned) + moved, heading + turned
-    return point + backward(boxes, parts[frame + 1 :]), heading
+    return point + backward_sum(boxes, parts[frame + 1 :]), heading
 
 
-def turns_of(boxes: ErrorBoxes, ring: Ring) -> Affine:
-    """Returns by how much a part of the ring turns."""
+def total_turn(boxes: AffineWalk, chain: Chain) -> AffineForm:
+    """Returns the heading change over a part of the chain."""
     sum_ = boxes.nothing
-    for one in ring:
-        if isinstance(one, Move):
+    for one in chain:
+        if isinstance(one, ChainDisplacement):
             sum_ = sum_ + one.turn
         elif boxes.times[:, one.place].any():
             sum_ = sum_ + boxes.rate[one.place].scaled(boxes.times[:, one.place])
     return sum_
 
 
-def without(ring: Ring, answering: tuple[int, ...]) -> Ring:
-    """Returns a part of the ring without some of its coasts."""
-    return [one for one in ring if isinstance(one, Move) or one.place not in answering]
+def remove_coasts(chain: Chain, answering: tuple[int, ...]) -> Chain:
+    """Returns a part of the chain without some of its coasts."""
+    return [one for one in chain if isinstance(one, ChainDisplacement) or one.place not in answering]

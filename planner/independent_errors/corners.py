@@ -1,4 +1,4 @@
-"""Which signs of many moves in the plane lead furthest."""
+"""Signs of planar moves with the largest resulting distance."""
 
 import numpy as np
 from jaxtyping import Complex, Float
@@ -7,7 +7,7 @@ from jaxtyping import Complex, Float
 def furthest_corner(
     off: Complex[np.ndarray, "n"], moves: Complex[np.ndarray, "n variables"]
 ) -> tuple[Float[np.ndarray, "n variables"], Float[np.ndarray, "n"]]:
-    """Returns the signs that take |off + sum of signs * moves| furthest, and how far that is.
+    """Returns signs that maximise `|off + signs @ moves|`, and the maximum.
 
     The sums fill a polygon whose sides are the moves: a corner is one side's two ends, all other moves on one
     side of its direction.

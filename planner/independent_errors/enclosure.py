@@ -1,7 +1,7 @@
-"""Where a walk may end for all errors in a box.
+"""Enclosure of a walk's end over a box of errors.
 
-The end of a walk is a sum of stretches, each turned by the heading before it. With the heading off by f and a
-stretch a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
+The end of a walk is a sum of displacements, each rotated by the heading before it. With a heading error f and
+a displacement a longer by b, exp(i f) (a + b) differs from its linearisation a + b + i f a by at most
 f^2 |a| / 2 + |f| |b|: that holds for errors of any size, and is all that the enclosure needs.
 """
 
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from .error_path import ErrorPath, flown
+from .error_path import ErrorPath, walk_geometry
 
 SERIES = 0.5
 """Radians below which integrals over a turn are taken from their series."""
@@ -18,31 +18,29 @@ SERIES = 0.5
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Enclosure:
-    """Where a walk may end for all errors in boxes: middle + slope . offset, give or take a radius.
+    """Enclosure of ends: middle + slope . offset, plus a radius.
 
     Attributes:
         middle: north + i east in metres.
         slope: metres for each error variable.
         radius: metres.
-        along: how fast the end moves with each coasting time at the middle, metres per second.
-        influence: metres of radius that each variable is roughly to blame for.
+        influence: metres of radius attributed to each variable, roughly.
     """
 
     middle: Complex[np.ndarray, "n"]
     slope: Complex[np.ndarray, "n variables"]
     radius: Float[np.ndarray, "n"]
-    along: Complex[np.ndarray, "n trims"]
     influence: Float[np.ndarray, "n variables"]
 
 
-def enclose(
+def enclose_end(
     path: ErrorPath,
     errors: Float[np.ndarray, "n variables"],
     width: Float[np.ndarray, "n variables"],
     times: Float[np.ndarray, "n trims"],
     answer: Float[np.ndarray, "n trims variables"],
 ) -> Enclosure:
-    """Returns where the walk may end for all errors in some boxes.
+    """Returns the enclosure of the walk's end for boxes of errors.
 
     Args:
         path: the walk.
@@ -52,18 +50,18 @@ def enclose(
         answer: by how many seconds the coasting times change with each error variable.
     """
     numbers = path.at(errors)
-    way = flown(numbers, times)
+    closure = walk_geometry(numbers, times)
     velocity, rate = numbers.velocity[:, :, None], numbers.rate[:, :, None]
     moved = times[:, :, None] * path.velocity[1] + velocity * answer
     turned = times[:, :, None] * path.rate[1] + rate * answer
     stretch = numbers.velocity * times
-    arm = 1j * (way.end[:, None] - way.exit)
-    swing = way.facing * stretch * 1j * _first_moment(numbers.rate * times) + arm
-    hinge = 1j * (way.end[:, None] - way.entry)[:, 1:]
+    arm = 1j * (closure.end[:, None] - closure.exit)
+    swing = closure.facing * stretch * 1j * _first_moment(numbers.rate * times) + arm
+    hinge = 1j * (closure.end[:, None] - closure.entry)[:, 1:]
     slope = (
-        np.einsum("nt,ntv->nv", way.facing * way.mean, moved)
+        np.einsum("nt,ntv->nv", closure.facing * closure.mean, moved)
         + np.einsum("nt,ntv->nv", swing, turned)
-        + np.einsum("ns,sv->nv", way.leaving, path.displacement[1])
+        + np.einsum("ns,sv->nv", closure.leaving, path.displacement[1])
         + np.einsum("ns,sv->nv", hinge, path.turn[1])
     )
 
@@ -89,12 +87,11 @@ def enclose(
     radius = coasts.sum(axis=1) + maneuvers.sum(axis=1) + (pushed + bent * np.abs(swing)).sum(axis=1)
     length = np.abs(stretch).sum(axis=1) + np.abs(numbers.displacement).sum(axis=1)
     influence = width * (np.abs(after).max(axis=1) * length[:, None] + np.abs(slope))
-    along = way.facing * np.exp(1j * numbers.rate * times) * numbers.velocity + numbers.rate * arm
-    return Enclosure(way.end, slope, radius, along, influence)
+    return Enclosure(closure.end, slope, radius, influence)
 
 
 def _first_moment(angle: np.ndarray) -> np.ndarray:
-    """Returns the integral of s exp(i angle s) over s from 0 to 1."""
+    """Returns the integral of `s exp(i angle s)` over [0, 1]."""
     small = np.abs(angle) < SERIES
     x = 1j * np.where(small, angle, 0.0)
     term, series = np.ones_like(x), np.zeros_like(x)

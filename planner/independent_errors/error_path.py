@@ -1,4 +1,4 @@
-"""A walk whose errors move on their own.
+"""A walk with independent errors.
 
 Each error variable, from -1 to 1, scales the signed errors of one primitive, or of one scalar of it, times a
 level.
@@ -11,16 +11,16 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flight.automaton.library import Library
-from planner.kernel.tables import Table, fold
+from planner.kernel.tables import KernelTable, kernel_table
 from planner.walks.walk import Walk
 
-Each = Literal["primitive", "scalar"]
-"""What has an error variable of its own."""
+ErrorGranularity = Literal["primitive", "scalar"]
+"""Granularity of the error variables."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ErrorPath:
-    """The numbers of a walk: nominal values, and what each error variable adds.
+    """Coefficients of a walk: nominal values and error sensitivities.
 
     Attributes:
         walk: trim ids.
@@ -41,8 +41,8 @@ class ErrorPath:
     turn: tuple[Float[np.ndarray, "steps"], Float[np.ndarray, "steps variables"]]
     fixed: tuple[float, Float[np.ndarray, "variables"]]
 
-    def together(self) -> "ErrorPath":
-        """Returns the walk with one variable for all errors, as gamma is."""
+    def with_single_gamma(self) -> "ErrorPath":
+        """Returns the walk with one variable for all errors, as with gamma."""
 
         def sum_(change: np.ndarray) -> np.ndarray:
             return np.asarray(change.sum(axis=-1, keepdims=True))
@@ -58,12 +58,12 @@ class ErrorPath:
         )
 
     def turns(self, place: int) -> bool:
-        """Returns whether a trim is a turn, with a centre, whatever its errors."""
+        """Returns True if a trim turns for all errors."""
         return bool(np.abs(self.rate[0][place]) > 2 * np.abs(self.rate[1][place]).sum())
 
-    def at(self, errors: Float[np.ndarray, "n variables"]) -> "Numbers":
-        """Returns the numbers for some choices of the error variables."""
-        return Numbers(
+    def at(self, errors: Float[np.ndarray, "n variables"]) -> "WalkCoefficients":
+        """Returns the coefficients for some choices of the error variables."""
+        return WalkCoefficients(
             self.velocity[0] + errors @ self.velocity[1].T,
             self.rate[0] + errors @ self.rate[1].T,
             self.displacement[0] + errors @ self.displacement[1].T,
@@ -73,8 +73,8 @@ class ErrorPath:
 
     def table(
         self, errors: Float[np.ndarray, "n variables"], least: Float[np.ndarray, "n trims"] | None = None
-    ) -> Table:
-        """Returns some choices of the error variables as a table of the exact search.
+    ) -> KernelTable:
+        """Returns choices of the error variables as an exact-search table.
 
         Args:
             errors: the choices.
@@ -84,7 +84,7 @@ class ErrorPath:
         numbers = self.at(errors)
         displacement, turn, fixed = numbers.displacement, numbers.turn, numbers.fixed
         if least is not None:
-            # Within a coast it does not matter which part comes first: one becomes part of the next maneuver.
+            # The order within a coast is free, so a part of it joins the next maneuver.
             angle = numbers.rate * least
             coast = numbers.velocity * least * mean_direction(angle)
             displacement = coast[:, :-1] + np.exp(1j * angle[:, :-1]) * displacement
@@ -92,7 +92,7 @@ class ErrorPath:
             displacement[:, -1] += np.exp(1j * turn[:, -1]) * coast[:, -1]
             turn[:, -1] += angle[:, -1]
             fixed = fixed + least.sum(axis=1)
-        return fold(
+        return kernel_table(
             np.tile(np.array(self.walk), (len(errors), 1)),
             velocity=numbers.velocity,
             rate=numbers.rate,
@@ -103,8 +103,8 @@ class ErrorPath:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Numbers:
-    """The numbers of a walk for some choices of its error variables."""
+class WalkCoefficients:
+    """Coefficients of a walk for some choices of its error variables."""
 
     velocity: Complex[np.ndarray, "n trims"]
     rate: Float[np.ndarray, "n trims"]
@@ -113,18 +113,18 @@ class Numbers:
     fixed: Float[np.ndarray, "n"]
 
     def end(self, times: Float[np.ndarray, "n trims"]) -> Complex[np.ndarray, "n"]:
-        """Returns where coasting times lead, from the origin heading north, north + i east in metres."""
-        return flown(self, times).end
+        """Returns the ends as north + i east in metres."""
+        return walk_geometry(self, times).end
 
 
-def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorPath:
-    """Returns a walk with an error variable for each primitive, or for each scalar that has an error.
+def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularity) -> ErrorPath:
+    """Returns a walk with one error variable per primitive or scalar.
 
     Args:
         library: the primitives.
         walk: trim ids.
         gamma: what the variables, from -1 to 1, scale.
-        each: what has a variable of its own. The same primitive flown twice errs independently.
+        each: granularity of the variables. A primitive flown twice has independent errors.
 
     Raises:
         NoManeuverError: the library does not join two trims of the walk.
@@ -142,13 +142,13 @@ def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorP
                 "side": ("displacement", 1j * step.error.side),
                 "heading change": ("turn", step.error.heading_change),
             }
-            _note(f"maneuver {step.id}", place - 1, parts, each, (names, errors, owners))
+            _add_errors(f"maneuver {step.id}", place - 1, parts, each, (names, errors, owners))
         parts = {
             "forward": ("velocity", trim.error.forward),
             "side": ("velocity", 1j * trim.error.side),
             "yaw rate": ("rate", trim.error.yaw_rate),
         }
-        _note(f"trim {trim.id}", place, parts, each, (names, errors, owners))
+        _add_errors(f"trim {trim.id}", place, parts, each, (names, errors, owners))
     sizes = {
         "velocity": len(trims),
         "rate": len(trims),
@@ -173,14 +173,14 @@ def error_path(library: Library, walk: Walk, gamma: float, each: Each) -> ErrorP
     )
 
 
-def _note(
+def _add_errors(
     name: str,
     place: int,
     parts: dict[str, tuple[str, complex]],
-    each: Each,
+    each: ErrorGranularity,
     lists: tuple[list[str], list[tuple[str, int, complex]], list[int]],
 ) -> None:
-    """Adds a primitive's errors to the lists of names, errors and their owners."""
+    """Appends the errors of a primitive to names, errors and owners."""
     names, errors, owners = lists
     if each == "primitive":
         names.append(name)
@@ -194,8 +194,8 @@ def _note(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Flown:
-    """Walks with coasting times: headings as factors, mean directions of coasts, their ends."""
+class WalkGeometry:
+    """Geometry of walks: heading factors, mean coast directions, ends."""
 
     facing: Complex[np.ndarray, "n trims"]
     leaving: Complex[np.ndarray, "n steps"]
@@ -205,8 +205,8 @@ class Flown:
     end: Complex[np.ndarray, "n"]
 
 
-def flown(numbers: Numbers, times: Float[np.ndarray, "n trims"]) -> Flown:
-    """Returns walks flown from the origin, heading north."""
+def walk_geometry(numbers: WalkCoefficients, times: Float[np.ndarray, "n trims"]) -> WalkGeometry:
+    """Returns walks from the origin, heading north."""
     angle = numbers.rate * times
     mean = mean_direction(angle)
     nothing = np.zeros((len(times), 1))
@@ -217,11 +217,11 @@ def flown(numbers: Numbers, times: Float[np.ndarray, "n trims"]) -> Flown:
     coast = facing * numbers.velocity * times * mean
     step = np.hstack([nothing, leaving * numbers.displacement])
     exit_ = np.cumsum(coast + step, axis=1)
-    return Flown(facing, leaving, mean, exit_ - coast, exit_, exit_[:, -1])
+    return WalkGeometry(facing, leaving, mean, exit_ - coast, exit_, exit_[:, -1])
 
 
 def mean_direction(angle: np.ndarray) -> np.ndarray:
-    """Returns the integral of exp(i angle s) over s from 0 to 1."""
+    """Returns the integral of `exp(i angle s)` over [0, 1]."""
     half = 0.5 * angle
     mean: np.ndarray = np.sinc(half / np.pi) * np.exp(1j * half)
     return mean

@@ -1,9 +1,9 @@
-"""How far a single gamma can be trusted: every primitive with a sign of its own (thesis, appendix B).
+"""Independent primitive errors against a single gamma (thesis, appendix B).
 
-The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk takes its own,
-from -g, 0 and g: 3^(n_T + n_M) scenarios; or each scalar of them does. Where a scenario takes longer than
-every single gamma, or ends further from the goal, it is a counter-example. These are corners: through turns
-they are no bound on what lies between, which comes from an enclosure of the whole box of errors.
+The policies scale all errors by one gamma. Here each trim and each maneuver of a plan's walk, or each of
+their scalars, takes its own from -g, 0 and g: 3^(n_T + n_M) scenarios. A scenario that takes longer than
+every single gamma, or ends further from the goal, is a counter-example. These corners do not bound the errors
+between them where the walk turns; an enclosure of the whole box of errors does.
 """
 
 from collections.abc import Callable
@@ -17,11 +17,11 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from planner.kernel.exact import least_costs_of_each
-from planner.walks.goal import goal_seen
+from planner.kernel.exact import least_costs
+from planner.walks.goal_condition import goal_from_start
 
-from .bound import Bounded
-from .error_path import Each, ErrorPath, error_path
+from .bounded_maximum import BoundedMaximum
+from .error_path import ErrorGranularity, ErrorPath, error_path
 from .worst_miss import worst_miss_bound
 from .worst_time import MOST_TIME_BOXES, worst_time_bound
 
@@ -29,11 +29,11 @@ MOST_PRIMITIVES = 11
 """Of a walk; more scenarios than 3 to this power are not listed."""
 
 MOST_ENUMERATED = 9
-"""Error variables of which every corner is tried; with more, corners are climbed."""
+"""Error variables up to which every corner is tried; beyond, local search is used."""
 
 
 class TooManyScenariosError(FlightError):
-    """A walk is too long for all signs to be tried."""
+    """A walk is too long for an enumeration of all signs."""
 
     def __init__(self, primitives: int) -> None:
         super().__init__(
@@ -43,7 +43,7 @@ class TooManyScenariosError(FlightError):
 
 
 @dataclass(frozen=True, slots=True)
-class Scenario:
+class SignScenario:
     """One choice of signs.
 
     Attributes:
@@ -58,7 +58,7 @@ class Scenario:
 
 
 @dataclass(frozen=True, slots=True)
-class Signs:
+class SignScenarios:
     """All scenarios of a walk.
 
     Attributes:
@@ -69,22 +69,22 @@ class Signs:
         furthest_single: the furthest of those.
     """
 
-    scenarios: tuple[Scenario, ...]
-    slowest: Scenario
-    furthest: Scenario
-    slowest_single: Scenario
-    furthest_single: Scenario
+    scenarios: tuple[SignScenario, ...]
+    slowest: SignScenario
+    furthest: SignScenario
+    slowest_single: SignScenario
+    furthest_single: SignScenario
 
 
-def all_signs(
+def enumerate_signs(
     library: Library,
     mission: Mission,
     sequence: tuple[int, ...],
     coasting_times: tuple[float, ...],
     *,
     gamma: float = 1.0,
-) -> Signs:
-    """Returns what every choice of signs comes to.
+) -> SignScenarios:
+    """Returns the scenarios of every choice of signs.
 
     Args:
         library: the primitives.
@@ -95,20 +95,20 @@ def all_signs(
 
     Raises:
         TooManyScenariosError: the walk is too long.
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, "primitive")
     if len(path.names) > MOST_PRIMITIVES:
         raise TooManyScenariosError(len(path.names))
     signs = np.array(list(product((-1, 0, 1), repeat=len(path.names))))
-    costs = least_costs_of_each(path.table(signs), mission)
+    costs = least_costs(path.table(signs), mission)
     misses = _misses(path, mission, coasting_times, signs)
     scenarios = tuple(
-        Scenario(tuple(row), cost, miss)
+        SignScenario(tuple(row), cost, miss)
         for row, cost, miss in zip(signs.tolist(), costs.tolist(), misses.tolist(), strict=True)
     )
     single = [one for one in scenarios if len(set(one.signs)) == 1]
-    return Signs(
+    return SignScenarios(
         scenarios,
         slowest=max(scenarios, key=lambda one: one.cost),
         furthest=max(scenarios, key=lambda one: one.miss),
@@ -118,51 +118,51 @@ def all_signs(
 
 
 @dataclass(frozen=True, slots=True)
-class Extreme:
-    """One choice of the error variables, and what it comes to in seconds or metres."""
+class ExtremeCase:
+    """One choice of errors with its seconds or metres."""
 
     errors: tuple[float, ...]
     value: float
 
 
 @dataclass(frozen=True, slots=True)
-class Trust:
-    """How far a single gamma can be trusted: the worst with one sign for all, at corners, and at most.
+class IndependentErrorBounds:
+    """Bounds of independent errors: single gamma, corners, and over all errors.
 
     Attributes:
         names: of the error variables.
         scenarios: corners that there are.
-        all_tried: whether every corner was looked at, or those that a climb led to.
+        all_tried: whether every corner was evaluated, or those of a local search.
         slowest_single: the slowest with one value -1, 0 or 1 for all, coasting times chosen for it; seconds.
         furthest_single: with the plan's coasting times, the furthest from the goal; metres.
         slowest: the slowest corner found.
         furthest: the furthest corner found.
-        slowest_bound: what no errors in the whole box exceed, and the slowest found in it.
+        slowest_bound: upper bound over the whole box, and the slowest found in it.
         furthest_bound: likewise for the miss.
     """
 
     names: tuple[str, ...]
     scenarios: int
     all_tried: bool
-    slowest_single: Extreme
-    furthest_single: Extreme
-    slowest: Extreme
-    furthest: Extreme
-    slowest_bound: Bounded
-    furthest_bound: Bounded
+    slowest_single: ExtremeCase
+    furthest_single: ExtremeCase
+    slowest: ExtremeCase
+    furthest: ExtremeCase
+    slowest_bound: BoundedMaximum
+    furthest_bound: BoundedMaximum
 
 
-def trust(
+def bound_independent_errors(
     library: Library,
     mission: Mission,
     sequence: tuple[int, ...],
     coasting_times: tuple[float, ...],
     *,
     gamma: float = 1.0,
-    each: Each = "primitive",
+    each: ErrorGranularity = "primitive",
     most_boxes: int = MOST_TIME_BOXES,
-) -> Trust:
-    """Returns the worst that errors of their own do to a plan: with one gamma, at corners, and at most.
+) -> IndependentErrorBounds:
+    """Returns the worst effects of independent errors on a plan.
 
     Args:
         library: the primitives.
@@ -171,36 +171,36 @@ def trust(
         coasting_times: seconds, committed before the errors are known.
         gamma: what the error variables, from -1 to 1, scale.
         each: what has an error variable of its own.
-        most_boxes: of errors, that the bound of the time may look at.
+        most_boxes: boxes of errors that the bound of the time may use.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
     path = error_path(library, sequence, gamma, each)
     count = len(path.names)
     one_sign = np.array([[sign] * count for sign in (-1.0, 0.0, 1.0)])
 
     def seconds(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
-        return least_costs_of_each(path.table(errors), mission)
+        return least_costs(path.table(errors), mission)
 
     def metres(errors: Float[np.ndarray, "n variables"]) -> Float[np.ndarray, "n"]:
         return _misses(path, mission, coasting_times, errors)
 
     enumerated = count <= MOST_ENUMERATED
     corners = np.array(list(product((-1.0, 0.0, 1.0), repeat=count))) if enumerated else one_sign
-    search = _largest if enumerated else _climbed
+    search = _largest_case if enumerated else _climb
     slowest, furthest = search(seconds, corners), search(metres, corners)
-    known = Bounded(slowest.value, slowest.errors, inf, 0)
+    known = BoundedMaximum(slowest.value, slowest.errors, inf, 0)
     arrives = slowest.value < inf
     miss = worst_miss_bound(path, mission, coasting_times)
     if furthest.value > miss.found:
         miss = replace(miss, found=furthest.value, errors=furthest.errors)
-    return Trust(
+    return IndependentErrorBounds(
         names=path.names,
         scenarios=3**count,
         all_tried=enumerated,
-        slowest_single=_largest(seconds, one_sign),
-        furthest_single=_largest(metres, one_sign),
+        slowest_single=_largest_case(seconds, one_sign),
+        furthest_single=_largest_case(metres, one_sign),
         slowest=slowest,
         furthest=furthest,
         slowest_bound=worst_time_bound(path, mission, known, most=most_boxes) if arrives else known,
@@ -208,40 +208,40 @@ def trust(
     )
 
 
-def _largest(
+def _largest_case(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     choices: Float[np.ndarray, "n variables"],
-) -> Extreme:
+) -> ExtremeCase:
     values = value(choices)
     best = int(values.argmax())
-    return Extreme(tuple(choices[best].tolist()), float(values[best]))
+    return ExtremeCase(tuple(choices[best].tolist()), float(values[best]))
 
 
-def _climbed(
+def _climb(
     value: Callable[[Float[np.ndarray, "n variables"]], Float[np.ndarray, "n"]],
     starts: Float[np.ndarray, "n variables"],
-) -> Extreme:
-    """Returns the largest value at corners that changing one variable at a time leads to."""
-    best = Extreme((), -inf)
+) -> ExtremeCase:
+    """Returns the largest value by coordinate ascent over corners."""
+    best = ExtremeCase((), -inf)
     for start in starts:
         here, known = start, float(value(start[None])[0])
         while True:
             steps = np.repeat(here[None], 3 * len(here), axis=0)
             for place in range(len(here)):
                 steps[3 * place : 3 * place + 3, place] = (-1.0, 0.0, 1.0)
-            next_ = _largest(value, steps)
+            next_ = _largest_case(value, steps)
             if next_.value <= known:
                 break
             here, known = np.array(next_.errors), next_.value
         if known > best.value:
-            best = Extreme(tuple(here.tolist()), known)
+            best = ExtremeCase(tuple(here.tolist()), known)
     return best
 
 
 def _misses(
     path: ErrorPath, mission: Mission, times: tuple[float, ...], errors: Float[np.ndarray, "n variables"]
 ) -> Float[np.ndarray, "n"]:
-    """Returns how far from the goal each choice of errors ends with these coasting times, in metres."""
+    """Returns each choice of errors' miss in metres."""
     ends = path.at(errors).end(np.tile(np.array(times), (len(errors), 1)))
-    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_seen(mission))
+    misses: Float[np.ndarray, "n"] = np.abs(ends - goal_from_start(mission))
     return misses

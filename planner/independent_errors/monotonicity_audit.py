@@ -1,4 +1,4 @@
-"""What the sign convention claims, measured: over random missions, does the optimal time fall as gamma rises?
+"""Monotonicity audit of the sign convention over random missions.
 
 The errors are signed so that gamma = +1 means fast and wide for every primitive at once
 (`flight.automaton.sign_convention`). Whether the optimal time then falls from gamma = -1 to gamma = +1 is
@@ -17,10 +17,9 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.kernel.build import kernel
-from planner.kernel.exact import ExactSearch, NoKernelError, least_costs_of_each
-from planner.kernel.tables import fold
-from planner.walks.kinematics import refuse_negative_durations
+from planner.kernel.exact import ExactSearch, least_costs
+from planner.kernel.tables import kernel_table
+from planner.walks.kinematics import check_durations
 from planner.walks.walk import Walk
 
 GAMMAS = (-1.0, 0.0, 1.0)
@@ -37,8 +36,8 @@ _MANEUVER_NUMBERS = ("duration", "forward", "side", "heading_change")
 
 
 @dataclass(frozen=True, slots=True, order=True)
-class Number:
-    """One number of one primitive: `trim` or `maneuver`, its id, the number's name."""
+class PrimitiveScalar:
+    """One scalar of one primitive: kind, id and name."""
 
     kind: str
     id: int
@@ -46,15 +45,15 @@ class Number:
 
 
 @dataclass(frozen=True, slots=True)
-class Rise:
+class TimeIncrease:
     """A mission whose optimal time rises with gamma.
 
     Attributes:
         mission: place among the missions.
         gammas: the two levels.
         times: optimal times in seconds; the second is infinite where nothing reaches the goal any more.
-        walk: that is best at the first level.
-        culprit: the number whose holding back to the first level saves most; None where none saves anything.
+        walk: the best at the first level.
+        culprit: the scalar that saves most when kept at the first level; None if none saves any.
         saved: seconds that it saves on this walk; infinite where it makes the goal reachable.
     """
 
@@ -62,61 +61,61 @@ class Rise:
     gammas: tuple[float, float]
     times: tuple[float, float]
     walk: Walk
-    culprit: Number | None
+    culprit: PrimitiveScalar | None
     saved: float
 
 
 @dataclass(frozen=True, slots=True)
-class Audit:
-    """What became of the missions.
+class MonotonicityAudit:
+    """Counts and exceptions of a monotonicity audit.
 
     Attributes:
-        missions: how many were tried.
-        reachable: how many have a plan at one level or more.
-        monotone: how many of those have a time that never rises with gamma.
-        rises: where it does.
+        missions: number tried.
+        reachable: number with a plan at one level or more.
+        monotone: number of those whose time never rises with gamma.
+        rises: the exceptions.
     """
 
     missions: int
     reachable: int
     monotone: int
-    rises: tuple[Rise, ...]
+    rises: tuple[TimeIncrease, ...]
 
 
-def audit(library: Library, *, missions: int, seed: int, max_trims: int = 4) -> Audit:
+def audit_monotonicity(
+    library: Library, *, missions: int, seed: int, max_trims: int = 4
+) -> MonotonicityAudit:
     """Returns how often the optimal time is monotone in gamma.
 
     Args:
         library: the primitives.
-        missions: how many, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
+        missions: number, at random: any start trim and heading, 1 to 80 m, half of them met exactly.
         seed: of the missions.
         max_trims: longest walk searched.
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    if kernel() is None:
-        raise NoKernelError
     for gamma in GAMMAS:
-        refuse_negative_durations(library, gamma)
+        check_durations(library, gamma)
     searches = [ExactSearch(library, (gamma,)) for gamma in GAMMAS]
-    rises: list[Rise] = []
+    rises: list[TimeIncrease] = []
     reachable = monotone = 0
     for place, mission in enumerate(_missions(library, missions, seed, max_trims)):
-        answers = [search.answer(mission) for search in searches]
-        times = [answer.costs[0] if answer.walk else inf for answer in answers]
+        evaluator = [search.answer(mission) for search in searches]
+        times = [answer.costs[0] if answer.walk else inf for answer in evaluator]
         if not any(isfinite(time) for time in times):
             continue
         reachable += 1
         before = len(rises)
         for (low, high), levels in zip(pairwise(range(len(GAMMAS))), pairwise(GAMMAS), strict=True):
             if times[high] > times[low] + TOLERANCE:
-                walk = answers[low].walk
-                culprit, saved = _culprit(library, mission, walk, levels)
-                rises.append(Rise(place, levels, (times[low], times[high]), walk, culprit, saved))
+                walk = evaluator[low].walk
+                culprit, saved = _costliest_scalar(library, mission, walk, levels)
+                rises.append(TimeIncrease(place, levels, (times[low], times[high]), walk, culprit, saved))
         monotone += len(rises) == before
-    return Audit(missions, reachable, monotone, tuple(rises))
+    return MonotonicityAudit(missions, reachable, monotone, tuple(rises))
 
 
 def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterator[Mission]:
@@ -134,15 +133,15 @@ def _missions(library: Library, count: int, seed: int, max_trims: int) -> Iterat
         )
 
 
-def _culprit(
+def _costliest_scalar(
     library: Library, mission: Mission, walk: Walk, levels: tuple[float, float]
-) -> tuple[Number | None, float]:
-    """Returns the number that costs most by going from the first level to the second, and what it costs."""
+) -> tuple[PrimitiveScalar | None, float]:
+    """Returns the scalar with the largest cost change between two levels."""
     trims, maneuvers = [library.trim(trim) for trim in walk], library.maneuvers_along(walk)
-    owners = [Number("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
-    owners += [Number("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
+    owners = [PrimitiveScalar("trim", trim.id, name) for trim in trims for name in _TRIM_NUMBERS]
+    owners += [PrimitiveScalar("maneuver", row.id, name) for row in maneuvers for name in _MANEUVER_NUMBERS]
     numbers = sorted(set(owners))
-    # The first row goes to the second level with everything, each further row holds one number back.
+    # The first row takes every scalar to the second level, each further row keeps one at the first.
     gamma = np.full((len(numbers) + 1, len(owners)), levels[1])
     for row, number in enumerate(numbers, start=1):
         gamma[row, [owner == number for owner in owners]] = levels[0]
@@ -163,11 +162,11 @@ def _culprit(
 
 
 def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) -> Float[np.ndarray, "rows"]:
-    """Returns the least time of one walk with each row's numbers: three a trim, then four a maneuver."""
+    """Returns the least time of one walk for each row's coefficients."""
     rows, split = len(values), len(_TRIM_NUMBERS) * len(walk)
     trims = values[:, :split].reshape(rows, len(walk), len(_TRIM_NUMBERS))
     maneuvers = values[:, split:].reshape(rows, len(walk) - 1, len(_MANEUVER_NUMBERS))
-    table = fold(
+    table = kernel_table(
         np.tile(np.array(walk), (rows, 1)),
         velocity=trims[:, :, 0] + 1j * trims[:, :, 1],
         rate=trims[:, :, 2],
@@ -175,4 +174,4 @@ def _costs(values: Float[np.ndarray, "rows n"], mission: Mission, walk: Walk) ->
         turn=maneuvers[:, :, 3],
         fixed=maneuvers[:, :, 0].sum(axis=1),
     )
-    return least_costs_of_each(table, mission)
+    return least_costs(table, mission)

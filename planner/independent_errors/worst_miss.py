@@ -1,21 +1,21 @@
-"""How far a plan may end from its goal for any errors in the whole box, not only at its corners.
+"""Upper bound of a plan's miss over the whole error box.
 
 Boxes of errors are enclosed and, where the bound is worst, halved, until bound and worst case found are
 within a gap, or the boxes are used up; the bound holds either way.
 """
 
-from math import inf
+from dataclasses import replace
 
 import numpy as np
-from jaxtyping import Float
 
 from flight.mission.mission import Mission
-from planner.walks.answer import Times
-from planner.walks.goal import goal_seen
+from planner.walks.boxes import joined
+from planner.walks.goal_condition import goal_from_start
+from planner.walks.search_result import Times
 
-from .bound import GAP, ROUNDING, Bounded
+from .bounded_maximum import GAP, ROUNDING, BoundedBoxes, BoundedMaximum
 from .corners import furthest_corner
-from .enclosure import enclose
+from .enclosure import enclose_end
 from .error_path import ErrorPath
 
 MOST_MISS_BOXES = 20_000
@@ -23,44 +23,28 @@ MOST_MISS_BOXES = 20_000
 BATCH = 256
 
 
-def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> Bounded:
-    """Returns the largest miss in metres of coasting times that were fixed before the errors are known."""
-    goal, count = goal_seen(mission), len(path.names)
-    middles, widths = np.zeros((1, count)), np.ones((1, count))
-    bounds = np.array([inf])
-    found, at, boxes, closed = -1.0, np.zeros(count), 0, 0.0
-    while len(bounds) and boxes < MOST_MISS_BOXES:
-        chosen = np.zeros(len(bounds), dtype=bool)
-        chosen[np.argpartition(-bounds, min(BATCH, len(bounds)) - 1)[:BATCH]] = True
-        middle, width = middles[chosen], widths[chosen]
-        boxes += len(middle)
-        fixed = np.tile(np.array(times), (len(middle), 1))
-        hull = enclose(path, middle, width, fixed, np.zeros((*fixed.shape, count)))
-        signs, size = furthest_corner(hull.middle - goal, hull.slope * width)
-        misses = np.abs(path.at(middle + signs * width).end(fixed) - goal)
+def worst_miss_bound(path: ErrorPath, mission: Mission, times: Times, *, gap: float = GAP) -> BoundedMaximum:
+    """Returns the largest miss in metres for fixed coasting times."""
+    goal, count = goal_from_start(mission), len(path.names)
+    open_ = BoundedBoxes.whole(count)
+    found, at, looked, closed = -1.0, np.zeros(count), 0, 0.0
+    while len(open_) and looked < MOST_MISS_BOXES:
+        chosen = np.zeros(len(open_), dtype=bool)
+        chosen[np.argpartition(-open_.bound, min(BATCH, len(open_)) - 1)[:BATCH]] = True
+        boxes = open_.take(chosen)
+        looked += len(boxes)
+        fixed = np.tile(np.array(times), (len(boxes), 1))
+        hull = enclose_end(path, boxes.middle, boxes.width, fixed, np.zeros((*fixed.shape, count)))
+        signs, size = furthest_corner(hull.middle - goal, hull.slope * boxes.width)
+        corners = boxes.middle + signs * boxes.width
+        misses = np.abs(path.at(corners).end(fixed) - goal)
         best = int(misses.argmax())
         if misses[best] > found:
-            found, at = float(misses[best]), (middle + signs * width)[best]
-        top = np.minimum(size + hull.radius + ROUNDING, bounds[chosen])
-        enough = top <= found * (1 + gap)
-        closed = max(closed, float(top[enough].max(initial=0.0)))
-        halves = _halved(middle, width, hull.influence, ~enough)
-        middles = np.concatenate([middles[~chosen], halves[0]])
-        widths = np.concatenate([widths[~chosen], halves[1]])
-        bounds = np.concatenate([bounds[~chosen], np.tile(top[~enough], 2)])
-    bound = max(closed, float(bounds.max(initial=0.0)), found)
-    return Bounded(found, tuple(at.tolist()), bound, boxes)
-
-
-def _halved(
-    middle: Float[np.ndarray, "n variables"],
-    width: Float[np.ndarray, "n variables"],
-    influence: Float[np.ndarray, "n variables"],
-    which: np.ndarray,
-) -> tuple[Float[np.ndarray, "m variables"], Float[np.ndarray, "m variables"]]:
-    middle, width, place = middle[which], width[which].copy(), influence[which].argmax(axis=1)
-    rows = np.arange(len(middle))
-    width[rows, place] *= 0.5
-    shift = np.zeros_like(middle)
-    shift[rows, place] = width[rows, place]
-    return np.concatenate([middle - shift, middle + shift]), np.concatenate([width, width])
+            found, at = float(misses[best]), corners[best]
+        bound = np.minimum(size + hull.radius + ROUNDING, boxes.bound)
+        enough = bound <= found * (1 + gap)
+        closed = max(closed, float(bound[enough].max(initial=0.0)))
+        halves = replace(boxes, bound=bound).take(~enough).halves(hull.influence[~enough].argmax(axis=1))
+        open_ = joined(open_.take(~chosen), halves)
+    bound_of_all = max(closed, float(open_.bound.max(initial=0.0)), found)
+    return BoundedMaximum(found, tuple(at.tolist()), bound_of_all, looked)

@@ -1,8 +1,8 @@
-"""The slowest errors: how long a walk takes at most when every error is its own and the times answer it.
+"""Upper bound of a walk's time with independent, known errors.
 
-Boxes of errors are taken worst first; those whose bound (`answers.py`) is not enough are halved, along the
-variable that bends the walk most. Where that gives no bound in the boxes allowed, detours give one. A bound
-holds however few boxes were looked at; more make it closer.
+Boxes of errors are taken worst first; those whose bound (`box_evaluator.py`) is insufficient are halved along
+the most sensitive variable. Where that gives no bound in the boxes allowed, detours give one. The bound holds
+after any number of boxes; more boxes tighten it.
 """
 
 from collections.abc import Callable
@@ -13,9 +13,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.mission.mission import Mission
+from planner.walks.boxes import joined
 
-from .bound import GAP, ROUNDING, Bounded
-from .enclosed_answers import FOREVER, Answers, Boxes, Look, joined
+from .bounded_maximum import GAP, ROUNDING, BoundedBoxes, BoundedMaximum
+from .box_evaluator import FOREVER, BoxEvaluator, BoxState
 from .error_path import ErrorPath
 
 MOST_TIME_BOXES = 4000
@@ -25,13 +26,16 @@ QUICK, COARSE, LAST = 0.1, 0.3, 0.9
 after the last what is left, on boxes that still have none."""
 
 BATCH = 128
-"""Boxes that are looked at together."""
+"""Boxes evaluated together."""
+
+LookAt = Callable[[BoundedBoxes, float], BoxState]
+"""Gives bounds to boxes, no closer than some seconds."""
 
 
 def worst_time_bound(
-    path: ErrorPath, mission: Mission, known: Bounded, *, gap: float = GAP, most: int = MOST_TIME_BOXES
-) -> Bounded:
-    """Returns the largest least time in seconds: the coasting times are chosen when the errors are known.
+    path: ErrorPath, mission: Mission, known: BoundedMaximum, *, gap: float = GAP, most: int = MOST_TIME_BOXES
+) -> BoundedMaximum:
+    """Returns the largest least time for errors known before coasting.
 
     It is infinite where errors are found with which the walk never arrives.
 
@@ -39,23 +43,23 @@ def worst_time_bound(
         path: the walk.
         mission: from where to where.
         known: the slowest errors known; seconds.
-        gap: share of the bound at which the search is content.
-        most: boxes that may be looked at.
+        gap: share of the bound at which the search stops.
+        most: boxes that may be evaluated.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    answers = Answers(path, mission)
-    whole = Boxes.whole(len(path.names))
-    search = _Search(answers, whole, known, gap)
-    search.branch(answers.close, int(QUICK * most))
+    evaluator = BoxEvaluator(path, mission)
+    whole = BoundedBoxes.whole(len(path.names))
+    search = _Search(evaluator, whole, known, gap)
+    search.branch(evaluator.fine_bounds, int(QUICK * most))
     if search.bounded.bound == inf:
-        coarse = _Search(answers, whole, search.bounded, gap)
-        coarse.branch(answers.coarse, int(COARSE * most))
+        coarse = _Search(evaluator, whole, search.bounded, gap)
+        coarse.branch(evaluator.coarse_bounds, int(COARSE * most))
         search.learn(coarse.bounded)
-    search.branch(answers.close, int(LAST * most))
-    search.branch(answers.coarse, most, above=FOREVER)
-    search.branch(answers.close, most)
+    search.branch(evaluator.fine_bounds, int(LAST * most))
+    search.branch(evaluator.coarse_bounds, most, above=FOREVER)
+    search.branch(evaluator.fine_bounds, most)
     return search.bounded
 
 
@@ -63,37 +67,39 @@ class _Search:
     """Branch and bound over boxes of errors.
 
     Args:
-        answers: looks at boxes.
+        evaluator: of boxes.
         whole: all errors.
         known: the slowest errors known.
-        gap: share of the bound at which the search is content.
+        gap: share of the bound at which the search stops.
     """
 
-    def __init__(self, answers: Answers, whole: Boxes, known: Bounded, gap: float) -> None:
-        self._answers, self._open, self._known, self._gap = answers, whole, known, gap
-        self._looked, self._closed = 0, 0.0
+    def __init__(
+        self, evaluator: BoxEvaluator, whole: BoundedBoxes, known: BoundedMaximum, gap: float
+    ) -> None:
+        self._answers, self._open, self._known, self._gap = evaluator, whole, known, gap
+        self._looked, self._close = 0, 0.0
 
     @property
-    def bounded(self) -> Bounded:
-        """What was found, and what nothing exceeds."""
-        bound = max(float(self._open.bound.max(initial=0.0)), self._closed) + ROUNDING
+    def bounded(self) -> BoundedMaximum:
+        """Returns the best found value and the upper bound."""
+        bound = max(float(self._open.bound.max(initial=0.0)), self._close) + ROUNDING
         return replace(self._known, bound=max(bound, self._known.found), boxes=self._looked)
 
-    def branch(self, look_at: Callable[[Boxes, float], Look], most: int, *, above: float = 0.0) -> None:
-        """Looks at boxes, worst first, and halves those whose bound is not enough.
+    def branch(self, evaluate: LookAt, most: int, *, above: float = 0.0) -> None:
+        """Evaluates boxes, worst first, and halves those with insufficient bounds.
 
         Args:
-            look_at: gives bounds.
-            most: boxes looked at in all, after which to stop.
+            evaluate: gives bounds.
+            most: boxes evaluated in all, after which to stop.
             above: seconds; boxes with a smaller bound are left as they are.
         """
         while self._looked < most and self._open.bound.max(initial=0.0) > max(self._enough, above):
-            self._look(look_at, max(self._enough, above))
+            self._evaluate(evaluate, max(self._enough, above))
             if self._known.found == inf:
                 break
 
-    def learn(self, bounded: Bounded) -> None:
-        """Takes over what another search over all errors has found."""
+    def learn(self, bounded: BoundedMaximum) -> None:
+        """Adopts the errors of another search over the same box."""
         self._known = replace(bounded, boxes=0) if bounded.found > self._known.found else self._known
         self._open = replace(self._open, bound=np.minimum(self._open.bound, bounded.bound))
         self._looked += bounded.boxes
@@ -102,24 +108,24 @@ class _Search:
     def _enough(self) -> float:
         return self._known.found * (1 + self._gap)
 
-    def _look(self, look_at: Callable[[Boxes, float], Look], above: float) -> None:
+    def _evaluate(self, evaluate: LookAt, above: float) -> None:
         worst = np.argsort(-self._open.bound, kind="stable")[:BATCH]
         chosen = np.zeros(len(self._open.bound), dtype=bool)
         chosen[worst[self._open.bound[worst] > above]] = True
-        look = look_at(self._open.take(chosen), self._enough)
+        state = evaluate(self._open.take(chosen), self._enough)
         self._looked += int(chosen.sum())
-        self._slower(look.boxes.middle, look.cost)
+        self._record_slower(state.boxes.middle, state.cost)
         if self._known.found < inf:
-            self._slower(look.corner, self._answers.costs(look.corner))
-        bound = np.minimum(look.bound, look.boxes.bound)
+            self._record_slower(state.corner, self._answers.costs(state.corner))
+        bound = np.minimum(state.bound, state.boxes.bound)
         enough, fine = bound <= self._enough, bound <= above
-        self._closed = max(self._closed, float(bound[enough].max(initial=0.0)))
-        looked = replace(look.boxes, bound=bound)
-        halves = looked.take(~enough & ~fine).halves(look.blame[~enough & ~fine].argmax(axis=1))
-        self._open = joined(self._open.take(~chosen), joined(looked.take(~enough & fine), halves))
+        self._close = max(self._close, float(bound[enough].max(initial=0.0)))
+        looked = replace(state.boxes, bound=bound)
+        halves = looked.take(~enough & ~fine).halves(state.sensitivity[~enough & ~fine].argmax(axis=1))
+        self._open = joined(self._open.take(~chosen), looked.take(~enough & fine), halves)
 
-    def _slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
-        """Notes slower errors than were known."""
+    def _record_slower(self, errors: Float[np.ndarray, "n variables"], costs: Float[np.ndarray, "n"]) -> None:
+        """Records slower errors than the known ones."""
         slowest = int(costs.argmax())
         if costs[slowest] > self._known.found:
             found, at = float(costs[slowest]), tuple(errors[slowest].tolist())

@@ -1,1 +1,1 @@
-"""The exact search in C: its sources, how they are compiled once, and the tables they read."""
+"""The exact search in C: sources, build and input tables."""

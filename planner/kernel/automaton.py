@@ -1,4 +1,4 @@
-"""A library at some uncertainty levels, as the arrays that the kernel reads."""
+"""A library at some uncertainty levels, as arrays for the kernel."""
 
 import ctypes
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class CAutomaton(ctypes.Structure):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Automaton:
-    """Trims and maneuvers by their places; maneuvers in the order of the trims that they leave.
+    """Trims and maneuvers by index; maneuvers grouped by entry trim.
 
     Attributes:
         ids: of the trims.
@@ -58,7 +58,7 @@ class Automaton:
 
     @classmethod
     def of(cls, library: Library, gammas: tuple[float, ...]) -> "Automaton":
-        """Returns the numbers of a library at some levels."""
+        """Returns the coefficients of a library at some levels."""
         place = {trim.id: index for index, trim in enumerate(library.trims)}
         leaves = np.array([place[one.from_trim] for one in library.maneuvers], dtype=np.intc)
         order = np.argsort(leaves, kind="stable")
@@ -84,7 +84,7 @@ class Automaton:
         return int(np.flatnonzero(self.ids == trim)[0])
 
     def structure(self) -> "tuple[CAutomaton, tuple[np.ndarray, ...]]":
-        """Returns what the kernel reads, and the arrays that it points to."""
+        """Returns the C structure and the arrays that it references."""
         arrays = (
             self.first,
             self.to,

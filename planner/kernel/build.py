@@ -1,4 +1,4 @@
-"""The kernel's machine code; without a compiler there is none, and NumPy and CasADi search."""
+"""The kernel's machine code: compiled when first needed, then cached."""
 
 import ctypes
 from functools import cache
@@ -6,42 +6,52 @@ from pathlib import Path
 
 from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-SOURCES = (
-    "times.c",
-    "stretches.c",
-    "roots.c",
-    "curves.c",
-    "closed_forms.c",
-    "bounds.c",
-    "duality.c",
-    "sets.c",
-    "known.c",
-    "alike.c",
-    "solve.c",
-    "automaton.c",
-    "remaining.c",
-    "frontier.c",
-    "levels.c",
-    "search.c",
-    "each.c",
+FOLDER = Path(__file__).parent
+
+COASTING = (
+    "motion",
+    "newton",
+    "stretches",
+    "roots",
+    "curves",
+    "closed_forms",
+    "bounds",
+    "dual_bound",
+    "active_sets",
+    "units",
 )
-"""Each includes the one before it."""
+"""Units that solve one walk at one level."""
+
+WALKS = ("automaton", "remaining", "frontier", "each", "search")
+"""Units that search over walks."""
+
+SOURCES = (
+    *(FOLDER / "coasting" / f"{unit}.c" for unit in COASTING),
+    *(FOLDER / "walks" / f"{unit}.c" for unit in WALKS),
+)
+HEADERS = (FOLDER / "kernel.h", FOLDER / "coasting" / "coasting.h", FOLDER / "walks" / "walks.h")
 
 # No fused multiply-adds: the same source gives the same plans on every machine of a kind. A second level of
 # optimising would take as long again to compile, and make a tenth.
-FLAGS = ("-O1", *IEEE_FLAGS, "-std=gnu11", "-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math")
+FLAGS = (
+    *("-O1", *IEEE_FLAGS, "-std=gnu11", "-fvisibility=hidden"),
+    *("-fcx-limited-range", "-fno-math-errno", "-fno-trapping-math"),
+)
+
+
+SEARCH_BACKEND = "compiled"
+"""How plans are searched for, as logs name it; logs of earlier programs may say `interpreted`."""
 
 
 @cache
-def kernel() -> ctypes.CDLL | None:
-    """Returns the compiled kernel, or None where it cannot be had."""
-    folder = Path(__file__).parent
+def load_kernel() -> ctypes.CDLL:
+    """Returns the compiled kernel.
+
+    Raises:
+        NoMachineCodeError: there is no C compiler that works.
+    """
+    path = shared_library(SOURCES, headers=HEADERS, flags=FLAGS)
     try:
-        return ctypes.CDLL(str(shared_library([folder / name for name in SOURCES], flags=FLAGS)))
-    except (NoMachineCodeError, OSError):
-        return None
-
-
-def search_backend() -> str:
-    """Returns how plans are searched for here, `compiled` or `interpreted`; costs differ by 1e-9 s or so."""
-    return "interpreted" if kernel() is None else "compiled"
+        return ctypes.CDLL(str(path))
+    except OSError as error:
+        raise NoMachineCodeError(str(error)) from None

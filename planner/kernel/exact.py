@@ -1,4 +1,4 @@
-"""The exact search: all candidates of every walk that no bound excludes, in compiled code."""
+"""Exact search over every walk not excluded by a bound, in C."""
 
 import ctypes
 from math import inf
@@ -7,42 +7,34 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.library import Library
-from flight.errors import FlightError
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
-from planner.walks.answer import Answer
-from planner.walks.goal import goal_seen, wants_heading
+from planner.walks.goal_condition import goal_from_start, wants_heading
+from planner.walks.search_result import SearchResult
 
 from .automaton import Automaton
-from .build import kernel
-from .tables import CTable, Table
+from .build import load_kernel
+from .tables import CTable, KernelTable
 
-MOST = 12
+MOST_TRIMS = 12
 """Trims in a walk, and uncertainty levels, that the kernel has room for."""
 
 NO_LIMIT = 2**62
 
-EQUALITY = 1e-6
-"""Metres, radians: a tolerance up to this means equality."""
-
-INSIDE = 1e-9
-"""Metres: how far inside a tolerance the kernel aims; twice what it forgives."""
-
-HEADING_INSIDE = 1e-12
-"""Radians, likewise. A heading to be met exactly is met to within what counts as equal: over long ways each
-millionth of a radian is worth milliseconds."""
-
-EQUAL_TURNS = 2
-"""With a heading wanted, more coasts at the same rate may leave a freedom that no candidate shows."""
+FORGIVEN = 0.99
+"""Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
 
 
-class NoKernelError(FlightError):
-    """What only compiled code can do in reasonable time was asked for on a machine without a C compiler."""
-
-    def __init__(self) -> None:
-        super().__init__("expected a C compiler, one of cc, gcc, clang; there is none that works")
-
-
-_NUMBERS = ("north", "east", "tolerance", "heading", "heading_tolerance", "seconds")
+_NUMBERS = (
+    "north",
+    "east",
+    "tolerance",
+    "slack",
+    "heading",
+    "heading_tolerance",
+    "heading_slack",
+    "seconds",
+)
 
 
 class _Task(ctypes.Structure):
@@ -60,10 +52,10 @@ class _Answer(ctypes.Structure):
         ("cost", ctypes.c_double),
         ("bound", ctypes.c_double),
         ("least", ctypes.c_double),
-        ("times", ctypes.c_double * (MOST * MOST)),
-        ("costs", ctypes.c_double * MOST),
+        ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
+        ("costs", ctypes.c_double * MOST_TRIMS),
         ("trims", ctypes.c_long),
-        ("walk", ctypes.c_long * MOST),
+        ("walk", ctypes.c_long * MOST_TRIMS),
         ("nodes", ctypes.c_long),
         ("complete", ctypes.c_long),
     )
@@ -78,17 +70,17 @@ class ExactSearch:
     """
 
     def __init__(self, library: Library, gammas: tuple[float, ...]) -> None:
+        if len(gammas) > MOST_TRIMS:
+            raise ValueError(f"expected at most {MOST_TRIMS} levels, got {len(gammas)}")
         self._library = library
         self._gammas = gammas
         self._automaton = Automaton.of(library, gammas)
         self._structure, self._arrays = self._automaton.structure()
 
-    def can(self, mission: Mission) -> bool:
-        """Whether there is a kernel, and it has room for the mission."""
-        return kernel() is not None and mission.max_trims <= MOST and len(self._gammas) <= MOST
-
-    def answer(self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf) -> Answer:
-        """Returns the walk whose worst level is best.
+    def answer(
+        self, mission: Mission, *, max_nodes: int | None = None, deadline: float = inf
+    ) -> SearchResult:
+        """Returns the walk of least worst-case cost.
 
         Args:
             mission: from where to where.
@@ -96,48 +88,49 @@ class ExactSearch:
             deadline: seconds after which it is returned likewise.
 
         Raises:
+            NoMachineCodeError: there is no C compiler that works.
             UnknownTrimError: the library lacks the start or goal trim.
         """
-        compiled = kernel()
-        assert compiled is not None
+        if mission.max_trims > MOST_TRIMS:
+            raise ValueError(f"max_trims must be <= {MOST_TRIMS}, got {mission.max_trims}")
         self._library.trim(mission.start_trim)
         if mission.goal_trim is not None:
             self._library.trim(mission.goal_trim)
         found = _Answer()
         task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
-        if compiled.search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
+        if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
             raise MemoryError("the search for walks")
-        return self._read(found, mission)
+        return self._read(found)
 
-    def _read(self, found: _Answer, mission: Mission) -> Answer:
-        hidden = wants_heading(mission) and most_equal_turns(self._automaton, mission) > EQUAL_TURNS
-        exhausted = bool(found.complete) and not hidden
-        bound = found.least if hidden else found.bound
+    def _read(self, found: _Answer) -> SearchResult:
+        exhausted = bool(found.complete)
         if not found.trims:
-            return Answer((), (), (), inf if exhausted else bound, exhausted)
+            return SearchResult((), (), (), found.bound, exhausted)
         walk = tuple(self._automaton.ids[found.walk[: found.trims]].tolist())
         levels = range(len(self._gammas))
-        times = tuple(tuple(found.times[MOST * level : MOST * level + len(walk)]) for level in levels)
-        return Answer(walk, times, tuple(found.costs[: len(levels)]), bound, exhausted)
+        times = tuple(
+            tuple(found.times[MOST_TRIMS * level : MOST_TRIMS * level + len(walk)]) for level in levels
+        )
+        return SearchResult(walk, times, tuple(found.costs[: len(levels)]), found.bound, exhausted)
 
 
-def least_costs_of_each(table: Table, mission: Mission) -> Float[np.ndarray, "walks"]:
-    """Returns the exact least cost of each walk of a table in seconds; infinite where it ends elsewhere.
+def least_costs(table: KernelTable, mission: Mission) -> Float[np.ndarray, "walks"]:
+    """Returns each walk's exact least cost in seconds; infinite if infeasible.
 
     Args:
         table: of one level.
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    return best_of_each(table, mission)[0]
+    return best_times(table, mission)[0]
 
 
-def best_of_each(
-    table: Table, mission: Mission
+def best_times(
+    table: KernelTable, mission: Mission
 ) -> tuple[Float[np.ndarray, "walks"], Float[np.ndarray, "walks trims"]]:
-    """Returns the exact least cost of each walk of a table, and its coasting times, in seconds.
+    """Returns each walk's exact least cost and coasting times, in seconds.
 
     Where a walk cannot end at the goal its cost is infinite and its times are 0.
 
@@ -146,16 +139,13 @@ def best_of_each(
         mission: from where to where.
 
     Raises:
-        NoKernelError: there is no C compiler.
+        NoMachineCodeError: there is no C compiler that works.
     """
-    compiled = kernel()
-    if compiled is None:
-        raise NoKernelError
     structure = CTable()
     table.fill(structure)
     costs, times = np.empty(len(table.walks)), np.zeros(table.walks.shape)
     task = _task(mission)
-    compiled.each(
+    load_kernel().each(
         ctypes.byref(task),
         ctypes.byref(structure),
         ctypes.c_void_p(costs.ctypes.data),
@@ -172,13 +162,15 @@ def _task(
     automaton: Automaton | None = None,
 ) -> _Task:
     start = mission.start
-    goal = goal_seen(mission)
+    goal = goal_from_start(mission)
     return _Task(
         goal.real,
         goal.imag,
-        _aimed(mission.tolerance),
+        mission.tolerance,
+        FORGIVEN * mission.destination.slack,
         (mission.goal_heading or 0.0) - start.heading,
-        max(mission.heading_tolerance, EQUALITY) - HEADING_INSIDE,
+        mission.heading_tolerance,
+        FORGIVEN * SLACK,
         seconds,
         int(wants_heading(mission)),
         automaton.place(mission.start_trim) if automaton else 0,
@@ -186,28 +178,3 @@ def _task(
         mission.max_trims,
         NO_LIMIT if max_nodes is None else max_nodes,
     )
-
-
-def _aimed(tolerance: float) -> float:
-    """Returns what the kernel aims at: further inside the tolerance than rounding; 0 for equality."""
-    return tolerance - INSIDE if tolerance > EQUALITY else 0.0
-
-
-def most_equal_turns(automaton: Automaton, mission: Mission) -> int:
-    """placeholder"""
-    n, best = len(automaton.ids), 0
-    start = automaton.place(mission.start_trim)
-    ends = np.arange(n) if mission.goal_trim is None else np.array([automaton.place(mission.goal_trim)])
-    leaves = np.repeat(np.arange(n), np.diff(automaton.first))
-    for rates in automaton.rate:
-        for rate in set(rates.tolist()) - {0.0}:
-            counts = (rates == rate).astype(float)
-            now = np.full(n, -np.inf)
-            now[start] = counts[start]
-            best = max(best, now[ends].max())
-            for _ in range(mission.max_trims - 1):
-                after = np.full(n, -np.inf)
-                np.maximum.at(after, automaton.to, now[leaves])
-                now = after + counts
-                best = max(best, now[ends].max())
-    return int(best)

@@ -1,4 +1,4 @@
-"""Every walk from a trim as the arrays that the kernel reads, a table for each length."""
+"""Walks from a trim as kernel arrays, one table per length."""
 
 import ctypes
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from flight.automaton.library import Library
 
 
 class CTable(ctypes.Structure):
-    """`Table` of search.c."""
+    """`KernelTable` of search.c."""
 
     _fields_ = (
         *(
@@ -35,7 +35,7 @@ class CTable(ctypes.Structure):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class KernelTable:
     """Walks of one length at every uncertainty level.
 
     A row is a walk at a level. Headings are those that coasting alone makes: what the maneuvers before have
@@ -44,12 +44,10 @@ class Table:
     Attributes:
         walks: trim ids.
         arrays: what the kernel reads, in the order of its structure; kept alive here.
-        equal_turns: the most coasts of one walk that turn at the same rate.
     """
 
     walks: Int[np.ndarray, "walks trims"]
     arrays: tuple[np.ndarray, ...]
-    equal_turns: int
 
     def fill(self, structure: CTable) -> None:
         """Points a structure of the kernel to the arrays."""
@@ -57,17 +55,17 @@ class Table:
             setattr(structure, name, array.ctypes.data)
         structure.walks, structure.trims = self.walks.shape
 
-    def parts(self, size: int) -> Iterator["Table"]:
-        """Yields a table of one level in parts of at most so many walks."""
+    def parts(self, size: int) -> Iterator["KernelTable"]:
+        """Yields parts of a one-level table, of bounded length."""
         for begin in range(0, len(self.walks), size):
             rows = slice(begin, begin + size)
-            yield Table(self.walks[rows], tuple(array[rows] for array in self.arrays), self.equal_turns)
+            yield KernelTable(self.walks[rows], tuple(array[rows] for array in self.arrays))
 
 
 def tables(
     library: Library, gammas: tuple[float, ...], start_trim: int, max_trims: int, goal_trim: int | None
-) -> tuple[Table, ...]:
-    """Returns the walks of at most so many trims from a trim, with their numbers at every level.
+) -> tuple[KernelTable, ...]:
+    """Returns tables of walks from a trim with coefficients by level.
 
     Raises:
         UnknownTrimError: the library has no such start or goal trim.
@@ -100,7 +98,7 @@ def tables(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Numbers:
-    """The library's numbers at every level."""
+    """Coefficients of the library at every level."""
 
     velocity: Complex[np.ndarray, "levels trims"]
     rate: Float[np.ndarray, "levels trims"]
@@ -126,18 +124,18 @@ class _Numbers:
         ids: Int[np.ndarray, "all"],
         trims: Int[np.ndarray, "walks trims"],
         steps: Int[np.ndarray, "walks steps"],
-    ) -> Table:
-        return fold(
+    ) -> KernelTable:
+        return kernel_table(
             ids[trims],
-            velocity=_rows(self.velocity, trims),
-            rate=_rows(self.rate, trims),
-            displacement=_rows(self.displacement, steps),
-            turn=_rows(self.turn, steps),
-            fixed=_rows(self.duration, steps).sum(axis=1),
+            velocity=_rows_along_walks(self.velocity, trims),
+            rate=_rows_along_walks(self.rate, trims),
+            displacement=_rows_along_walks(self.displacement, steps),
+            turn=_rows_along_walks(self.turn, steps),
+            fixed=_rows_along_walks(self.duration, steps).sum(axis=1),
         )
 
 
-def fold(
+def kernel_table(
     walks: Int[np.ndarray, "walks trims"],
     *,
     velocity: Complex[np.ndarray, "rows trims"],
@@ -145,7 +143,7 @@ def fold(
     displacement: Complex[np.ndarray, "rows steps"],
     turn: Float[np.ndarray, "rows steps"],
     fixed: Float[np.ndarray, "rows"],
-) -> Table:
+) -> KernelTable:
     """Returns a table of walks of one length.
 
     Args:
@@ -162,7 +160,6 @@ def fold(
     displacement = np.hstack([nothing, displacement * np.exp(1j * turned[:, :-1])])
     with np.errstate(divide="ignore", invalid="ignore"):
         centre = np.where(rate != 0, velocity / (1j * rate), 0)
-    equal = (rate[:, :, None] == rate[:, None, :]) & (rate != 0)[:, :, None]
     arrays = (
         rate,
         velocity,
@@ -175,13 +172,9 @@ def fold(
         fixed,
         turned[:, -1],
     )
-    return Table(
-        walks,
-        tuple(np.ascontiguousarray(array) for array in arrays),
-        int(equal.sum(axis=1).max(initial=0)),
-    )
+    return KernelTable(walks, tuple(np.ascontiguousarray(array) for array in arrays))
 
 
-def _rows(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:
-    """Returns numbers along walks: row = walk x levels + level."""
+def _rows_along_walks(by_level: np.ndarray, index: Int[np.ndarray, "walks n"]) -> np.ndarray:
+    """Returns coefficients along walks: row = walk x levels + level."""
     return np.moveaxis(by_level[:, index], 0, 1).reshape(len(by_level) * len(index), index.shape[1])

@@ -1,4 +1,4 @@
-"""A worst-case planner whose uncertainty level follows how hard it blows."""
+"""A worst-case planner whose gamma follows the measured turbulence."""
 
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Leg
@@ -6,14 +6,14 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
 from .policy import Planner
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 GAMMAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Levels that are planned for."""
 
 
-class CalibratedGamma:
-    """Plans for the errors that the present turbulence makes, in parts of those that the library's wind made.
+class AdaptiveGammaPlanner:
+    """Planner with gamma scaled by present over identification turbulence.
 
     Errors grow with the gusts that make them, so the level is the wind at 20 ft that the vehicle shows over
     that of the library; where it blows harder, and before anything is known, it is that of the library.
@@ -29,19 +29,19 @@ class CalibratedGamma:
 
     def __init__(self, library: Library, wind_at_20_ft: float, *, max_nodes: int | None = None) -> None:
         self._planners: dict[float, Planner] = {
-            gamma: WorstCase(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
+            gamma: worst_case_planner(library, gamma, max_nodes=max_nodes) for gamma in GAMMAS
         }
         self._wind = wind_at_20_ft
         self.gamma = GAMMAS[-1]
 
     def learn(self, leg: Leg) -> None:
-        """Takes how hard it blew in a leg that was flown."""
+        """Updates the turbulence from a leg."""
         if leg.turbulence is not None:
             share = leg.turbulence / self._wind if self._wind else 1.0
             self.gamma = min(GAMMAS, key=lambda gamma: abs(gamma - share))
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the plan of the level that the present turbulence asks for.
+        """Returns the plan at the level of the present turbulence.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.

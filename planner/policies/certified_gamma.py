@@ -1,8 +1,8 @@
-"""Up to which level of uncertainty a mission is bearable: at every level, not only at those looked at.
+"""Largest gamma such that every smaller one provably meets the limit.
 
-An interval of levels is bearable if one walk takes no longer than the limit at all of them, at those of the
-other sign, and at 0: coasting times that answer the level, as they would any other error
-(`free_errors/answers.py`), show it for all at once. Intervals in which they do not are halved.
+An interval of levels is proved if one walk meets the limit at all of them, at those of the other sign, and at
+0. The proof encloses coasting times that are adjusted to the level (`independent_errors.closure.close_chain`)
+over the whole interval. Intervals without a proof are halved.
 """
 
 from functools import cache
@@ -11,13 +11,13 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.independent_errors.enclosed_answers import Answers, Boxes
+from planner.independent_errors.bounded_maximum import BoundedBoxes
+from planner.independent_errors.box_evaluator import BoxEvaluator
 from planner.independent_errors.error_path import error_path
-from planner.kernel.build import kernel
 from planner.walks.kinematics import NegativeDurationError
 from planner.walks.walk import Walk
 
-from .worst_case import WorstCase
+from .worst_case import worst_case_planner
 
 FIRST_WIDTH = 1 / 40
 """Of the intervals of levels that are tried first."""
@@ -26,8 +26,8 @@ NARROWEST = 1e-5
 """Of an interval that is tried."""
 
 
-def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
-    """Returns a level up to which every level is proved to be bearable; 0 without a C compiler.
+def certified_gamma(library: Library, mission: Mission, *, limit: float, gamma: float) -> float:
+    """Returns a gamma below which every level provably meets the limit.
 
     Args:
         library: the primitives.
@@ -35,14 +35,14 @@ def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: floa
         limit: seconds that the worst case may take.
         gamma: the level to prove it for; the level returned is at most that.
     """
-    if kernel() is None:
-        return 0.0
-    answers_of = cache(lambda walk: Answers(error_path(library, walk, 1.0, "primitive").together(), mission))
+    answers_of = cache(
+        lambda walk: BoxEvaluator(error_path(library, walk, 1.0, "primitive").with_single_gamma(), mission)
+    )
     proved, width = 0.0, FIRST_WIDTH
     while proved < gamma:
         up_to = min(proved + width, gamma)
-        walks = {_best(library, mission, level) for level in (proved, 0.5 * (proved + up_to), up_to)}
-        if any(walk and _is_bearable(answers_of(walk), proved, up_to, limit) for walk in walks):
+        walks = {_best_walk(library, mission, level) for level in (proved, 0.5 * (proved + up_to), up_to)}
+        if any(walk and _is_certified(answers_of(walk), proved, up_to, limit) for walk in walks):
             proved, width = up_to, min(2 * width, FIRST_WIDTH)
         elif width > NARROWEST:
             width *= 0.5
@@ -51,17 +51,16 @@ def bearable_to(library: Library, mission: Mission, *, limit: float, gamma: floa
     return proved
 
 
-def _is_bearable(answers: Answers, low: float, high: float, limit: float) -> bool:
-    middle, half = 0.5 * (low + high), 0.5 * (high - low)
-    if answers.costs(np.zeros((1, 1)))[0] > limit:
+def _is_certified(evaluator: BoxEvaluator, low: float, high: float, limit: float) -> bool:
+    if evaluator.costs(np.zeros((1, 1)))[0] > limit:
         return False
-    both = Boxes(np.array([[middle], [-middle]]), np.full((2, 1), half), np.full(2, np.inf))
-    return bool((answers.close(both, limit).bound <= limit).all())
+    both = BoundedBoxes(np.array([[low], [-high]]), np.array([[high], [-low]]), np.full(2, np.inf))
+    return bool((evaluator.fine_bounds(both, limit).bound <= limit).all())
 
 
-def _best(library: Library, mission: Mission, gamma: float) -> Walk:
-    """Returns the walk that is best for a level; none where there is none."""
+def _best_walk(library: Library, mission: Mission, gamma: float) -> Walk:
+    """Returns the best walk for a level; empty if infeasible."""
     try:
-        return WorstCase(library, gamma).plan(mission).sequence
+        return worst_case_planner(library, gamma).plan(mission).sequence
     except NegativeDurationError:
         return ()

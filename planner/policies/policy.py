@@ -1,52 +1,39 @@
-"""What every policy is and does: a planner for one library, asked again and again."""
+"""Planner interface of all policies, for one library."""
 
 from dataclasses import replace
 from functools import cache, partial
-from math import inf, isfinite
+from math import inf, isfinite, pi
 from time import perf_counter
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Policy, Scenario
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
+from planner.kernel.build import load_kernel
 from planner.kernel.exact import ExactSearch
-from planner.walks.answer import Answer
-from planner.walks.kinematics import motion, refuse_negative_durations
-from planner.walks.safe_stop import way_to_rest
+from planner.walks.kinematics import check_durations, walk_motion
+from planner.walks.safe_stop import safe_stop_path
+from planner.walks.search_result import SearchResult
 from planner.walks.walk import trims_of_walks
-
-if TYPE_CHECKING:
-    from planner.fallback.without_kernel import SearchWithoutKernel
 
 STOPPED = "not proved optimal: the search stopped before every walk was searched or excluded by a bound"
 
-FREEDOM = (
-    "not proved optimal: with a heading wanted, three coasts or more at one yaw rate leave a freedom "
-    "that the search does not see"
-)
-
-NOT_PROVED = (
-    "not proved optimal: coasting times were sought from finitely many starts, and the proof that no others "
-    "are better did not end"
-)
-
-
-SLOW = 1e-6
-"""Yaw rate in rad/s below which a full circle takes months, and its radius all the digits there are."""
+ROUNDING = 1e-16
+"""Share of a full circle's length by which its end is rounded."""
 
 SLOW_TURNS = (
-    "no walk was found that leads to the goal; trim {trim} turns so slowly that plans which circle in it for "
-    "months were not looked for"
+    "no plan was found; trim {trim} turns so slowly that the ends of its full circles cannot be computed to "
+    "the slack for rounding"
 )
 
 
 class Planner(Protocol):
-    """Something that answers missions with plans."""
+    """Interface of planners: a plan for a mission."""
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, or an honest no.
+        """Returns the best plan found, or an infeasible one.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
@@ -54,7 +41,7 @@ class Planner(Protocol):
 
 
 class LibraryPlanner:
-    """Answers missions in one library, over the uncertainty levels of a policy.
+    """Planner for one library over a policy's uncertainty levels.
 
     Args:
         library: the primitives.
@@ -66,6 +53,7 @@ class LibraryPlanner:
 
     Raises:
         NegativeDurationError: a level turns a maneuver's duration negative.
+        NoMachineCodeError: there is no C compiler that works.
     """
 
     def __init__(
@@ -79,7 +67,9 @@ class LibraryPlanner:
         deadline: float = inf,
     ) -> None:
         for level in gammas:
-            refuse_negative_durations(library, level)
+            check_durations(library, level)
+        # Whoever closes a loop learns before the flight that nothing can be planned here.
+        load_kernel()
         self._library = library
         self._hash = library_hash(library)
         self._policy: Policy = policy
@@ -88,31 +78,20 @@ class LibraryPlanner:
         self._max_nodes = max_nodes
         self._deadline = deadline
         self._exact = ExactSearch(library, gammas)
-        self._slow = frozenset(
-            trim.id
-            for trim in library.trims
-            if any(0 < abs(trim.at(level).yaw_rate) <= SLOW for level in gammas)
-        )
-        self._without_kernel = cache(partial(_without_kernel, library, gammas))
-        self._tails = cache(partial(way_to_rest, library))
+        self._tails = cache(partial(safe_stop_path, library))
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the best plan found, re-checked by code that shares nothing with the search.
+        """Returns the best plan found, after an independent check.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        answer = self._answer(mission)
-        plan = self._verified(self._assembled(answer, mission), mission)
+        answer = self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
+        plan = self._verify(self._assemble(answer, mission), mission)
         return replace(plan, solve_time=perf_counter() - began)
 
-    def _answer(self, mission: Mission) -> Answer:
-        if self._exact.can(mission):
-            return self._exact.answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-        return self._without_kernel().answer(mission, max_nodes=self._max_nodes, deadline=self._deadline)
-
-    def _assembled(self, answer: Answer, mission: Mission) -> Plan:
+    def _assemble(self, answer: SearchResult, mission: Mission) -> Plan:
         plan = Plan(
             status="unknown",
             library=self._library.name,
@@ -124,42 +103,53 @@ class LibraryPlanner:
             lower_bound=answer.lower_bound if isfinite(answer.lower_bound) else None,
         )
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
-        slow = frozenset[int]() if isfinite(answer.lower_bound) else self._slow & self._on_walks(mission)
+        slow = [] if isfinite(answer.lower_bound) else self._unresolved(mission)
         if slow:
             return replace(plan, reason=SLOW_TURNS.format(trim=min(slow)))
         if not isfinite(answer.lower_bound):
-            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, provably")
+            return replace(plan, status="infeasible", reason=f"no walk {depth} leads to the goal, proved")
         if not answer.walk:
             return replace(plan, reason=f"no coasting times were found for any walk {depth}")
         return replace(
             plan,
             status="optimal" if answer.exhausted else "feasible",
-            reason="" if answer.exhausted else self._doubt(mission),
+            reason="" if answer.exhausted else self._optimality_caveat(),
             sequence=answer.walk,
             maneuvers=tuple(maneuver.id for maneuver in self._library.maneuvers_along(answer.walk)),
             tail=self._tails(answer.walk[-1]),
             scenarios=tuple(
                 Scenario(
-                    gamma, cost, times, motion(self._library, answer.walk, gamma).end(mission.start, times)
+                    gamma,
+                    cost,
+                    times,
+                    walk_motion(self._library, answer.walk, gamma).end(mission.start, times),
                 )
                 for gamma, cost, times in zip(self._gammas, answer.costs, answer.times, strict=True)
             ),
         )
 
-    def _on_walks(self, mission: Mission) -> frozenset[int]:
-        return trims_of_walks(
-            self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
-        )
+    def _unresolved(self, mission: Mission) -> list[int]:
+        """Returns trims with full circles too long for a computed end."""
+        longest = mission.destination.slack / (2 * pi * ROUNDING)
+        twists = {
+            trim: [self._library.trim(trim).at(gamma) for gamma in self._gammas]
+            for trim in trims_of_walks(
+                self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
+            )
+        }
+        return [
+            trim
+            for trim, levels in twists.items()
+            if any(one.yaw_rate and one.speed > longest * abs(one.yaw_rate) for one in levels)
+        ]
 
-    def _doubt(self, mission: Mission) -> str:
-        if not self._exact.can(mission):
-            return NOT_PROVED
-        return FREEDOM if self._max_nodes is None and self._deadline == inf else STOPPED
+    def _optimality_caveat(self) -> str:
+        return STOPPED
 
-    def _verified(self, plan: Plan, mission: Mission) -> Plan:
+    def _verify(self, plan: Plan, mission: Mission) -> Plan:
         if not plan.found:
             return plan
-        wrong = problems(plan, self._library, mission, known_hash=self._hash)
+        wrong = plan_problems(plan, self._library, mission)
         if not wrong:
             return replace(plan, verified=True)
         return replace(
@@ -170,10 +160,3 @@ class LibraryPlanner:
             maneuvers=(),
             scenarios=(),
         )
-
-
-def _without_kernel(library: Library, gammas: tuple[float, ...]) -> "SearchWithoutKernel":
-    # It needs CasADi, which takes long to load.
-    from planner.fallback.without_kernel import SearchWithoutKernel
-
-    return SearchWithoutKernel(library, gammas)

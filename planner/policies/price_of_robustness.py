@@ -1,8 +1,8 @@
-"""The price of robustness: how much uncertainty a mission can take for how much time (thesis, Problem 4.2).
+"""Price of robustness: tolerable gamma for an allowed time (thesis, Problem 4.2).
 
-A level is bearable at a price alpha where at it, and at every smaller one, the best worst-case time is at
-most alpha times the nominal optimum. That time is looked at on a grid of levels, and bisected where it first
-exceeds the limit; what happens between levels is then proved (`bearable.py`), up to where the limit is met.
+A level meets alpha where at it, and at every smaller one, the best worst-case time is at most alpha times the
+nominal optimum. That time is computed on a grid of levels and bisected where it first exceeds the limit;
+`certified_gamma.py` then proves the levels in between.
 """
 
 from dataclasses import dataclass, replace
@@ -15,39 +15,39 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from planner.walks.kinematics import NegativeDurationError
 
-from .certified_gamma import bearable_to
-from .nominal import Nominal
-from .worst_case import WorstCase
+from .certified_gamma import certified_gamma
+from .nominal import nominal_planner
+from .worst_case import worst_case_planner
 
 STEPS = 40
 """Levels above 0 on the grid, evenly up to 1."""
 
-ON_A_GRID = f"at other levels, {1 / STEPS:g} apart, it was tried"
+ON_A_GRID = f"it was computed only at levels {1 / STEPS:g} apart"
 
 ALL_BUT = 1e-3
 """Levels below the largest in which a proof may leave off: there the time is all but the limit."""
 
 GAMMA_RESOLUTION = 1e-6
-"""How closely the largest bearable level is found; the plan is the one just below it."""
+"""Resolution of the largest level that meets alpha; the plan is the one just below it."""
 
-TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} is too much already"
+TO_THE_RESOLUTION = f"gamma {GAMMA_RESOLUTION:g} exceeds alpha"
 
 
 class AlphaError(FlightError):
-    """A price below that of no robustness at all, or none."""
+    """Alpha is below 1 or not a number."""
 
     def __init__(self, alpha: float) -> None:
         super().__init__(f"alpha must be >= 1, got {alpha}")
 
 
 @dataclass(frozen=True, slots=True)
-class Price:
+class PricePoint:
     """One point of the curve.
 
     Attributes:
         gamma: uncertainty level.
         cost: the best worst-case time at that level in seconds; infinite where no plan was found.
-        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels looked at.
+        alpha: the largest ratio of that time to the nominal optimum at this and all smaller levels computed.
         sequence: trims of the plan; empty without one.
     """
 
@@ -57,29 +57,29 @@ class Price:
     sequence: tuple[int, ...]
 
 
-def prices(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[Price, ...]:
-    """Returns the curve from gamma 0 to 1; empty where the mission has no nominal plan.
+def price_curve(library: Library, mission: Mission, *, steps: int = STEPS) -> tuple[PricePoint, ...]:
+    """Returns the curve from gamma 0 to 1; empty if infeasible.
 
     Args:
         library: the primitives.
         mission: from where to where.
         steps: levels above 0.
     """
-    nominal = Nominal(library).plan(mission)
+    nominal = nominal_planner(library).plan(mission)
     if not nominal.found:
         return ()
-    curve = [Price(0.0, nominal.cost, 1.0, nominal.sequence)]
+    curve = [PricePoint(0.0, nominal.cost, 1.0, nominal.sequence)]
     for step in range(1, steps + 1):
         gamma = step / steps
         plan = _worst_case(library, gamma, mission)
         cost = inf if plan is None else plan.cost
-        alpha = max(curve[-1].alpha, _ratio(cost, nominal.cost))
-        curve.append(Price(gamma, cost, alpha, () if plan is None else plan.sequence))
+        alpha = max(curve[-1].alpha, _cost_ratio(cost, nominal.cost))
+        curve.append(PricePoint(gamma, cost, alpha, () if plan is None else plan.sequence))
     return tuple(curve)
 
 
 class PriceOfRobustness:
-    """Plans for the largest uncertainty level that is bearable at a price.
+    """Planner for the largest gamma within a time limit alpha.
 
     Args:
         library: the primitives.
@@ -96,13 +96,13 @@ class PriceOfRobustness:
         self._alpha = alpha
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the worst-case plan of the largest level that is bearable.
+        """Returns the worst-case plan at the largest gamma within the limit.
 
         Raises:
             UnknownTrimError: the library lacks the start or goal trim.
         """
         began = perf_counter()
-        best = Nominal(self._library).plan(mission)
+        best = nominal_planner(self._library).plan(mission)
         if not best.found:
             return replace(best, policy="price-of-robustness", alpha=self._alpha)
         # The equality at gamma 0 must survive rounding.
@@ -121,11 +121,11 @@ class PriceOfRobustness:
                 high = middle
             else:
                 low, best = middle, plan
-        proved = bearable_to(self._library, mission, limit=limit, gamma=low)
+        proved = certified_gamma(self._library, mission, limit=limit, gamma=low)
         return replace(
             best,
             status="feasible",
-            reason=_reason(low, proved),
+            reason=_gamma_reason(low, proved),
             lower_bound=None,
             policy="price-of-robustness",
             gamma=low,
@@ -138,27 +138,27 @@ class PriceOfRobustness:
         return plan if plan is not None and plan.cost <= limit else None
 
 
-def _reason(gamma: float, proved: float) -> str:
-    """Returns what is known of the levels below."""
+def _gamma_reason(gamma: float, proved: float) -> str:
+    """Returns the proof status of the levels below gamma."""
     if gamma == 0:
         return TO_THE_RESOLUTION
     if proved >= gamma:
-        return "every smaller gamma keeps to alpha, provably"
+        return "every smaller gamma meets alpha, proved"
     if proved > 0:
-        nearly = "; above it the time is all but alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
-        return f"every gamma up to {proved:.6g} keeps to alpha, provably{nearly}"
-    return f"not proved that every smaller gamma keeps to alpha: {ON_A_GRID}"
+        nearly = "; above it the time is close to alpha" if proved >= gamma - ALL_BUT else f"; {ON_A_GRID}"
+        return f"every gamma up to {proved:.6g} meets alpha, proved{nearly}"
+    return f"not proved that every smaller gamma meets alpha: {ON_A_GRID}"
 
 
 def _worst_case(library: Library, gamma: float, mission: Mission) -> Plan | None:
     try:
-        plan = WorstCase(library, gamma).plan(mission)
+        plan = worst_case_planner(library, gamma).plan(mission)
     except NegativeDurationError:
         return None
     return plan if plan.found else None
 
 
-def _ratio(cost: float, nominal: float) -> float:
+def _cost_ratio(cost: float, nominal: float) -> float:
     if nominal:
         return cost / nominal
     return 1.0 if cost == 0 else inf

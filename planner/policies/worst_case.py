@@ -1,20 +1,20 @@
-"""The worst-case policy: the walk whose worst uncertainty level is fastest (thesis, Problem 6.2)."""
+"""The worst-case policy: minimum worst-case time over gamma (thesis, Problem 6.2)."""
 
 from math import inf
 
 from flight.automaton.library import Library
-from flight.mission.mission import Mission
-from flight.plan.plan import Plan
-from planner.walks.kinematics import refuse_gamma
+from planner.walks.kinematics import check_gamma
 
 from .policy import LibraryPlanner
 
 
-class WorstCase:
-    """Plans for the levels 0, -gamma and +gamma at once, the coasting times chosen anew at each.
+def worst_case_planner(
+    library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
+) -> LibraryPlanner:
+    """Returns a planner for the levels 0, -gamma and +gamma.
 
-    That promises a time for whoever learns the level before flying. It is not a promise for one set of
-    coasting times flown at an unknown level: that is Problem 8.1.
+    The plan's time holds if the level is known before the flight. For one set of coasting times at an unknown
+    level see the committed policy (Problem 8.1).
 
     Args:
         library: the primitives.
@@ -26,20 +26,8 @@ class WorstCase:
         GammaError: the level is outside [0, 1].
         NegativeDurationError: the level turns a maneuver's duration negative.
     """
-
-    def __init__(
-        self, library: Library, gamma: float, *, max_nodes: int | None = None, deadline: float = inf
-    ) -> None:
-        refuse_gamma(gamma)
-        gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
-        self._planner = LibraryPlanner(
-            library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes, deadline=deadline
-        )
-
-    def plan(self, mission: Mission) -> Plan:
-        """Returns the plan with the least worst time found, or an honest no.
-
-        Raises:
-            UnknownTrimError: the library lacks the start or goal trim.
-        """
-        return self._planner.plan(mission)
+    check_gamma(gamma)
+    gammas = (0.0, -gamma, gamma) if gamma else (0.0,)
+    return LibraryPlanner(
+        library, policy="worst-case", gamma=gamma, gammas=gammas, max_nodes=max_nodes, deadline=deadline
+    )

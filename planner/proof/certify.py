@@ -1,7 +1,7 @@
-"""Certificates: for every walk, boxes of coasting times cut until multipliers refute each of them.
+"""Certificates of optimality: dual bounds over boxes of coasting times.
 
 A walk need be refuted at one uncertainty level only: there its least time, and so its worst one, is no better
-than the plan. Which level that is, is tried out; a level at which a faster way shows up is left at once.
+than the plan. Levels are tried in turn; a level with a faster solution is dropped at once.
 """
 
 from collections.abc import Sequence
@@ -13,13 +13,13 @@ from jaxtyping import Int
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from flight.plan.certificate import Certificate, Refutation
-from planner.walks.kinematics import motion
+from flight.plan.certificate import Certificate, InfeasibilityCertificate
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import Walk, walks
 
-from .branching_trees import Forest, root_boxes
-from .dual_bound import Problems
-from .multipliers import Refuter
+from .branching_trees import BranchingTrees, root_boxes
+from .dual_bound import WalkProblems
+from .multipliers import MultiplierSearch
 
 GAP = 9e-4
 """Seconds between a plan's cost and the lower bound that is proved."""
@@ -29,22 +29,16 @@ EFFORTS = (300, 3000, 30000)
 
 
 @dataclass(frozen=True, slots=True)
-class Doubt:
-    """Why there is no certificate.
+class ProofFailure:
+    """Reason for a missing certificate.
 
     Attributes:
         walk: the one that was not refuted.
-        times: with which it reaches the goal in less time at every level; nothing where the effort, or the
-            time, was not enough to tell.
+        reached: whether it reaches the goal in less time at every level; if not, the effort was exhausted.
     """
 
     walk: Walk
-    times: tuple[tuple[float, ...], ...] = ()
-
-    @property
-    def reached(self) -> bool:
-        """Whether the walk is known to be faster."""
-        return bool(self.times)
+    reached: bool = False
 
 
 def certify(
@@ -52,9 +46,7 @@ def certify(
     mission: Mission,
     gammas: Sequence[float],
     lower_bound: float,
-    *,
-    until: float = inf,
-) -> Certificate | Doubt:
+) -> Certificate | ProofFailure:
     """Proves that no walk has a worst time below a bound.
 
     Args:
@@ -62,7 +54,6 @@ def certify(
         mission: from where to where, and how deep.
         gammas: the uncertainty levels.
         lower_bound: seconds; infinite to prove that there is no plan at all.
-        until: reading of `time.perf_counter` at which to give up.
 
     Raises:
         UnknownTrimError: the library lacks the start or goal trim.
@@ -70,8 +61,10 @@ def certify(
     every = walks(library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim)
     if not every:
         return Certificate(mission.max_trims, ())
-    levels = [Problems.of([motion(library, walk, gamma) for walk in every], mission) for gamma in gammas]
-    order = _levels_by_promise(levels, lower_bound)
+    levels = [
+        WalkProblems.of([walk_motion(library, walk, gamma) for walk in every], mission) for gamma in gammas
+    ]
+    order = _levels_by_bound(levels, lower_bound)
     trees: dict[int, tuple[int, str]] = {}
     reached = np.zeros((len(every), len(gammas)), dtype=bool)
     ways: dict[tuple[int, int], tuple[float, ...]] = {}
@@ -88,46 +81,48 @@ def certify(
                 )
                 if not len(rows):
                     continue
-                forest = Forest(levels[level], lower_bound, until)
-                forest.grow(rows, effort)
-                reached[rows, level] |= forest.reached[rows]
-                ways |= {(row, level): times for row, times in forest.ways.items()}
-                for row in rows[~forest.left[rows]].tolist():
-                    trees[row] = level, forest.text(row, len(every[row]))
+                branching = BranchingTrees(levels[level], lower_bound)
+                branching.branch(rows, effort)
+                reached[rows, level] |= branching.reached[rows]
+                ways |= {(row, level): times for row, times in branching.ways.items()}
+                for row in rows[~branching.left[rows]].tolist():
+                    trees[row] = level, branching.text(row, len(every[row]))
         lost = [row for row in range(len(every)) if row not in trees and reached[row].all()]
         if lost:
-            return _faster(lost, every, ways, len(gammas))
+            return _fastest_known(lost, every, ways, len(gammas))
         if len(trees) == len(every):
             break
     else:
-        return Doubt(next(walk for row, walk in enumerate(every) if row not in trees))
+        return ProofFailure(next(walk for row, walk in enumerate(every) if row not in trees))
     return Certificate(
         mission.max_trims,
-        tuple(Refutation(walk, gammas[trees[row][0]], trees[row][1]) for row, walk in enumerate(every)),
+        tuple(
+            InfeasibilityCertificate(walk, gammas[trees[row][0]], trees[row][1])
+            for row, walk in enumerate(every)
+        ),
     )
 
 
-def _faster(
+def _fastest_known(
     rows: list[int], every: tuple[Walk, ...], ways: dict[tuple[int, int], tuple[float, ...]], levels: int
-) -> Doubt:
-    """Returns the walk that coasts least, of those known to be faster than the bound."""
-    times = {row: tuple(ways[row, level][: len(every[row])] for level in range(levels)) for row in rows}
-    best = min(rows, key=lambda row: max(map(sum, times[row])))
-    return Doubt(every[best], times[best])
+) -> ProofFailure:
+    """Returns the known walk below the bound with the least coasting time."""
+    best = min(rows, key=lambda row: max(sum(ways[row, level][: len(every[row])]) for level in range(levels)))
+    return ProofFailure(every[best], reached=True)
 
 
-def _levels_by_promise(levels: list[Problems], target: float) -> Int[np.ndarray, "walks levels"]:
-    """Returns the levels of each walk, the one whose first box is refuted most before the others."""
+def _levels_by_bound(levels: list[WalkProblems], target: float) -> Int[np.ndarray, "walks levels"]:
+    """Returns each walk's levels, ordered by decreasing bound of the root box."""
     excess = []
     for level in levels:
         problems = level.straightened(target)
         low, high = root_boxes(problems, target)
-        refuter = Refuter(problems, low, high, target)
-        refuter.seek(np.zeros(len(low), dtype=complex))
-        excess.append(refuter.excess)
+        search = MultiplierSearch(problems, low, high, target)
+        search.run(np.zeros(len(low), dtype=complex))
+        excess.append(search.excess)
     return np.argsort(-np.stack(excess, axis=1), axis=1, kind="stable")
 
 
-def lower_bound_of(cost: float) -> float:
-    """Returns the bound that is proved for a plan's cost."""
+def provable_bound(cost: float) -> float:
+    """Returns the lower bound to prove for a plan's cost."""
     return cost - GAP if isfinite(cost) else inf

@@ -1,4 +1,4 @@
-"""Plans with their proof: a certificate beside the plan, checked by the code that shares nothing with it."""
+"""Plans with a certificate that passed the independent check."""
 
 from dataclasses import replace
 from math import isfinite
@@ -8,16 +8,16 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Status
-from planner.check.plan_check import problems
+from planner.check.plan_check import plan_problems
 
-from .certify import Doubt, certify, lower_bound_of
+from .certify import ProofFailure, certify, provable_bound
 
 PROVABLE = ("nominal", "worst-case")
 """Policies whose plans are minima over coasting times at levels known beforehand."""
 
 
 class NotProvableError(FlightError):
-    """A certificate was asked for a policy that has none."""
+    """A certificate was requested for an unsupported policy."""
 
     def __init__(self, policy: str) -> None:
         super().__init__(
@@ -25,15 +25,15 @@ class NotProvableError(FlightError):
         )
 
 
-def certified(plan: Plan, library: Library, mission: Mission) -> Plan:
-    """Returns a plan with the proof that none is faster by more than 1e-3 s, or that there is none.
+def certify_plan(plan: Plan, library: Library, mission: Mission) -> Plan:
+    """Returns a plan with its certificate, or with the failure's reason.
 
     Where the proof is not found the plan comes back as `feasible` (or `unknown`), with the reason.
 
     Args:
         plan: of the nominal or the worst-case policy.
         library: it was made with.
-        mission: it answers.
+        mission: it was planned for.
 
     Raises:
         NotProvableError: the plan is of another policy.
@@ -43,10 +43,10 @@ def certified(plan: Plan, library: Library, mission: Mission) -> Plan:
     began = perf_counter()
     gamma = plan.gamma
     levels = (0.0,) if plan.policy == "nominal" or gamma == 0 else (0.0, -gamma, gamma)
-    bound = lower_bound_of(plan.cost)
+    bound = provable_bound(plan.cost)
     proof = certify(library, mission, levels, bound)
-    if isinstance(proof, Doubt):
-        proved = _doubted(plan, proof)
+    if isinstance(proof, ProofFailure):
+        proved = _explain_failure(plan, proof)
     else:
         proved = replace(
             plan,
@@ -57,18 +57,20 @@ def certified(plan: Plan, library: Library, mission: Mission) -> Plan:
             lower_bound=bound if isfinite(bound) else None,
             certificate=proof,
         )
-        wrong = problems(proved, library, mission)
+        wrong = plan_problems(proved, library, mission)
         if wrong:
-            proved = _unproved(plan, f"the certificate failed its check: {wrong[0]}")
+            proved = _without_certificate(plan, f"the certificate failed its check: {wrong[0]}")
     return replace(proved, solve_time=plan.solve_time + perf_counter() - began)
 
 
-def _doubted(plan: Plan, doubt: Doubt) -> Plan:
-    if doubt.reached:
-        return _unproved(plan, f"walk {doubt.walk} may {'be faster' if plan.found else 'lead to the goal'}")
-    return _unproved(plan, f"walk {doubt.walk} was not refuted with the boxes allowed")
+def _explain_failure(plan: Plan, failure: ProofFailure) -> Plan:
+    if failure.reached:
+        return _without_certificate(
+            plan, f"walk {failure.walk} may {'be faster' if plan.found else 'lead to the goal'}"
+        )
+    return _without_certificate(plan, f"walk {failure.walk} was not refuted with the boxes allowed")
 
 
-def _unproved(plan: Plan, why: str) -> Plan:
+def _without_certificate(plan: Plan, why: str) -> Plan:
     status: Status = "feasible" if plan.found else "unknown"
     return replace(plan, status=status, reason=f"not certified: {why}", lower_bound=None)

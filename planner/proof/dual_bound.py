@@ -1,4 +1,4 @@
-"""Why no coasting times in a box reach the goal in time: multipliers, and the bound that they give.
+"""Lagrangian lower bounds over boxes of coasting times.
 
 Positions are complex (north + i east), seen from the start with heading 0. After the coast at place k the
 heading that coasting has made is psi_k = psi_(k-1) + r_k t_k. A coast in a turn moves by
@@ -25,25 +25,25 @@ from jaxtyping import Complex, Float, Int
 
 from flight.mission.mission import Mission
 from flight.se2 import rotate
-from planner.walks.goal import EQUALITY_TOLERANCE, goal_seen, wants_heading
-from planner.walks.kinematics import Motion
+from planner.walks.goal_condition import goal_from_start, wants_heading
+from planner.walks.kinematics import WalkMotion
 
 ROUNDING = 1e-12
 """Seconds (for kappa 0: metres) a second."""
 
-ASTRAY = 1e-4
-"""Metres by which a walk may end elsewhere if its slowest turns are taken as straight lines."""
+POSITION_SLACK = 1e-4
+"""Metres by which the end may shift if negligible turns are made straight."""
 
-ASKEW = 1e-7
+HEADING_SLACK = 1e-7
 """Radians, likewise, where a heading is wanted."""
 
-Boxes = Float[np.ndarray, "boxes trims"]
-Each = Float[np.ndarray, "boxes"]
+PerTrim = Float[np.ndarray, "boxes trims"]
+PerBox = Float[np.ndarray, "boxes"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Problems:
-    """Walks at one uncertainty level each, padded to one length with trims that do nothing.
+class WalkProblems:
+    """Walks at one level each, padded to a common length.
 
     Attributes:
         rate: yaw rates in radians per second.
@@ -54,28 +54,30 @@ class Problems:
         fixed: seconds in maneuvers.
         turned: what the maneuvers turn, radians.
         goal: north + i east.
-        tolerance: radius around it in metres.
+        tolerance: radius around it in metres, with the slack for rounding.
         heading: wanted at the goal, from the start's; None for any.
-        heading_tolerance: half width around it in radians.
+        heading_tolerance: half width around it in radians, with the slack for rounding.
+        slack: for rounding, metres.
     """
 
-    rate: Boxes
+    rate: PerTrim
     velocity: Complex[np.ndarray, "boxes trims"]
     displacement: Complex[np.ndarray, "boxes trims"]
     centre: Complex[np.ndarray, "boxes trims"]
-    longest: Boxes
-    fixed: Each
-    turned: Each
+    longest: PerTrim
+    fixed: PerBox
+    turned: PerBox
     goal: complex
     tolerance: float
     heading: float | None
     heading_tolerance: float
+    slack: float
 
     @classmethod
-    def of(cls, motions: list[Motion], mission: Mission) -> "Problems":
-        """Gathers walks for a mission."""
+    def of(cls, motions: list[WalkMotion], mission: Mission) -> "WalkProblems":
+        """Returns the problems of walks for a mission."""
         trims = max(len(motion.velocities) for motion in motions)
-        rows = [_folded(motion, trims) for motion in motions]
+        rows = [_merge_displacements(motion, trims) for motion in motions]
         rate, velocity, displacement = (np.array([row[part] for row in rows]) for part in range(3))
         with np.errstate(divide="ignore", invalid="ignore"):
             centre = np.where(rate != 0, velocity / (1j * rate), 0)
@@ -90,16 +92,17 @@ class Problems:
             longest,
             np.array([motion.fixed_time for motion in motions]),
             np.array([row[3] for row in rows]),
-            goal_seen(mission),
-            max(mission.tolerance, EQUALITY_TOLERANCE),
+            goal_from_start(mission),
+            mission.destination.reach,
             None if wanted is None else wanted - start.heading,
-            max(mission.heading_tolerance, EQUALITY_TOLERANCE),
+            mission.destination.heading_reach,
+            mission.destination.slack,
         )
 
-    def straightened(self, target: float) -> "Problems":
-        """Returns them with turns too slow to show in the seconds allowed made straight, tolerances widened.
+    def straightened(self, target: float) -> "WalkProblems":
+        """Returns problems with negligible turns straightened and tolerances widened.
 
-        Turning less than an angle in all, a walk leads astray by no more than its length times that angle.
+        If turns made straight turn by at most an angle, the end shifts by at most the walk's length times it.
         """
         if not np.isfinite(target):
             return self
@@ -107,8 +110,8 @@ class Problems:
         length = np.abs(self.displacement).sum(axis=1)[:, None]
         length = length + np.abs(self.velocity).max(axis=1)[:, None] * seconds
         angle = np.abs(self.rate) * seconds
-        askew = np.inf if self.heading is None else ASKEW
-        slow = (self.rate != 0) & (angle * length <= ASTRAY) & (angle <= askew)
+        heading_slack = np.inf if self.heading is None else HEADING_SLACK
+        slow = (self.rate != 0) & (angle * length <= POSITION_SLACK) & (angle <= heading_slack)
         moves = np.where(self.velocity != 0, np.inf, 0.0)
         return replace(
             self,
@@ -119,9 +122,9 @@ class Problems:
             heading_tolerance=self.heading_tolerance + float(np.where(slow, angle, 0.0).max(initial=0.0)),
         )
 
-    def take(self, rows: Int[np.ndarray, "taken"]) -> "Problems":
-        """Returns some of them, in the order asked for."""
-        return Problems(
+    def take(self, rows: Int[np.ndarray, "taken"]) -> "WalkProblems":
+        """Returns some of the problems, in the given order."""
+        return WalkProblems(
             self.rate[rows],
             self.velocity[rows],
             self.displacement[rows],
@@ -133,12 +136,13 @@ class Problems:
             self.tolerance,
             self.heading,
             self.heading_tolerance,
+            self.slack,
         )
 
-    def flown(
-        self, times: Boxes
-    ) -> tuple[Complex[np.ndarray, "boxes trims"], Complex[np.ndarray, "boxes"], Each]:
-        """Returns how the end moves with each time, where it is, and what coasting has turned."""
+    def propagate(
+        self, times: PerTrim
+    ) -> tuple[Complex[np.ndarray, "boxes trims"], Complex[np.ndarray, "boxes"], PerBox]:
+        """Returns end velocities, ends and turns from coasting."""
         position, psi = np.zeros(len(times), dtype=complex), np.zeros(len(times))
         own, after = [], []
         for place in range(times.shape[1]):
@@ -153,7 +157,9 @@ class Problems:
         return np.stack(own, axis=1) + 1j * self.rate * arm, position, psi
 
 
-def _folded(motion: Motion, trims: int) -> tuple[list[complex], list[complex], list[complex], float]:
+def _merge_displacements(
+    motion: WalkMotion, trims: int
+) -> tuple[list[complex], list[complex], list[complex], float]:
     turned = 0.0
     rate: list[complex] = [0j] * trims
     velocity, displacement = [0j] * trims, [0j] * trims
@@ -169,21 +175,21 @@ def _folded(motion: Motion, trims: int) -> tuple[list[complex], list[complex], l
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Multipliers:
-    """What refutes a box.
+    """Multipliers that refute a box.
 
     Attributes:
         kappa: 1 for a bound of the cost, 0 where the goal is out of reach.
-        vector: m, seconds a metre.
-        shares: x, one for each trim: seconds a second at a turn, seconds at a straight coast.
+        vector: m, seconds per metre.
+        shares: x, one for each trim: seconds per second at a turn, seconds at a straight coast.
     """
 
-    kappa: Each
+    kappa: PerBox
     vector: Complex[np.ndarray, "boxes"]
-    shares: Boxes
+    shares: PerTrim
 
 
-def bound(problems: Problems, low: Boxes, high: Boxes, by: Multipliers) -> Each:
-    """Returns the bound that multipliers give over boxes of coasting times: see the module."""
+def dual_bound(problems: WalkProblems, low: PerTrim, high: PerTrim, by: Multipliers) -> PerBox:
+    """Returns the Lagrangian lower bounds over boxes of coasting times."""
     m = np.conj(by.vector)
     total = by.kappa * problems.fixed - (m * problems.goal).real - problems.tolerance * np.abs(m)
     way, slope = np.zeros(len(low), dtype=complex), np.zeros(len(low))
@@ -196,39 +202,39 @@ def bound(problems: Problems, low: Boxes, high: Boxes, by: Multipliers) -> Each:
         way = way + problems.displacement[:, place]
         gained = np.zeros(len(low))
         if turns.any():
-            worth = (by.kappa - x) / np.where(turns, problems.rate[:, place], 1.0)
-            least = least_wave(slope - worth, m * (way - problems.centre[:, place]), *before)
+            multiplier = (by.kappa - x) / np.where(turns, problems.rate[:, place], 1.0)
+            least = least_wave(slope - multiplier, m * (way - problems.centre[:, place]), *before)
             gained = np.where(turns, least + np.minimum(x * first, x * np.where(turns, last, first)), gained)
-            slope = np.where(turns, worth, slope)
+            slope = np.where(turns, multiplier, slope)
         if not turns.all():
             speed = m * problems.velocity[:, place]
             still = np.zeros(len(low))
             steady = by.kappa + least_wave(still, speed, *after)
             fast = by.kappa - least_wave(still, -speed, *after)
-            gained = np.where(turns, gained, by.kappa * x + _aside((first, last), x, (steady, fast)))
+            gained = np.where(turns, gained, by.kappa * x + _straight_term((first, last), x, (steady, fast)))
         with np.errstate(invalid="ignore"):
             total = total + gained
         way = np.where(turns, problems.centre[:, place], way + x * problems.velocity[:, place])
         before = after
     last = least_wave(slope, m * way, *before)
-    # No heading that is wanted: nothing in the box, whatever the straight coasts are worth.
+    # No wanted heading: the box is empty, whatever the weights of straight coasts.
     with np.errstate(invalid="ignore"):
-        found: Each = np.where(last == np.inf, np.inf, total + last)
+        found: PerBox = np.where(last == np.inf, np.inf, total + last)
     return found
 
 
-def _aside(times: tuple[Each, Each], x: Each, worth: tuple[Each, Each]) -> Each:
-    """Returns the least of a straight time less x, times what a second of it is worth; both between two."""
-    (first, last), (steady, fast) = times, worth
+def _straight_term(times: tuple[PerBox, PerBox], x: PerBox, multiplier: tuple[PerBox, PerBox]) -> PerBox:
+    """Returns the minimum over a box of a weighted straight-time term."""
+    (first, last), (steady, fast) = times, multiplier
     with np.errstate(invalid="ignore"):
         late, early = (last - x) * steady, (first - x) * fast
-    least: Each = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
-    # Rounded outward, what is worth next to nothing may be worth less than nothing, for ever.
+    least: PerBox = np.minimum(np.where(steady < 0, late, 0.0), np.where(fast > 0, early, 0.0))
+    # Outward rounding may make a zero weight negative on an unbounded interval.
     return np.where(np.isinf(last) & (steady < ROUNDING), -np.inf, least)
 
 
-def headings(problems: Problems, low: Boxes, high: Boxes) -> tuple[Boxes, Boxes]:
-    """Returns between what the headings lie; at the end only what is wanted, empty if that is nothing."""
+def headings(problems: WalkProblems, low: PerTrim, high: PerTrim) -> tuple[PerTrim, PerTrim]:
+    """Returns heading intervals, the last intersected with the wanted one."""
     one, other = problems.rate * low, problems.rate * np.where(problems.rate == 0, 0.0, high)
     least, most = np.cumsum(np.minimum(one, other), axis=1), np.cumsum(np.maximum(one, other), axis=1)
     if problems.heading is None:
@@ -247,8 +253,8 @@ def headings(problems: Problems, low: Boxes, high: Boxes) -> tuple[Boxes, Boxes]
     )
 
 
-def least_wave(slope: Each, wave: Complex[np.ndarray, "boxes"], low: Each, high: Each) -> Each:
-    """Returns the least of slope * psi + Re(wave exp(i psi)) for psi from low to high."""
+def least_wave(slope: PerBox, wave: Complex[np.ndarray, "boxes"], low: PerBox, high: PerBox) -> PerBox:
+    """Returns the minimum of slope * psi + Re(wave exp(i psi))."""
     size = np.abs(wave)
     ends = [slope * psi + (wave * np.exp(1j * psi)).real for psi in (low, high)]
     least = np.minimum(*ends)
@@ -264,5 +270,5 @@ def least_wave(slope: Each, wave: Complex[np.ndarray, "boxes"], low: Each, high:
         # Not slope * psi - depth: of slow turns both are long, and the depth is the root of what cancels.
         there = slope * psi + (wave * np.exp(1j * psi)).real
         least = np.where(inside, np.minimum(least, there), least)
-    found: Each = np.where(low > high, np.inf, least)
+    found: PerBox = np.where(low > high, np.inf, least)
     return found

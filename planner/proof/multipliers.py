@@ -1,4 +1,4 @@
-"""The multipliers that refute a box best: those of the problem made linear at the middle of the box."""
+"""Search for the best multipliers by linearisation at a box's middle."""
 
 from collections.abc import Iterator
 from itertools import combinations
@@ -6,30 +6,30 @@ from itertools import combinations
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
-from .dual_bound import Boxes, Each, Multipliers, Problems, bound
+from .dual_bound import Multipliers, PerBox, PerTrim, WalkProblems, dual_bound
 
 UNBOUNDED = 10.0
 """Seconds after the beginning of an interval without an end that count as its middle."""
 
 FLAT = 1e-3
-"""Seconds a second; a coasting time that is worth more is taken at one end of its interval."""
+"""Seconds per second; a time of larger weight is taken at one end of its interval."""
 
 TILT = 1e-5
-"""Radians by which a line is left behind that may be followed for ever."""
+"""Radians of tilt against a line that may be followed without limit."""
 
-Vectors = Complex[np.ndarray, "boxes"]
-Trial = tuple[float, Vectors, Each]
-"""kappa, the vector, and seconds a radian that turning is worth."""
+BoxVectors = Complex[np.ndarray, "boxes"]
+MultiplierTrial = tuple[float, BoxVectors, PerBox]
+"""kappa, the vector, and the weight of turning in seconds per radian."""
 
 
-class Refuter:
-    """Seeks multipliers for many boxes at once.
+class MultiplierSearch:
+    """Search for multipliers over many boxes at once.
 
     Args:
         problems: one for each box.
         low: of the coasting times, seconds.
         high: likewise; may be infinite.
-        target: seconds that nothing in the boxes is to undercut; infinite where nothing is to reach the goal.
+        target: lower bound in seconds to prove; infinite to prove the goal unreachable.
 
     Attributes:
         excess: by how much each box is refuted, in seconds (for kappa 0 in metres); negative where it is not.
@@ -37,17 +37,17 @@ class Refuter:
         middle: times inside.
     """
 
-    def __init__(self, problems: Problems, low: Boxes, high: Boxes, target: float) -> None:
+    def __init__(self, problems: WalkProblems, low: PerTrim, high: PerTrim, target: float) -> None:
         self._problems, self._low, self._high, self._target = problems, low, high, target
         count, trims = low.shape
-        self.excess: Each = np.full(count, -np.inf)
+        self.excess: PerBox = np.full(count, -np.inf)
         self.by = Multipliers(np.ones(count), np.zeros(count, dtype=complex), np.zeros((count, trims)))
         self._turning = np.zeros(count)
-        self.middle = middle(low, high)
+        self.middle = box_midpoint(low, high)
 
-    def seek(self, hint: Vectors) -> None:
-        """Tries candidates until every box is refuted, or there are none left."""
-        velocity, end, _ = self._problems.flown(self.middle)
+    def run(self, hint: BoxVectors) -> None:
+        """Tries candidates until every box is refuted or none is left."""
+        velocity, end, _ = self._problems.propagate(self.middle)
         for kappa, vector, turning in self._trials(velocity, end, hint):
             rows = np.flatnonzero(self.excess < 0)
             if not len(rows):
@@ -58,7 +58,7 @@ class Refuter:
             if len(rows):
                 self._at_corners(rows)
 
-    def _trials(self, velocity: Boxes, end: Vectors, hint: Vectors) -> Iterator[Trial]:
+    def _trials(self, velocity: PerTrim, end: BoxVectors, hint: BoxVectors) -> Iterator[MultiplierTrial]:
         problems, none = self._problems, np.zeros(len(end))
         bounded = np.isfinite(self._target)
         off = end - problems.goal
@@ -82,16 +82,16 @@ class Refuter:
     def _try(
         self,
         rows: Int[np.ndarray, "some"],
-        trial: tuple[float | Each, Vectors, Each],
-        centre: Boxes,
+        trial: tuple[float | PerBox, BoxVectors, PerBox],
+        centre: PerTrim,
         velocity: Complex[np.ndarray, "some trims"],
     ) -> None:
-        """Evaluates one choice for some boxes, and keeps it where it is the best so far."""
+        """Evaluates one trial for some boxes and records improvements."""
         some = self._problems.take(rows)
         kappa, vector, turning = np.broadcast_to(trial[0], len(rows)), trial[1], trial[2]
         worth = kappa[:, None] + (np.conj(vector)[:, None] * velocity).real + turning[:, None] * some.rate
         by = Multipliers(kappa, vector, np.where(some.rate != 0, worth, centre))
-        found = bound(some, self._low[rows], self._high[rows], by)
+        found = dual_bound(some, self._low[rows], self._high[rows], by)
         if np.isfinite(self._target):
             found = found - kappa * self._target
         better = found > self.excess[rows]
@@ -102,42 +102,42 @@ class Refuter:
         self._turning[which] = turning[better]
 
     def _at_corners(self, rows: Int[np.ndarray, "some"]) -> None:
-        """Tries the best multipliers again, expanded about the times that are best with them."""
+        """Repeats the best multipliers, expanded about their minimising corners."""
         some, low, high = self._problems.take(rows), self._low[rows], self._high[rows]
         kappa, vector, turning = self.by.kappa[rows], self.by.vector[rows], self._turning[rows]
         centre = self.middle[rows]
         for _ in range(2):
-            velocity, _, _ = some.flown(centre)
+            velocity, _, _ = some.propagate(centre)
             worth = kappa[:, None] + (np.conj(vector)[:, None] * velocity).real + turning[:, None] * some.rate
             most = np.where(np.isfinite(high), high, centre)
             centre = np.where(worth > FLAT, low, np.where(worth < -FLAT, most, self.middle[rows]))
-        velocity, _, _ = some.flown(centre)
+        velocity, _, _ = some.propagate(centre)
         self._try(rows, (kappa, vector, turning), centre, velocity)
 
 
-def middle(low: Boxes, high: Boxes) -> Boxes:
-    """Returns times inside boxes; in one without an end some seconds after its beginning."""
+def box_midpoint(low: PerTrim, high: PerTrim) -> PerTrim:
+    """Returns interior times of boxes, also of unbounded ones."""
     ended = np.isfinite(high)
-    inside: Boxes = np.where(ended, 0.5 * (low + np.where(ended, high, 0.0)), low + UNBOUNDED)
+    inside: PerTrim = np.where(ended, 0.5 * (low + np.where(ended, high, 0.0)), low + UNBOUNDED)
     return inside
 
 
-def _unit(vector: Vectors) -> Vectors:
+def _unit(vector: BoxVectors) -> BoxVectors:
     size = np.abs(vector)
-    unit: Vectors = np.where(size > 0, vector / np.where(size > 0, size, 1.0), 1.0)
+    unit: BoxVectors = np.where(size > 0, vector / np.where(size > 0, size, 1.0), 1.0)
     return unit
 
 
-def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: Vectors) -> Iterator[Trial]:
-    """One time between its ends: the vector points out of the goal's disc."""
+def _one_free(velocity: Complex[np.ndarray, "boxes trims"], normal: BoxVectors) -> Iterator[MultiplierTrial]:
+    """Yields trials with one free time, normal to the goal's disc."""
     for place in range(velocity.shape[1]):
         nearing = -(np.conj(normal) * velocity[:, place]).real
         some = nearing > 0
         yield 1.0, np.where(some, normal / np.where(some, nearing, 1.0), 0.0), np.zeros(len(normal))
 
 
-def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[Trial]:
-    """Two times between their ends: both are worth exactly their seconds."""
+def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[MultiplierTrial]:
+    """Yields trials with two free times of equal weight."""
     for one, two in combinations(range(velocity.shape[1]), 2):
         first, second = velocity[:, one], velocity[:, two]
         area = (np.conj(first) * second).imag
@@ -147,9 +147,9 @@ def _two_free(velocity: Complex[np.ndarray, "boxes trims"]) -> Iterator[Trial]:
 
 
 def _turning_free(
-    velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes, normal: Vectors
-) -> Iterator[Trial]:
-    """The heading at the goal is worth seconds: to one turn alone, or with the disc's edge to two times."""
+    velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim, normal: BoxVectors
+) -> Iterator[MultiplierTrial]:
+    """Yields trials with the heading constraint active."""
     none = np.zeros(len(normal), dtype=complex)
     away = (np.conj(normal)[:, None] * velocity).real
     for place in range(velocity.shape[1]):
@@ -163,8 +163,8 @@ def _turning_free(
         yield 1.0, np.maximum(size, 0.0) * normal, turning
 
 
-def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Iterator[Trial]:
-    """Three times between their ends, with the heading at the goal a third equation."""
+def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
+    """Yields trials with three free times and the heading constraint."""
     for places in combinations(range(velocity.shape[1]), 3):
         matrix = _columns(velocity, rate)[:, places]
         solvable = np.abs(np.linalg.det(matrix)) > 1e-12
@@ -174,8 +174,8 @@ def _three_free(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> It
         yield 1.0, found[:, 0] + 1j * found[:, 1], found[:, 2]
 
 
-def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Iterator[Trial]:
-    """What is worth nothing to two times: across both, in the space of ends and headings."""
+def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim) -> Iterator[MultiplierTrial]:
+    """Yields separating multipliers with zero weight for two times."""
     columns = _columns(velocity, rate)
     for one, two in combinations(range(velocity.shape[1]), 2):
         across = np.cross(columns[:, one], columns[:, two])
@@ -185,5 +185,7 @@ def _separating(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> It
             yield 0.0, sign * (across[:, 0] + 1j * across[:, 1]), sign * across[:, 2]
 
 
-def _columns(velocity: Complex[np.ndarray, "boxes trims"], rate: Boxes) -> Float[np.ndarray, "boxes trims 3"]:
+def _columns(
+    velocity: Complex[np.ndarray, "boxes trims"], rate: PerTrim
+) -> Float[np.ndarray, "boxes trims 3"]:
     return np.stack([velocity.real, velocity.imag, rate], axis=2)

@@ -1,6 +1,6 @@
-"""Where a walk leads: its end at an uncertainty level.
+"""Kinematics of a walk at an uncertainty level.
 
-It is the flow of `flight.se2.SE2.exp` and the composition of poses; `symbolic_motion` does it for symbols.
+It is the flow of `flight.se2.SE2.exp` and the composition of poses; `tests.oracles` has a twin for symbols.
 """
 
 from collections.abc import Sequence
@@ -14,22 +14,22 @@ from .walk import Walk
 
 
 class NegativeDurationError(FlightError):
-    """An uncertainty level turns a maneuver's duration negative."""
+    """A maneuver's duration is negative at an uncertainty level."""
 
     def __init__(self, maneuver: int, duration: float, gamma: float) -> None:
         super().__init__(f"maneuver {maneuver}: duration must be >= 0 s, got {duration} s at gamma {gamma}")
 
 
 class GammaError(FlightError):
-    """An uncertainty level to plan for is outside its range."""
+    """The gamma to plan for is outside its range."""
 
     def __init__(self, gamma: float) -> None:
         super().__init__(f"gamma must be between 0 and 1, got {gamma}")
 
 
 @dataclass(frozen=True, slots=True)
-class Motion:
-    """The numbers of a walk at one uncertainty level.
+class WalkMotion:
+    """Coefficients of a walk at one uncertainty level.
 
     Attributes:
         velocities: body velocity in each trim.
@@ -42,7 +42,7 @@ class Motion:
     fixed_time: float
 
     def end(self, start: SE2, coasting_times: Sequence[float]) -> SE2:
-        """Returns the pose after the whole walk (thesis, eq. 8a and 8b, displacements rotated).
+        """Returns the pose after the walk (thesis, eq. 8a and 8b).
 
         Args:
             start: pose at time 0.
@@ -60,31 +60,31 @@ class Motion:
         return self.fixed_time + sum(coasting_times)
 
 
-def motion(library: Library, walk: Walk, gamma: float) -> Motion:
-    """Returns the numbers of a walk at an uncertainty level.
+def walk_motion(library: Library, walk: Walk, gamma: float) -> WalkMotion:
+    """Returns the coefficients of a walk at an uncertainty level.
 
     Raises:
         NoManeuverError: the library does not join two trims of the walk.
         NegativeDurationError: a maneuver would end before it begins.
     """
     outcomes = [maneuver.at(gamma) for maneuver in library.maneuvers_along(walk)]
-    refuse_negative_durations(library, gamma)
-    return Motion(
+    check_durations(library, gamma)
+    return WalkMotion(
         velocities=tuple(library.trim(trim).at(gamma) for trim in walk),
         displacements=tuple(outcome.displacement for outcome in outcomes),
         fixed_time=sum(outcome.duration for outcome in outcomes),
     )
 
 
-def refuse_negative_durations(library: Library, gamma: float) -> None:
-    """Raises `NegativeDurationError` where an uncertainty level turns a duration negative."""
+def check_durations(library: Library, gamma: float) -> None:
+    """Raises `NegativeDurationError` for a negative duration at a level."""
     for maneuver in library.maneuvers:
         duration = maneuver.at(gamma).duration
         if duration < 0:
             raise NegativeDurationError(maneuver.id, duration, gamma)
 
 
-def refuse_gamma(gamma: float) -> None:
-    """Raises `GammaError` where an uncertainty level to plan for is outside [0, 1]."""
+def check_gamma(gamma: float) -> None:
+    """Raises `GammaError` for a gamma outside [0, 1]."""
     if not 0 <= gamma <= 1:
         raise GammaError(gamma)

@@ -1,4 +1,4 @@
-"""The way to rest: how a vehicle that has no plan any more comes to where it can stay."""
+"""Safe-stop path to a trim in which the vehicle can wait."""
 
 from heapq import heappop, heappush
 from math import hypot
@@ -10,15 +10,15 @@ from .walk import Walk
 
 
 def rest_trim(library: Library) -> int:
-    """Returns the trim in which a vehicle can wait: the hover; without one, the slowest that flies straight.
+    """Returns the rest trim: hover, else the slowest straight trim.
 
     Where nothing flies straight, the slowest turn: it stays in a circle.
     """
-    return min(library.trims, key=_restlessness).id
+    return min(library.trims, key=_rest_order).id
 
 
-def way_to_rest(library: Library, trim: int) -> Walk:
-    """Returns the trims that lead from one, itself excluded, to rest in the least time.
+def safe_stop_path(library: Library, trim: int) -> Walk:
+    """Returns the least-time trims from one, itself excluded, to rest.
 
     Empty where the vehicle rests already, or where no maneuvers lead to rest.
 
@@ -45,6 +45,6 @@ def way_to_rest(library: Library, trim: int) -> Walk:
     return ()
 
 
-def _restlessness(trim: Trim) -> tuple[bool, float, int]:
+def _rest_order(trim: Trim) -> tuple[bool, float, int]:
     velocity = trim.velocity
     return velocity.yaw_rate != 0, hypot(velocity.forward, velocity.side), trim.id

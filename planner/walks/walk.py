@@ -1,4 +1,4 @@
-"""Which trims may follow one another: the walks in the maneuver automaton, up to a depth."""
+"""Walks in the maneuver automaton up to a maximum length."""
 
 from flight.automaton.library import Library
 
@@ -9,7 +9,7 @@ Walk = tuple[int, ...]
 def walks(
     library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None
 ) -> tuple[Walk, ...]:
-    """Returns every walk of at most so many trims, shorter ones first (thesis, 5.4 and Table 11).
+    """Returns every walk up to a length, shortest first (thesis, 5.4).
 
     Trims may be visited again.
 
@@ -36,7 +36,7 @@ def walks(
 def trims_of_walks(
     library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None
 ) -> frozenset[int]:
-    """Returns the ids of the trims that are in any walk of `walks`, without listing these.
+    """Returns the trims of all walks without listing the walks.
 
     Raises:
         UnknownTrimError: the library has no such start or goal trim.

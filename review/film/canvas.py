@@ -1,4 +1,4 @@
-"""Pictures of a MuJoCo scene without a screen."""
+"""Off-screen rendering of a MuJoCo scene."""
 
 import os
 import sys
@@ -12,30 +12,30 @@ from jaxtyping import UInt8
 
 from flight.errors import FlightError
 
-# Drawn lines and marks of a scene, beside the shape itself.
+# Largest number of geoms in a scene: the vehicle's, the lines and the marks.
 _MOST_GEOMS = 20_000
 
 
 class NoCanvasError(FlightError):
-    """Nothing here can draw."""
+    """No OpenGL context can be opened."""
 
     def __init__(self, tried: list[str]) -> None:
         super().__init__(
-            "no film can be drawn: expected OpenGL without a screen (EGL or OSMesa) or with one (GLFW); "
+            "cannot render: expected off-screen OpenGL (EGL or OSMesa) or a display (GLFW); tried "
             + "; ".join(tried)
         )
 
 
 class Canvas:
-    """Draws a model's scene into memory; to be closed.
+    """Off-screen renderer of a model's scene; the caller closes it.
 
     Args:
-        model: what is drawn.
-        width: of a picture, pixels.
-        height: likewise.
+        model: the model to render.
+        width: picture width, pixels.
+        height: picture height, pixels.
 
     Raises:
-        NoCanvasError: there is no OpenGL.
+        NoCanvasError: no OpenGL context can be opened.
     """
 
     def __init__(self, model: mujoco.MjModel, *, width: int, height: int) -> None:
@@ -53,12 +53,12 @@ class Canvas:
     def draw(
         self, data: mujoco.MjData, camera: mujoco.MjvCamera, decorate: Callable[[mujoco.MjvScene], None]
     ) -> UInt8[np.ndarray, "height width 3"]:
-        """Returns a picture, rows from the top.
+        """Renders a picture, rows from the top.
 
         Args:
-            data: where everything is.
-            camera: who looks.
-            decorate: adds to the scene what the model does not have.
+            data: the model's configuration.
+            camera: the point of view.
+            decorate: adds lines and marks to the scene.
         """
         every = mujoco.mjtCatBit.mjCAT_ALL
         mujoco.mjv_updateScene(self._model, data, self._option, None, camera, every, self.scene)
@@ -69,29 +69,29 @@ class Canvas:
         return picture[::-1]
 
     def close(self) -> None:
-        """Gives the graphics memory back."""
+        """Frees the graphics memory."""
         self._drawing.free()
         self._context.free()
 
 
 def check_canvas() -> None:
-    """Finds out whether anything here can draw.
+    """Checks that an OpenGL context can be opened.
 
     Raises:
-        NoCanvasError: nothing can.
+        NoCanvasError: none can be opened.
     """
     _open_context(64, 64).free()
 
 
 def _open_context(width: int, height: int) -> Any:
-    """Opens what MUJOCO_GL names, or the first that works."""
+    """Opens the backend that MUJOCO_GL names, or the first that works."""
     named = os.environ.get("MUJOCO_GL", "").lower()
     usual = ("cgl", "glfw") if sys.platform == "darwin" else ("egl", "osmesa", "glfw")
     tried = []
     for name in (named,) if named else usual:
         try:
             return import_module(f"mujoco.{name}").GLContext(width, height)
-        # Whatever a driver, a wrapper or a missing file raises, the next may work.
+        # Drivers raise many kinds of errors; the next backend may still work.
         except Exception as error:
             tried.append(f"{name}: {str(error).splitlines()[0] if str(error) else type(error).__name__}")
     raise NoCanvasError(tried)

@@ -1,4 +1,4 @@
-"""Pictures written to a film, by the ffmpeg that imageio-ffmpeg brings."""
+"""Video encoding by the ffmpeg of imageio-ffmpeg."""
 
 import subprocess
 import tempfile
@@ -16,18 +16,18 @@ Picture = UInt8[np.ndarray, "height width 3"]
 
 
 class FilmError(FlightError):
-    """A film or a picture of one cannot be made."""
+    """A film or a still cannot be made."""
 
 
 @contextmanager
 def film_encoder(path: Path, *, width: int, height: int, rate: int) -> Iterator[Callable[[Picture], None]]:
-    """Lends what adds a picture to a film in H.264.
+    """Yields a function that appends a picture to an H.264 film.
 
     Args:
-        path: of the film.
+        path: the film file.
         width: pixels, even.
         height: pixels, even.
-        rate: pictures a second.
+        rate: pictures per second.
 
     Raises:
         FilmError: the film cannot be written.
@@ -35,25 +35,25 @@ def film_encoder(path: Path, *, width: int, height: int, rate: int) -> Iterator[
     raw = ["-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}", "-r", str(rate), "-i", "-"]
     coded = ["-c:v", "libx264", "-pix_fmt", "yuv420p", "-crf", "20", "-movflags", "+faststart"]
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-y", "-loglevel", "error", *raw, *coded, str(path)]
-    with tempfile.TemporaryFile() as said:
-        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=said) as encoder:
-            taking = encoder.stdin
-            assert taking is not None
+    with tempfile.TemporaryFile() as messages:
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=messages) as encoder:
+            pipe = encoder.stdin
+            assert pipe is not None
 
             def add(picture: Picture) -> None:
-                taking.write(np.ascontiguousarray(picture).data)
+                pipe.write(np.ascontiguousarray(picture).data)
 
             try:
                 yield add
-                taking.close()
+                pipe.close()
             except BrokenPipeError:
-                # It has ended, and said why.
+                # The encoder has exited; its messages hold the reason.
                 encoder.wait()
             except BaseException:
                 encoder.kill()
                 encoder.wait()
                 raise
         if encoder.returncode:
-            said.seek(0)
-            lines = said.read().decode(errors="replace").strip().splitlines()
+            messages.seek(0)
+            lines = messages.read().decode(errors="replace").strip().splitlines()
             raise FilmError(f"{path} cannot be written: {lines[-1] if lines else 'the encoder failed'}")

@@ -1,4 +1,4 @@
-"""A logged flight as a film: a chase camera, turning rotors, the tracks flown and planned, a caption."""
+"""Film of a logged flight: chase camera, turning rotors, tracks, caption."""
 
 import tempfile
 from collections.abc import Callable, Iterator
@@ -17,32 +17,32 @@ from scipy.ndimage import gaussian_filter1d
 
 from flightlog.channels import PRIMITIVE
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_label, trim_names
 from runtime.atomic_write import file_target
 
 from .canvas import Canvas
 from .encoder import FilmError, Picture, film_encoder
 from .film_model import film_model
-from .film_tracks import FLOWN, PLANNED, Tracks
+from .film_tracks import FLOWN, PLANNED, FilmTracks
 
-# Rotors are shown turning this fast, rad/s, the main one clockwise seen from above: at their true speed,
-# pictures this far apart would freeze them.
+# Rotor speeds in the film, rad/s, the main rotor clockwise seen from above: at the true speed the frame rate
+# would alias the rotation.
+LONGEST_FILM = 6.0 * 3600.0
 _SHOWN_SPEEDS = (-11.0, 17.0)
-# The camera: how far behind and to the side, m and deg, how much it looks down, and over how many seconds it
-# takes the vehicle's place and heading.
+# Camera: distance behind, m; azimuth offset and elevation, deg; smoothing of place and of heading, s.
 _DISTANCE, _ASIDE, _DOWN = 7.0, -22.0, -13.0
 _SMOOTH_PLACE, _SMOOTH_HEADING = 0.15, 0.9
 
 
 @dataclass(frozen=True, slots=True)
 class FilmSettings:
-    """How a film is made.
+    """Size and frame rate of a film.
 
     Attributes:
         width: pixels, even.
         height: pixels, even.
-        rate: pictures a second.
+        rate: pictures per second.
     """
 
     width: int = 960
@@ -50,27 +50,29 @@ class FilmSettings:
     rate: int = 25
 
     def __post_init__(self) -> None:
-        """Refuses what no encoder takes."""
+        """Checks that an encoder accepts the size and the rate."""
         if self.width < 64 or self.height < 64 or self.width % 2 or self.height % 2 or self.rate < 1:
             raise ValueError(f"width and height must be even and >= 64, rate >= 1, got {self}")
 
 
 class Film:
-    """Draws the pictures of one flight; to be closed.
+    """Pictures of one flight; the caller closes it.
 
     Args:
         log: the flight.
-        settings: how the film is made.
+        settings: size and frame rate.
 
     Raises:
-        FlightError: the log lacks motion, an attachment is broken, or nothing here can draw.
+        FlightError: the log lacks motion, an attachment is broken, or no OpenGL context can be opened.
     """
 
     def __init__(self, log: FlightLog, settings: FilmSettings) -> None:
+        if log.duration > LONGEST_FILM:
+            raise FilmError(f"expected a flight of at most {LONGEST_FILM:g} s, got {log.duration:.6g} s")
         self._times = np.arange(0.0, log.duration + 0.5 / settings.rate, 1.0 / settings.rate)
         self._states = _states(log, self._times)
-        self._smooth = _smoothed(self._states, settings.rate)
-        self._tracks, self._captions = Tracks(log), _captions(log, self._times)
+        self._smooth = _smooth_camera_path(self._states, settings.rate)
+        self._tracks, self._captions = FilmTracks(log), _captions(log, self._times)
         self._model = film_model(log)
         self._data = mujoco.MjData(self._model)
         self._camera = mujoco.MjvCamera()
@@ -82,10 +84,10 @@ class Film:
         return len(self._times)
 
     def picture(self, number: int) -> Picture:
-        """Returns a picture with its caption."""
+        """Renders a picture with its caption."""
         time, state = float(self._times[number]), self._states[number]
         data, camera = self._data, self._camera
-        data.qpos[:7] = _placed(state)
+        data.qpos[:7] = _mujoco_pose(state)
         rotors = self._model.nq - 7
         data.qpos[7:] = [speed * time for speed in _SHOWN_SPEEDS[:rotors]]
         mujoco.mj_kinematics(self._model, data)
@@ -98,7 +100,7 @@ class Film:
             self._tracks.add_to(scene, time=time, place=data.qpos[:3].tolist())
 
         picture = self._canvas.draw(data, camera, decorate)
-        return _with_caption(picture, self._captions[number])
+        return _add_caption(picture, self._captions[number])
 
 
 def write_film(
@@ -109,19 +111,19 @@ def write_film(
     force: bool = False,
     shown: Callable[[Iterator[int], int], Iterator[int]] | None = None,
 ) -> None:
-    """Writes a flight as a film in H.264, whole or not at all.
+    """Writes a flight as an H.264 film, atomically.
 
     Args:
         log: the flight.
-        path: of an .mp4 file.
-        settings: how the film is made.
+        path: an .mp4 file.
+        settings: size and frame rate.
         force: overwrite.
-        shown: passes the numbers of the pictures through, given how many there are, to show progress.
+        shown: wraps the iterator over picture numbers, given their count, to show progress.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
-        CannotWriteError: it is no regular file.
-        FlightError: the log cannot be drawn, nothing here can draw, or the file cannot be written.
+        CannotWriteError: the target is not a regular file.
+        FlightError: the log cannot be drawn, no OpenGL context can be opened, or the file cannot be written.
     """
     target = file_target(path, force=force)
     settings = settings or FilmSettings()
@@ -141,12 +143,12 @@ def write_still(log: FlightLog, path: Path, *, time: float, settings: FilmSettin
 
     Args:
         log: the flight.
-        path: of the picture; overwritten.
+        path: the picture file; overwritten.
         time: s since the start.
-        settings: how the film is made.
+        settings: size and frame rate.
 
     Raises:
-        FlightError: the flight has no such time, the log cannot be drawn, or nothing here can draw.
+        FlightError: the time is outside the flight, the log cannot be drawn, or there is no OpenGL context.
     """
     if not 0.0 <= time <= log.duration:
         raise FilmError(f"expected a time from 0 to {log.duration:.2f} s, got {time:g} s")
@@ -160,21 +162,21 @@ def write_still(log: FlightLog, path: Path, *, time: float, settings: FilmSettin
 
 
 def _states(log: FlightLog, times: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n 8"]:
-    """Returns north, east, down, roll, pitch, heading, forward and side at each time."""
+    """Returns position, attitude and horizontal velocity at each time."""
     motion = log.motion
     names = ("north", "east", "down", "roll", "pitch", "heading", "forward", "side")
     return np.column_stack([np.interp(times, motion.time, motion[name]) for name in names])
 
 
-def _smoothed(states: Float[np.ndarray, "n 8"], rate: int) -> Float[np.ndarray, "n 4"]:
-    """Returns north, east, down and heading as the camera follows them."""
+def _smooth_camera_path(states: Float[np.ndarray, "n 8"], rate: int) -> Float[np.ndarray, "n 4"]:
+    """Returns smoothed north, east, down and heading for the camera."""
     place = gaussian_filter1d(states[:, :3], _SMOOTH_PLACE * rate, axis=0, mode="nearest")
     heading = gaussian_filter1d(states[:, 5], _SMOOTH_HEADING * rate, mode="nearest")
     return np.column_stack([place, heading])
 
 
-def _placed(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
-    """Returns position and quaternion in MuJoCo's axes, which are z-up."""
+def _mujoco_pose(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
+    """Returns position and quaternion in MuJoCo's z-up axes."""
     north, east, down, roll, pitch, heading = state[:6].tolist()
     (cr, cp, ch), (sr, sp, sh) = ([f(angle / 2.0) for angle in (roll, pitch, heading)] for f in (cos, sin))
     w, x = cr * cp * ch + sr * sp * sh, sr * cp * ch - cr * sp * sh
@@ -183,24 +185,24 @@ def _placed(state: Float[np.ndarray, "8"]) -> tuple[float, ...]:
 
 
 def _captions(log: FlightLog, times: Float[np.ndarray, "n"]) -> list[tuple[str, str]]:
-    """Returns time, speed and height, and what is flown, for each time."""
+    """Returns the figures and the primitive flown, for each time."""
     states, names = _states(log, times), trim_names(log)
-    stretches = stretches_flown(log) if PRIMITIVE.name in log.series else ()
+    primitives = merged_primitives(log) if PRIMITIVE.name in log.series else ()
     captions = []
     for time, state in zip(times.tolist(), states, strict=True):
-        now = [part for part in stretches if part.start <= time]
-        what = ""
-        if now and now[-1].kind is PrimitiveKind.COAST:
-            what = f"holds trim {trim_label(now[-1].id, names)}"
-        elif now:
-            what = f"maneuver to trim {trim_label(now[-1].to_trim, names)}"
+        begun = [part for part in primitives if part.start <= time]
+        primitive = ""
+        if begun and begun[-1].kind is PrimitiveKind.COAST:
+            primitive = f"coast in trim {trim_label(begun[-1].id, names)}"
+        elif begun:
+            primitive = f"maneuver to trim {trim_label(begun[-1].to_trim, names)}"
         speed = float(np.hypot(state[6], state[7]))
-        captions.append((f"{time:6.2f} s    {speed:5.2f} m/s    {-state[2]:5.1f} m", what))
+        captions.append((f"{time:6.2f} s    {speed:5.2f} m/s    {-state[2]:5.1f} m", primitive))
     return captions
 
 
-def _with_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
-    """Returns the picture with a band below that says what is seen."""
+def _add_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
+    """Returns the picture with a caption band at its lower edge."""
     image = Image.fromarray(picture)
     width, height = image.size
     size = max(9, height // 32)
@@ -210,9 +212,9 @@ def _with_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
         (0, height - band),
     )
     draw, middle = ImageDraw.Draw(image), height - band // 2
-    numbers, what = caption
+    numbers, primitive = caption
     draw.text((size, middle), numbers, font=_font("DejaVuSansMono.ttf", size), fill="white", anchor="lm")
-    draw.text((width // 2, middle), what, font=_font("DejaVuSans.ttf", size), fill="white", anchor="mm")
+    draw.text((width // 2, middle), primitive, font=_font("DejaVuSans.ttf", size), fill="white", anchor="mm")
     right = width - size
     for word, color in (("planned", PLANNED), ("flown", FLOWN)):
         draw.text((right, middle), word, font=_font("DejaVuSans.ttf", size), fill="white", anchor="rm")
@@ -225,5 +227,5 @@ def _with_caption(picture: Picture, caption: tuple[str, str]) -> Picture:
 
 @cache
 def _font(name: str, size: int) -> ImageFont.FreeTypeFont:
-    """Returns a font that comes with Matplotlib."""
+    """Returns a font from Matplotlib's data."""
     return ImageFont.truetype(str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / name), size)

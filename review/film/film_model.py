@@ -1,6 +1,6 @@
-"""The vehicle's shape as it is filmed: rotors that turn, ground with a grid of 10 m, sky and light.
+"""Visual model for films: turning rotors, 10 m ground grid, sky, light.
 
-Made of the shape that a log carries; what is flown does not depend on it.
+Built from the vehicle's shape in the log; the flight dynamics do not use it.
 """
 
 from collections.abc import Sequence
@@ -14,17 +14,18 @@ from flightlog.log import FlightLog
 from flightlog.viewers.mjcf_check import parse_model
 
 MAIN_ROTOR, TAIL_ROTOR = ("blade", "main_rotor", "stabiliser_bar"), ("tail_blade", "tail_rotor")
-"""Geoms that turn about the vertical and the sideward axis, in the order of their angles; the first is in
-the middle of its rotor."""
+"""Geoms that turn about the vertical and the sideward axis, in the order of their angles.
+
+The first of each is at the rotor's centre."""
 
 _VEHICLE = "helicopter"
-# Lines of the ground are this far apart, m.
+# Spacing of the ground's grid, m.
 _GRID = 10.0
 _SKY, _HAZE = (0.36, 0.56, 0.80), (0.84, 0.90, 0.95)
 
 
 def film_model(log: FlightLog) -> mujoco.MjModel:
-    """Returns the model that is filmed: a free body, then an angle for each rotor that it has.
+    """Builds the model to render: a free body and its rotor angles.
 
     Raises:
         BadFileError: the log's shape cannot be read.
@@ -38,18 +39,18 @@ def film_model(log: FlightLog) -> mujoco.MjModel:
         shape = spec.compile()
     except (ValueError, UnicodeDecodeError) as error:
         why = " ".join(str(error).split())
-        raise BadFileError(MODEL_ATTACHMENT, f"is no model that can be drawn: {why}") from None
+        raise BadFileError(MODEL_ATTACHMENT, f"expected a drawable model: {why}") from None
     for names, axis in ((MAIN_ROTOR, (0.0, 0.0, 1.0)), (TAIL_ROTOR, (0.0, 1.0, 0.0))):
-        _let_turn(spec, shape, names, axis)
-    _lay_ground(spec)
-    _light(spec)
+        _add_rotor_joint(spec, shape, names, axis)
+    _add_ground(spec)
+    _add_lights(spec)
     return spec.compile()
 
 
-def _let_turn(
+def _add_rotor_joint(
     spec: mujoco.MjSpec, shape: mujoco.MjModel, names: Sequence[str], axis: tuple[float, float, float]
 ) -> None:
-    """Moves geoms to a body of their own that turns about the first one's middle."""
+    """Moves geoms to a hinged body centred at the first geom."""
     geoms = [spec.geom(name) for name in names]
     vehicle = spec.body(_VEHICLE)
     if vehicle is None or None in geoms:
@@ -73,8 +74,8 @@ def _let_turn(
         spec.delete(geom)
 
 
-def _lay_ground(spec: mujoco.MjSpec) -> None:
-    """Lays an endless plane with a grid under the flight."""
+def _add_ground(spec: mujoco.MjSpec) -> None:
+    """Adds an infinite ground plane with a grid."""
     for geom in [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_PLANE]:
         spec.delete(geom)
     spec.add_texture(
@@ -88,7 +89,7 @@ def _lay_ground(spec: mujoco.MjSpec) -> None:
         width=512,
         height=512,
     )
-    # A texture holds two squares each way.
+    # One texture covers two squares in each direction.
     repeats = [0.5 / _GRID] * 2
     textures = [""] * mujoco.mjtTextureRole.mjNTEXROLE
     textures[mujoco.mjtTextureRole.mjTEXROLE_RGB] = "film_ground"
@@ -103,8 +104,8 @@ def _lay_ground(spec: mujoco.MjSpec) -> None:
     )
 
 
-def _light(spec: mujoco.MjSpec) -> None:
-    """Sets sun, sky and haze."""
+def _add_lights(spec: mujoco.MjSpec) -> None:
+    """Adds sun, sky and haze."""
     for texture in [each for each in spec.textures if each.type == mujoco.mjtTexture.mjTEXTURE_SKYBOX]:
         texture.rgb1, texture.rgb2 = _HAZE, _SKY
     for light in list(spec.lights):
@@ -122,7 +123,7 @@ def _light(spec: mujoco.MjSpec) -> None:
     visual.headlight.ambient, visual.headlight.diffuse = [0.38, 0.40, 0.44], [0.22, 0.22, 0.22]
     visual.headlight.specular = [0.05, 0.05, 0.05]
     visual.rgba.haze = [*_HAZE, 1.0]
-    # In units of the model's extent, which is made a metre.
+    # These are in units of the model's extent, which is set to 1 m.
     spec.stat.extent = 1.0
     visual.map.znear, visual.map.zfar, visual.map.haze = 0.05, 1500.0, 0.25
     visual.quality.offsamples = 4

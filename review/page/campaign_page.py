@@ -1,4 +1,4 @@
-"""The index of a campaign as one page: every flight a row with its sparkline, outliers first."""
+"""Index page of a campaign: a row per flight, outliers first."""
 
 from collections.abc import Mapping, Sequence
 from math import isfinite
@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from flight.plural import counted
+from flight.plural import plural
 
 from .campaign_rows import FIGURES, FlightRow
 from .page import fill_page
@@ -15,12 +15,12 @@ Content = dict[str, object]
 
 
 def campaign_page(rows: Sequence[FlightRow], *, title: str, pages: Mapping[Path, str]) -> str:
-    """Returns the page.
+    """Returns the HTML of the index page.
 
     Args:
-        rows: in the order in which they are shown.
-        title: of the campaign.
-        pages: address of a flight's own page, relative to this one, by its log; those that have one.
+        rows: the flights in display order.
+        title: the campaign's name.
+        pages: relative address of a flight's own page, by log path; only flights that have one.
     """
     content = {
         "title": title,
@@ -37,21 +37,21 @@ def campaign_page(rows: Sequence[FlightRow], *, title: str, pages: Mapping[Path,
 def _subtitle(rows: Sequence[FlightRow]) -> str:
     hours = sum(row.duration for row in rows) / 3600.0
     winds = ", ".join(sorted({row.wind for row in rows if row.wind}))
-    return f"{counted(len(rows), 'flight')}, {hours:.2f} flight hours, wind class {winds or 'not known'}"
+    return f"{plural(len(rows), 'flight')}, {hours:.2f} flight hours, wind class {winds or 'unknown'}"
 
 
 def _tiles(rows: Sequence[FlightRow]) -> list[Content]:
     failed = sum(not row.good for row in rows)
     timeouts = sum(row.timeouts for row in rows)
-    judged = sum(row.primitives for row in rows if row.left is not None)
+    checked = sum(row.primitives for row in rows if row.left is not None)
     tiles: list[Content] = [
-        _tile("as wanted", f"{len(rows) - failed} of {len(rows)}", "completed, goal reached", failed),
+        _tile("successful", f"{len(rows) - failed} of {len(rows)}", "completed, goal reached", failed),
         _tile("time-outs", str(timeouts), "of maneuvers", timeouts),
     ]
-    if judged:
+    if checked:
         left = sum(row.left or 0 for row in rows)
-        share = f"{left / judged:.1%} of the primitives"
-        tiles.append(_tile("left their bounds", f"{left} of {judged}", share, 0, plain=True))
+        share = f"{left / checked:.1%} of the primitives"
+        tiles.append(_tile("left their bounds", f"{left} of {checked}", share, 0, plain=True))
     for name, scale, unit in (("forward", 1.0, "m/s"), ("side", 1.0, "m/s"), ("yaw_rate", None, "deg/s")):
         values = [dict(row.figures)[name] for row in rows if name in dict(row.figures)]
         if values:

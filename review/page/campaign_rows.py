@@ -1,4 +1,4 @@
-"""Many flights at a glance: a row for each log, those that stand out first."""
+"""Rows of a campaign's index: figures of each flight, outliers first."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -13,45 +13,45 @@ from flight.errors import FlightError
 from flightlog.channels import COMMAND, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.log import FlightLog
-from review.summary.bound_check import deviations, judged_by, judging_library
+from review.summary.bound_check import bounding_library, compute_deviations, with_bounds_of
 from review.summary.summary import Summary, summarise
 from review.summary.tracking import tracking_error
 
 from .flight import sparkline
 
 SPARKLINE_POINTS = 120
-# Makes the median of absolute deviations a standard deviation, for a normal law.
+# Factor from median absolute deviation to standard deviation, for a normal distribution.
 _MAD_TO_SIGMA = 1.4826
 
 FIGURES = {
-    "forward": "forward speed off command",
-    "side": "sideward speed off command",
-    "yaw_rate": "yaw rate off command",
+    "forward": "forward speed error",
+    "side": "sideward speed error",
+    "yaw_rate": "yaw rate error",
     "navigation": "navigation error",
     "share": "deviation over its bound",
 }
-"""What flights are compared by, in words; each is a figure that is better small."""
+"""Labels of the figures that flights are compared by; smaller is better."""
 
 
 @dataclass(frozen=True, slots=True)
 class FlightRow:
-    """What a campaign's page says of one log.
+    """Row of one log in a campaign's index.
 
     Attributes:
         path: the log.
-        problem: why it could not be reviewed; empty where it could.
-        name: of the flight.
-        outcome: `completed`, `reached`, or what went wrong.
-        good: whether the outcome is what was wanted.
+        problem: reason why it could not be reviewed; empty where it could.
+        name: name of the flight.
+        outcome: `completed`, `reached`, or the failure.
+        good: True for a completed flight that did not miss its goal.
         wind: wind class.
         duration: seconds.
-        primitives: how many were flown.
-        left: how many left their bounds; None without a library.
+        primitives: number of primitives flown.
+        left: number of primitives that left their bounds; None without a library.
         timeouts: maneuvers that ended by time-out.
         figures: values of `FIGURES` that the log has.
-        spark: how far the horizontal velocity was off command, m/s, over the flight.
-        score: how far it stands out: standard deviations above the campaign's median.
-        reason: in what it stands out.
+        spark: horizontal velocity error, m/s, over the flight.
+        score: standard deviations above the campaign's median.
+        reason: the figure with this score, or the failure.
     """
 
     path: Path
@@ -70,17 +70,17 @@ class FlightRow:
     reason: str = ""
 
 
-def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
-    """Returns the row of a log; a log that cannot be reviewed says why in its row.
+def flight_row(path: Path, *, library: Library | None = None) -> FlightRow:
+    """Returns the row of a log; `problem` holds a failure to review.
 
     Args:
-        path: of the log.
-        library: that judges it; the one flown with where None.
+        path: the log file.
+        library: library to check against; the one flown with where None.
     """
     try:
         log = read_log(path)
         if library is not None:
-            log = judged_by(log, library)
+            log = with_bounds_of(log, library)
         summary = summarise(log)
         figures = _figures(log, summary)
     except FlightError as error:
@@ -97,25 +97,25 @@ def row_of(path: Path, *, library: Library | None = None) -> FlightRow:
         wind=summary.wind,
         duration=summary.duration,
         primitives=sum(part.count for part in (*summary.trims, *summary.maneuvers)),
-        left=None if summary.bounds is None else len(summary.bounds.departures),
+        left=None if summary.bounds is None else len(summary.bounds.violations),
         timeouts=summary.timeouts,
         figures=figures,
-        spark=_spark(log),
+        spark=_row_sparkline(log),
     )
 
 
-def outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
-    """Returns the rows with their scores: what failed, then what stands out from the others by most.
+def sort_outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
+    """Scores and sorts rows: failures first, then by decreasing score.
 
     A figure's score is its distance above the median in robust standard deviations (1.4826 times the median
-    absolute deviation); a flight's is the largest of its figures'.
+    absolute deviation); a flight's score is the largest of its figures.
     """
-    whole = [row for row in rows if not row.problem]
-    names = [name for name in FIGURES if all(name in dict(row.figures) for row in whole)]
-    values = np.array([[dict(row.figures)[name] for name in names] for row in whole])
-    scores = _above_the_rest(values.reshape(len(whole), len(names)))
+    readable = [row for row in rows if not row.problem]
+    names = [name for name in FIGURES if all(name in dict(row.figures) for row in readable)]
+    values = np.array([[dict(row.figures)[name] for name in names] for row in readable])
+    scores = _robust_scores(values.reshape(len(readable), len(names)))
     scored = [replace(row, score=inf, reason="cannot be reviewed") for row in rows if row.problem]
-    for row, line in zip(whole, scores, strict=True):
+    for row, line in zip(readable, scores, strict=True):
         place = int(np.argmax(line)) if len(line) else -1
         score, reason = (float(line[place]), FIGURES[names[place]]) if len(line) else (0.0, "")
         if not row.good:
@@ -126,13 +126,13 @@ def outliers_first(rows: Sequence[FlightRow]) -> tuple[FlightRow, ...]:
     return tuple(sorted(scored, key=lambda row: (-row.score, row.path.name)))
 
 
-def _above_the_rest(values: Float[np.ndarray, "flights figures"]) -> Float[np.ndarray, "flights figures"]:
-    """Returns robust standard deviations above the median; 0 for a figure that does not vary."""
+def _robust_scores(values: Float[np.ndarray, "flights figures"]) -> Float[np.ndarray, "flights figures"]:
+    """Returns robust standard deviations above the median; 0 without variation."""
     if values.size == 0:
         return values
-    apart = values - np.median(values, axis=0)
-    spread = _MAD_TO_SIGMA * np.median(np.abs(apart), axis=0)
-    return np.asarray(np.divide(apart, spread, out=np.zeros_like(apart), where=spread > 0))
+    off = values - np.median(values, axis=0)
+    sigma = _MAD_TO_SIGMA * np.median(np.abs(off), axis=0)
+    return np.asarray(np.divide(off, sigma, out=np.zeros_like(off), where=sigma > 0))
 
 
 def _figures(log: FlightLog, summary: Summary) -> tuple[tuple[str, float], ...]:
@@ -140,13 +140,13 @@ def _figures(log: FlightLog, summary: Summary) -> tuple[tuple[str, float], ...]:
     if summary.navigation is not None:
         figures["navigation"] = summary.navigation.position_rms
     if summary.bounds is not None:
-        library = judging_library(log)
+        library = bounding_library(log)
         assert library is not None
-        figures["share"] = max((one.share for one in deviations(log, library)), default=0.0)
+        figures["share"] = max((one.share for one in compute_deviations(log, library)), default=0.0)
     return tuple(figures.items())
 
 
-def _spark(log: FlightLog) -> tuple[float, ...]:
+def _row_sparkline(log: FlightLog) -> tuple[float, ...]:
     if not {COMMAND.name, TRUTH.name} <= log.series.keys():
         return ()
     off = np.hypot(tracking_error(log, "forward"), tracking_error(log, "side"))

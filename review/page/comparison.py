@@ -1,24 +1,27 @@
-"""Flights side by side in the numbers that they are judged by."""
+"""Comparison table of several flights."""
 
 from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from flight.plural import counted
+from flight.plural import plural
 from flightlog.primitives import PrimitiveKind
 from review.summary.summary import Summary
-from review.summary.tiles import WORDS
+from review.summary.tiles import LABELS
 
 NOT_KNOWN = "-"
 
 
-def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
-    """Returns rows of a name and a value for each flight; what no flight knows is left out."""
+def comparison_rows(summaries: Sequence[Summary]) -> list[list[str]]:
+    """Returns rows of a name and a value per flight.
+
+    Rows without a value in any flight are left out.
+    """
     rows: list[tuple[str, Callable[[Summary], str]]] = [
         ("outcome", lambda one: one.outcome),
         ("goal", _goal),
-        ("planned at the start", _planned),
-        ("plans, plannings without one", _plans),
+        ("planned time", _planned),
+        ("plans, failed replans", _plans),
         ("duration", lambda one: f"{one.duration:.2f} s"),
         ("distance over the ground", _distance),
         ("wind class, seed", lambda one: NOT_KNOWN if one.kind == "import" else f"{one.wind}, {one.seed}"),
@@ -26,7 +29,7 @@ def scorecard(summaries: Sequence[Summary]) -> list[list[str]]:
         ("left their bounds", _bounds),
         ("time-outs", lambda one: str(one.timeouts) if _primitives(one) else NOT_KNOWN),
         ("faults", lambda one: str(len(one.faults)) if one.faults else NOT_KNOWN),
-        *((f"{WORDS[field]}: truth minus command", _tracking(field)) for field in WORDS),
+        *((f"{LABELS[field]}: truth minus command", _tracking(field)) for field in LABELS),
         ("navigation: position", _navigation),
     ]
     filled = [[name, *(value(summary) for summary in summaries)] for name, value in rows]
@@ -41,7 +44,7 @@ def _goal(one: Summary) -> str:
     if one.arrival is None:
         return NOT_KNOWN
     if one.arrival.time is None:
-        return f"missed by {one.arrival.closest:.2f} m"
+        return f"not reached: {one.arrival.reason}"
     return f"reached after {one.arrival.time:.2f} s"
 
 
@@ -50,7 +53,7 @@ def _distance(one: Summary) -> str:
 
 
 def _planned(one: Summary) -> str:
-    return NOT_KNOWN if one.promise is None else f"{one.promise:.2f} s"
+    return NOT_KNOWN if one.planned_time is None else f"{one.planned_time:.2f} s"
 
 
 def _plans(one: Summary) -> str:
@@ -60,9 +63,11 @@ def _plans(one: Summary) -> str:
 def _bounds(one: Summary) -> str:
     if one.bounds is None:
         return NOT_KNOWN
-    coasts, maneuvers = (one.bounds.left_by(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER))
-    judged = counted(one.bounds.coasts, "coast"), counted(one.bounds.maneuvers, "maneuver")
-    return f"{coasts} of {judged[0]}, {maneuvers} of {judged[1]}"
+    coasts, maneuvers = (
+        one.bounds.count_violations(kind) for kind in (PrimitiveKind.COAST, PrimitiveKind.MANEUVER)
+    )
+    checked = plural(one.bounds.coasts, "coast"), plural(one.bounds.maneuvers, "maneuver")
+    return f"{coasts} of {checked[0]}, {maneuvers} of {checked[1]}"
 
 
 def _tracking(field: str) -> Callable[[Summary], str]:

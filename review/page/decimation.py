@@ -1,4 +1,4 @@
-"""Fewer points for the eye, with every extreme kept."""
+"""Decimation of curves that keeps every extreme."""
 
 import numpy as np
 from jaxtyping import Float
@@ -7,10 +7,10 @@ from jaxtyping import Float
 def decimate(
     time: Float[np.ndarray, "n"], columns: Float[np.ndarray, "n k"], *, most: int
 ) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m k"]]:
-    """Returns at most `most` points: the least and the greatest of each stretch, by column.
+    """Reduces to at most `most` points: minimum and maximum per interval.
 
-    The two stand in the order in which they came, at the stretch's beginning and its middle: values are
-    exact, times to within a stretch. Fewer points than `most` come back as they are.
+    The two keep their order and stand at the interval's beginning and middle: values are exact, times to
+    within an interval. Input of at most `most` points is returned unchanged.
 
     Args:
         time: not decreasing.
@@ -21,14 +21,14 @@ def decimate(
     if count <= most:
         return time, columns
     length = -(-count // (most // 2))
-    stretches = -(-count // length)
-    # The last stretch is filled up with its last value, which changes no extreme.
-    padded = np.concatenate([columns, np.repeat(columns[-1:], stretches * length - count, axis=0)])
-    pieces = padded.reshape(stretches, length, -1)
+    intervals = -(-count // length)
+    # The last interval is padded with its last value, which changes no extreme.
+    padded = np.concatenate([columns, np.repeat(columns[-1:], intervals * length - count, axis=0)])
+    pieces = padded.reshape(intervals, length, -1)
     least, greatest = pieces.argmin(axis=1), pieces.argmax(axis=1)
     places = np.stack([np.minimum(least, greatest), np.maximum(least, greatest)], axis=1)
-    kept = np.take_along_axis(pieces, places, axis=1).reshape(2 * stretches, -1)
-    begins = length * np.arange(stretches)
+    kept = np.take_along_axis(pieces, places, axis=1).reshape(2 * intervals, -1)
+    begins = length * np.arange(intervals)
     at = np.stack([begins, np.minimum(begins + length // 2, count - 1)], axis=1).ravel()
     times = time[at]
     times[-1] = time[-1]

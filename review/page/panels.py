@@ -1,4 +1,4 @@
-"""What the plots of a page show: for each panel its title, unit, curves, bands and limits."""
+"""Plot panels of a page: titles, units, curves, bands and limits."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from jaxtyping import Float
 from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.topic import Series, Topic
-from review.summary.tracking import at_times, navigation_error
+from review.summary.tracking import interpolate_field, navigation_error
 
 from .columns import PageColumns
 
@@ -18,16 +18,16 @@ Limits = Mapping[str, tuple[float, float]]
 Content = dict[str, object]
 
 DEGREES = degrees(1.0)
-UNEVEN = 1.5
-"""Usual gaps between samples that make one worth showing."""
+UNEVEN_SAMPLING = 1.5
+"""Ratio of longest to median gap between samples above which gaps are plotted."""
 
 SIGMAS = 3.0
-"""Standard deviations shown around no error."""
+"""Half width of the band around zero error, in standard deviations."""
 
 
 @dataclass(frozen=True, slots=True)
 class _Panel:
-    """A panel before it is filled: `field` of the state, or several fields of one topic."""
+    """Definition of a panel: fields of one topic and their scale."""
 
     section: str
     title: str
@@ -78,15 +78,15 @@ _COMMANDED = {"forward": "forward", "side": "side", "yaw_rate": "yaw_rate", "dow
 
 
 def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> list[Content]:
-    """Returns the panels that the flights have the topics for, their numbers added to the columns.
+    """Returns the panels that the logs have topics for.
 
     Args:
-        logs: one flight, or several to be laid over one another.
-        columns: take the numbers.
-        limits: of the controls in radians, by field.
+        logs: one flight, or several to compare.
+        columns: receives the numbers.
+        limits: limits of the controls in radians, by field.
     """
-    shared = _Filling(tuple(logs), columns)
-    filled = [shared.motion(_as_measured(panel, logs)) for panel in _MOTION]
+    shared = _PanelBuilder(tuple(logs), columns)
+    filled = [shared.motion(_with_height_reference(panel, logs)) for panel in _MOTION]
     filled += shared.components(_RATES, logs[0].motion.topic)
     filled += [shared.control(panel, limits) for panel in _CONTROLS]
     filled += [part for panel in _actuators(logs) for part in shared.components(panel, ACTUATORS)]
@@ -96,15 +96,15 @@ def panels(logs: Sequence[FlightLog], columns: PageColumns, limits: Limits) -> l
     return [panel for panel in filled if panel["curves"]]
 
 
-def _as_measured(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
-    """Names what another program's heights are above."""
+def _with_height_reference(panel: _Panel, logs: Sequence[FlightLog]) -> _Panel:
+    """Returns the panel with the height reference of an imported log."""
     if panel.fields == ("down",) and any(log.header.kind == "import" for log in logs):
         return replace(panel, title="Height above the log's origin")
     return panel
 
 
 def _actuators(logs: Sequence[FlightLog]) -> Iterator[_Panel]:
-    """Yields panels of four controls each, of a vehicle whose controls are numbered."""
+    """Yields panels of four numbered controls each."""
     held = {
         name: None
         for log in logs
@@ -118,12 +118,12 @@ def _actuators(logs: Sequence[FlightLog]) -> Iterator[_Panel]:
 
 
 @dataclass(frozen=True, slots=True)
-class _Filling:
+class _PanelBuilder:
     logs: tuple[FlightLog, ...]
     columns: PageColumns
 
     def motion(self, panel: _Panel) -> Content:
-        """Fills a panel of the state: commanded, estimated, actual."""
+        """Returns a state panel: commanded, estimated, actual."""
         (field,) = panel.fields
         curves = []
         for number, log in enumerate(self.logs):
@@ -131,13 +131,13 @@ class _Filling:
                 scale = 1.0 if field == "down" else panel.scale
                 curves.append(self._curve(number, "commanded", log[COMMAND], _COMMANDED[field], scale))
             for role, states in self._states(log):
-                if states.holds(field):
+                if states.has_fields(field):
                     curves.append(self._curve(number, role, states, field, panel.scale))
         band = field if field in {"forward", "side", "yaw_rate"} and len(self.logs) == 1 else None
         return self._content(panel, curves, band=band)
 
     def _states(self, log: FlightLog) -> Iterator[tuple[str, Series]]:
-        """Yields what was believed and what was so; where flights compare, the better known of the two."""
+        """Yields estimated and actual states; of compared flights one."""
         if len(self.logs) > 1:
             role = "estimated" if log.motion.topic.name == ESTIMATE.name else "actual"
             yield role, log.motion
@@ -147,7 +147,7 @@ class _Filling:
                 yield role, log[topic]
 
     def control(self, panel: _Panel, limits: Limits) -> Content:
-        """Fills a panel of a control: what the servo is told, where it is, and its limits."""
+        """Returns a control panel: servo command, servo position, limits."""
         (field,) = panel.fields
         curves = []
         for number, log in enumerate(self.logs):
@@ -162,55 +162,57 @@ class _Filling:
         return self._content(panel, curves, limits=shown)
 
     def components(self, panel: _Panel, topic: Topic) -> list[Content]:
-        """Fills a panel with three fields of one topic, or a panel for each where flights compare."""
+        """Returns a panel of a topic's fields; of compared flights several."""
         have = [(number, log[topic]) for number, log in enumerate(self.logs) if topic.name in log.series]
         if len(self.logs) == 1:
             curves = [
                 self._curve(number, f"component{place}", series, field, panel.scale)
                 for number, series in have
                 for place, field in enumerate(panel.fields)
-                if series.holds(field)
+                if series.has_fields(field)
             ]
             return [self._content(panel, curves)]
-        apart = []
+        single = []
         for field in panel.fields:
             title = f"{panel.title}: {field.replace('_', ' ')}"
             curves = [
                 self._curve(number, "actual", series, field, panel.scale)
                 for number, series in have
-                if series.holds(field)
+                if series.has_fields(field)
             ]
-            apart.append(self._content(replace(panel, title=title, fields=(field,), short=True), curves))
-        return apart
+            single.append(self._content(replace(panel, title=title, fields=(field,), short=True), curves))
+        return single
 
     def navigation(self, panel: _Panel) -> Content:
-        """Fills a panel with estimate minus truth, inside what the vehicle believed of its errors."""
+        """Returns a panel of estimate minus truth with the estimated sigma."""
         (field,) = panel.fields
         curves: list[Content] = []
         for number, log in enumerate(self.logs):
-            if not all(topic.name in log.series and log[topic].holds(field) for topic in (TRUTH, ESTIMATE)):
+            if not all(
+                topic.name in log.series and log[topic].has_fields(field) for topic in (TRUTH, ESTIMATE)
+            ):
                 continue
             time = log[TRUTH].time
             error = panel.scale * navigation_error(log, field)
             curves.append(self._placed(number, "error", "error", time, error))
             if NAVIGATION.name in log.series and len(self.logs) == 1:
-                spread = SIGMAS * panel.scale * at_times(log[NAVIGATION], field, time)
-                for role, edge in (("sigma_high", spread), ("sigma_low", -spread)):
+                band = SIGMAS * panel.scale * interpolate_field(log[NAVIGATION], field, time)
+                for role, edge in (("sigma_high", band), ("sigma_low", -band)):
                     curves.append(self._placed(number, role, f"{SIGMAS:.0f} sigma", time, edge))
         return self._content(panel, curves)
 
     def gaps(self) -> Content:
-        """Fills a panel with the time between samples, of those topics of one flight that are uneven."""
+        """Returns a panel of sampling gaps of unevenly sampled topics."""
         panel = _Panel("Log", "Time between samples, where it is uneven", "s", (), 1.0, 0.01, short=True)
         curves: list[Content] = []
         for topic in (TRUTH, ESTIMATE, CONTROLS, ACTUATORS) if len(self.logs) == 1 else ():
             series = self.logs[0].series.get(topic.name)
             if series is None or len(series) < 3:
                 continue
-            apart = np.diff(series.time)
-            if apart.max() > UNEVEN * np.median(apart):
+            gaps = np.diff(series.time)
+            if gaps.max() > UNEVEN_SAMPLING * np.median(gaps):
                 role = f"component{len(curves)}"
-                curves.append(self._placed(0, role, topic.name, series.time[1:], apart))
+                curves.append(self._placed(0, role, topic.name, series.time[1:], gaps))
         return self._content(panel, curves)
 
     def _curve(self, number: int, role: str, series: Series, field: str, scale: float) -> Content:

@@ -1,4 +1,7 @@
-"""The maneuver automaton as a graph: trims placed by yaw rate and forward speed, maneuvers as arrows."""
+"""Graph of a maneuver automaton: trims as circles, maneuvers as arrows.
+
+Trims are placed by yaw rate and forward speed.
+"""
 
 from collections.abc import Sequence
 from math import degrees, sqrt
@@ -13,31 +16,31 @@ from flightlog.trim_labels import trim_colors
 
 from . import palette
 
-# How far an arrow bows out, as a share of its length; a maneuver and its way back are then two arrows.
+# Bow of an arrow, as a share of its length; it keeps a maneuver and its reverse apart.
 BOW = 0.24
-# Where along an arrow its number stands: in the middle, or before a trim that the arrow passes.
+# Position of the number along an arrow: in the middle, or before a trim that the arrow passes.
 LABEL, LABEL_BEFORE_A_TRIM = 0.5, 0.13
-# How near to an arrow's chord a trim stands in its way.
-NEAR = 0.2
+# Distance from an arrow's chord within which a trim counts as passed.
+CLEARANCE = 0.2
 # Radius of a trim's circle in points.
 RADIUS = 13.0
 
-# More trims than this stand as dots at their true places, and the arrows carry no numbers.
-CROWD = 20
+# Above this number, trims are dots at their true values and arrows carry no numbers.
+MANY_TRIMS = 20
 
 Place = tuple[float, float]
 
 
 def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
-    """Draws trims and maneuvers.
+    """Draws the trims and maneuvers of a library.
 
     Args:
         axes: to draw on.
         library: the automaton.
         tall: height of the graph over half its width.
     """
-    if len(library.trims) > CROWD:
-        _draw_crowd(axes, library)
+    if len(library.trims) > MANY_TRIMS:
+        _draw_many_trims(axes, library)
         return
     places = _places(library.trims, tall)
     colors = trim_colors(places)
@@ -45,7 +48,7 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     for maneuver in library.maneuvers:
         ends = places[maneuver.from_trim], places[maneuver.to_trim]
         others = [place for place in places.values() if place not in ends]
-        passing = any(_stands_between(ends, place) for place in others)
+        passing = any(_is_between(ends, place) for place in others)
         _arrow(axes, ends, str(maneuver.id), share=LABEL_BEFORE_A_TRIM if passing else LABEL)
     for trim in library.trims:
         x, y = places[trim.id]
@@ -66,8 +69,8 @@ def draw_automaton(axes: Axes, library: Library, *, tall: float = 1.6) -> None:
     _label_axes(axes, library.trims, places)
 
 
-def _draw_crowd(axes: Axes, library: Library) -> None:
-    """Draws many trims as dots over yaw rate and forward speed, and what joins them as thin curves."""
+def _draw_many_trims(axes: Axes, library: Library) -> None:
+    """Draws many trims as dots and their maneuvers as thin curves."""
     places = {trim.id: (degrees(trim.velocity.yaw_rate), trim.velocity.forward) for trim in library.trims}
     for maneuver in library.maneuvers:
         axes.add_artist(
@@ -79,7 +82,7 @@ def _draw_crowd(axes: Axes, library: Library) -> None:
                 mutation_scale=6,
                 shrinkA=6,
                 shrinkB=6,
-                color=palette.TRUE,
+                color=palette.TRUE_COLOR,
                 linewidth=0.6,
                 alpha=0.55,
                 zorder=2,
@@ -91,12 +94,15 @@ def _draw_crowd(axes: Axes, library: Library) -> None:
         axes.text(*place, str(trim), ha="center", va="center", color="white", fontsize=5.5, zorder=5)
     axes.set_xlabel("yaw rate, deg/s (right turn positive)", fontsize=palette.TEXT_SIZE)
     axes.set_ylabel("forward speed, m/s", fontsize=palette.TEXT_SIZE)
-    palette.dress(axes)
+    palette.format_axes(axes)
     axes.margins(0.06)
 
 
 def _places(trims: Sequence[Trim], tall: float) -> dict[int, Place]:
-    """Returns where trims stand; cube roots of the yaw rates keep slow turns clear of straight flight."""
+    """Returns the trims' places.
+
+    Cube roots of the yaw rates separate slow turns from straight flight.
+    """
     turning = max(abs(trim.velocity.yaw_rate) for trim in trims) or 1.0
     speeds = [trim.velocity.forward for trim in trims]
     slowest, span = min(speeds), (max(speeds) - min(speeds)) or 1.0
@@ -110,7 +116,7 @@ def _places(trims: Sequence[Trim], tall: float) -> dict[int, Place]:
 
 
 def _arrow(axes: Axes, ends: tuple[Place, Place], label: str, *, share: float) -> None:
-    # As an artist, not a patch: its bow shall not widen the axes.
+    # As an artist, not a patch: the bow must not widen the axes.
     axes.add_artist(
         FancyArrowPatch(
             *ends,
@@ -126,7 +132,7 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str, *, share: float) -
         )
     )
     (x, y), (along, across) = ends[0], np.subtract(ends[1], ends[0])
-    # The arrow is a quadratic curve; its control point stands the bow aside of the chord's middle.
+    # The arrow is a quadratic curve whose control point is offset from the chord's middle by the bow.
     aside = 2 * share * (1 - share) * BOW
     axes.text(
         x + share * along + aside * across,
@@ -141,15 +147,15 @@ def _arrow(axes: Axes, ends: tuple[Place, Place], label: str, *, share: float) -
     )
 
 
-def _stands_between(ends: tuple[Place, Place], place: Place) -> bool:
+def _is_between(ends: tuple[Place, Place], place: Place) -> bool:
     (along, across), (x, y) = np.subtract(ends[1], ends[0]), np.subtract(place, ends[0])
     length = float(np.hypot(along, across)) or 1.0
     aside = abs(along * y - across * x) / length
-    return bool(aside < NEAR and 0.0 < (along * x + across * y) / length < length)
+    return bool(aside < CLEARANCE and 0.0 < (along * x + across * y) / length < length)
 
 
 def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> None:
-    """Writes the true values at the places of the trims."""
+    """Labels the axes with the trims' true values."""
     across = {places[trim.id][0]: f"{degrees(trim.velocity.yaw_rate):.3g}" for trim in trims}
     up = {places[trim.id][1]: f"{trim.velocity.forward:.3g}" for trim in trims}
     axes.set_xticks(list(across), list(across.values()))
@@ -157,7 +163,7 @@ def _label_axes(axes: Axes, trims: Sequence[Trim], places: dict[int, Place]) -> 
     axes.set_xlabel(
         "across: yaw rate, deg/s (right turn positive); up: forward speed, m/s", fontsize=palette.TEXT_SIZE
     )
-    palette.dress(axes)
+    palette.format_axes(axes)
     # Room for names and for the widest bow.
     axes.set_xlim(-1.25, 1.25)
     axes.set_ylim(min(up) - 0.36, max(up) + 0.36)

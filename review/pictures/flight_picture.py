@@ -1,4 +1,4 @@
-"""The pictures of a flight, each a file; the first one, `flight.png`, tells the story alone."""
+"""Pictures of a flight, one file each; `flight.png` is the overview."""
 
 import io
 from collections.abc import Callable, Mapping, Sequence
@@ -11,9 +11,9 @@ from matplotlib.figure import Figure, SubFigure
 
 from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import stretches_flown
+from flightlog.primitives import merged_primitives
 from review.summary.tracking import VELOCITIES
-from runtime.atomic_write import file_target, publish_bytes
+from runtime.atomic_write import file_target, write_atomically
 
 from . import palette
 from .primitive_lane import draw_primitive_lane
@@ -32,19 +32,19 @@ from .track_picture import draw_track
 Panel = Callable[[Axes], None]
 Limits = Mapping[str, tuple[float, float]]
 
-# Inches of a page with nothing but time histories: wide enough that a long flight stays readable.
+# Width in inches of a page of time histories, so that a long flight stays readable.
 NARROWEST, WIDEST, INCHES_PER_SECOND = 12.0, 36.0, 0.11
 
 
 def flight_picture(log: FlightLog) -> Figure:
-    """Returns the page that tells the story of a flight: plan view beside velocities and height."""
-    figure = palette.page(16.0, 9.6)
+    """Returns the overview page: plan view, velocities and height."""
+    figure = palette.new_figure(16.0, 9.6)
     figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 4, fontweight="bold")
     halves = figure.add_gridspec(1, 2, width_ratios=(0.43, 0.57))
     left, right = figure.add_subfigure(halves[0]), figure.add_subfigure(halves[1])
     track = left.subplots()
     true = log.motion.topic.name != ESTIMATE.name
-    palette.headline(track, f"Seen from above: where it {'truly flew' if true else 'believed to be'}")
+    palette.draw_headline(track, f"{'True' if true else 'Estimated'} track, from above")
     _stack(right, log, _motion_panels(log), width=8.6)
     draw_track(track, log)
     return figure
@@ -52,14 +52,14 @@ def flight_picture(log: FlightLog) -> Figure:
 
 def track_picture(log: FlightLog) -> Figure:
     """Returns the plan view alone, large."""
-    figure = palette.page(10.0, 10.6)
+    figure = palette.new_figure(10.0, 10.6)
     figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 3, fontweight="bold")
     draw_track(figure.subplots(), log)
     return figure
 
 
 def velocities_picture(log: FlightLog) -> Figure:
-    """Returns velocities and height over time, as wide as the flight is long."""
+    """Returns velocities and height over time."""
     return _histories(log, _motion_panels(log))
 
 
@@ -68,7 +68,7 @@ def controls_picture(log: FlightLog, *, limits: Limits | None = None) -> Figure:
 
     Args:
         log: the flight.
-        limits: least and largest value of a control in radians, by field; those known.
+        limits: known lower and upper limits of the controls in radians, by field.
     """
     panels: list[Panel] = [partial(draw_attitude, log=log, field=field) for field in _angles(log)]
     if CONTROLS.name in log.series:
@@ -91,14 +91,14 @@ def wind_picture(log: FlightLog) -> Figure:
     panels: list[Panel] = [
         lambda axes: draw_wind(axes, log, velocity, "Air over the ground at the vehicle, m/s")
     ]
-    if log[WIND].holds(*rotation):
+    if log[WIND].has_fields(*rotation):
         title = "Rotation of the air about the world's axes, deg/s"
         panels.append(lambda axes: draw_wind(axes, log, rotation, title))
     return _histories(log, panels, strokes=False)
 
 
 def navigation_picture(log: FlightLog) -> Figure:
-    """Returns what was believed minus what was so, over time.
+    """Returns the navigation errors, estimate minus truth, over time.
 
     Raises:
         MissingTopicError: the log has no estimate.
@@ -117,19 +117,19 @@ def navigation_picture(log: FlightLog) -> Figure:
 def write_pictures(
     log: FlightLog, folder: Path, *, limits: Limits | None = None, force: bool = False
 ) -> tuple[Path, ...]:
-    """Draws every picture that the log has the topics for, and writes them as PNG files.
+    """Writes every picture that the log has topics for, as PNG.
 
     Args:
         log: the flight.
-        folder: where to; made if it is not there.
-        limits: of the controls, as `controls_picture`.
-        force: whether to overwrite.
+        folder: output folder; created if missing.
+        limits: limits of the controls, as in `controls_picture`.
+        force: overwrite.
 
     Returns:
-        The files, the one to look at first before the others.
+        The files, the overview first.
 
     Raises:
-        AlreadyExistsError: one of the files exists and `force` is not set; nothing was written.
+        AlreadyExistsError: one of the files exists and `force` is not set; nothing is written.
         FlightError: the log lacks motion, or an attachment is broken.
     """
     pictures = _pictures(log, limits)
@@ -137,18 +137,18 @@ def write_pictures(
     for path in paths:
         file_target(path, force=force)
     for path, draw in zip(paths, pictures.values(), strict=True):
-        publish_picture(draw(), path, force=force)
+        write_picture(draw(), path, force=force)
     return paths
 
 
 def picture_paths(log: FlightLog, folder: Path) -> tuple[Path, ...]:
-    """Returns the files that `write_pictures` writes of a log, in its order."""
+    """Returns the files that `write_pictures` writes, in its order."""
     return tuple(folder / f"{name}.png" for name in _pictures(log, None))
 
 
 def _pictures(log: FlightLog, limits: Limits | None) -> dict[str, Callable[[], Figure]]:
     pictures: dict[str, Callable[[], Figure]] = {}
-    if log.motion.holds("north", "east"):
+    if log.motion.has_fields("north", "east"):
         pictures["flight"] = lambda: flight_picture(log)
         pictures["track"] = lambda: track_picture(log)
     if _motion_panels(log):
@@ -162,15 +162,15 @@ def _pictures(log: FlightLog, limits: Limits | None) -> dict[str, Callable[[], F
     return pictures
 
 
-def publish_picture(figure: Figure, path: Path, *, force: bool = False) -> None:
-    """Writes a figure as a PNG file, whole or not at all; equal figures give equal bytes.
+def write_picture(figure: Figure, path: Path, *, force: bool = False) -> None:
+    """Writes a figure as a PNG file atomically; output is deterministic.
 
     Raises:
         AlreadyExistsError: the file exists and `force` is not set.
     """
     stream = io.BytesIO()
     figure.savefig(stream, format="png", metadata={"Software": None})
-    publish_bytes(stream.getvalue(), path, force=force)
+    write_atomically(stream.getvalue(), path, force=force)
 
 
 _CONTROLS = ("collective", "longitudinal", "lateral", "pedal")
@@ -186,15 +186,15 @@ def _headline(log: FlightLog) -> str:
 
 
 def _motion_panels(log: FlightLog) -> list[Panel]:
-    """Returns panels of the velocities and the height that the log has."""
+    """Returns panels of the velocities and the height in the log."""
     panels: list[Panel] = [
-        partial(draw_velocity, log=log, field=field) for field in VELOCITIES if log.motion.holds(field)
+        partial(draw_velocity, log=log, field=field) for field in VELOCITIES if log.motion.has_fields(field)
     ]
-    return [*panels, partial(draw_height, log=log)] if log.motion.holds("down") else panels
+    return [*panels, partial(draw_height, log=log)] if log.motion.has_fields("down") else panels
 
 
 def _angles(log: FlightLog) -> list[str]:
-    return [field for field in ("roll", "pitch") if log.motion.holds(field)]
+    return [field for field in ("roll", "pitch") if log.motion.has_fields(field)]
 
 
 def _control_panel(log: FlightLog, field: str, limits: Limits) -> Panel:
@@ -207,7 +207,7 @@ def _navigation_panel(log: FlightLog, field: str, title: str) -> Panel:
 
 def _histories(log: FlightLog, panels: Sequence[Panel], *, strokes: bool = True) -> Figure:
     width = float(np.clip(INCHES_PER_SECOND * log.duration, NARROWEST, WIDEST))
-    figure = palette.page(width, 1.3 + 1.9 * len(panels))
+    figure = palette.new_figure(width, 1.3 + 1.9 * len(panels))
     figure.suptitle(_headline(log), x=0.01, ha="left", fontsize=palette.TEXT_SIZE + 3, fontweight="bold")
     _stack(figure, log, panels, width=0.94 * width, strokes=strokes)
     return figure
@@ -221,8 +221,8 @@ def _stack(
     width: float,
     strokes: bool = True,
 ) -> None:
-    """Draws panels below each other on one time axis, under the lane of primitives where there are any."""
-    lanes = 1 if stretches_flown(log) else 0
+    """Stacks panels on one time axis, below the lane of primitives."""
+    lanes = 1 if merged_primitives(log) else 0
     ratios = [*(0.26 for _ in range(lanes)), *(1.0 for _ in panels)]
     rows = figure.subplots(len(ratios), 1, sharex=True, squeeze=False, height_ratios=ratios)[:, 0]
     rest = rows[lanes:]
@@ -231,6 +231,6 @@ def _stack(
     for axes, draw in zip(rest, panels, strict=True):
         draw(axes)
     if strokes:
-        palette.legend_above(rest[0], stroke_legend(log))
+        palette.draw_legend_above(rest[0], stroke_legend(log))
     rest[-1].set_xlabel("time since start, s", fontsize=palette.TEXT_SIZE)
     figure.align_ylabels(rest)

@@ -1,4 +1,4 @@
-"""A library on one page: the automaton, and every number of it with its signed error."""
+"""Picture of a library: automaton, and all values with signed errors."""
 
 from collections.abc import Callable, Sequence
 from math import degrees
@@ -14,16 +14,16 @@ from flight.automaton.trim import Trim
 from flightlog.trim_labels import trim_colors
 
 from . import palette
-from .automaton_picture import CROWD, draw_automaton
+from .automaton_picture import MANY_TRIMS, draw_automaton
 from .stroke import Stroke
 
 DEGREES_PER_RADIAN = degrees(1.0)
 Interval = tuple[float, float]
 """A nominal value and its signed error."""
 
-# Width of a bar in points, and how pale its lesser half is.
+# Width of a bar in points; opacity of its half towards gamma = -1.
 BAR = 6.0
-PALE = 0.35
+LIGHT_OPACITY = 0.35
 
 TRIM_NUMBERS: tuple[tuple[str, Callable[[Trim], Interval]], ...] = (
     ("forward, m/s", lambda trim: (trim.velocity.forward, trim.error.forward)),
@@ -51,8 +51,8 @@ MANEUVER_NUMBERS: tuple[tuple[str, Callable[[Maneuver], Interval]], ...] = (
 
 
 def library_picture(library: Library) -> Figure:
-    """Returns a page with the automaton beside the numbers of its trims and maneuvers."""
-    figure = palette.page(17.0, 4.5 + 0.27 * (len(library.trims) + len(library.maneuvers)))
+    """Returns the picture of a library's automaton and its values."""
+    figure = palette.new_figure(17.0, 4.5 + 0.27 * (len(library.trims) + len(library.maneuvers)))
     figure.suptitle(
         f"Library {library.name}    |    {library.vehicle}, wind {library.conditions.wind}",
         x=0.01,
@@ -62,7 +62,7 @@ def library_picture(library: Library) -> Figure:
     )
     halves = figure.add_gridspec(1, 2, width_ratios=(0.42, 0.58))
     graph = figure.add_subfigure(halves[0]).subplots()
-    palette.headline(graph, "Trims (circles) and maneuvers (arrows)")
+    palette.draw_headline(graph, "Trims (circles) and maneuvers (arrows)")
     draw_automaton(graph, library, tall=2.8)
     heights = (len(library.trims) + 4, len(library.maneuvers) + 4)
     rows = halves[1].subgridspec(2, 1, height_ratios=heights)
@@ -72,9 +72,9 @@ def library_picture(library: Library) -> Figure:
 
 
 def graph_picture(library: Library) -> Figure:
-    """Returns the automaton alone: the directed graph of the thesis's Figures 3 and 4, of any library."""
-    crowd = len(library.trims) > CROWD
-    figure = palette.page(14.0 if crowd else 8.0, 11.0 if crowd else 8.4)
+    """Returns the automaton's graph, as in the thesis's Figures 3 and 4."""
+    crowd = len(library.trims) > MANY_TRIMS
+    figure = palette.new_figure(14.0 if crowd else 8.0, 11.0 if crowd else 8.4)
     figure.suptitle(
         f"Library {library.name}: {len(library.trims)} trims, {len(library.maneuvers)} maneuvers",
         x=0.01,
@@ -87,7 +87,7 @@ def graph_picture(library: Library) -> Figure:
 
 
 def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
-    """Draws the body velocity of every trim with its error, a panel for each component."""
+    """Draws the trims' body velocities with errors, one panel per component."""
     colors = trim_colors(trim.id for trim in library.trims)
     panels = figure.subplots(1, len(TRIM_NUMBERS), sharey=True)
     labels = [f"{trim.name}  {trim.id}" for trim in library.trims]
@@ -98,11 +98,11 @@ def draw_trim_errors(figure: Figure | SubFigure, library: Library) -> None:
         axes.set_xlabel(name, fontsize=palette.TEXT_SIZE)
     _label_rows(panels[0], labels)
     _heading(figure, "Trims: velocity and error")
-    palette.legend_above(panels[-1], _interval_entries())
+    palette.draw_legend_above(panels[-1], _interval_entries())
 
 
 def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
-    """Draws duration and displacement of every maneuver with their errors, a panel for each number."""
+    """Draws the maneuvers' values with errors, one panel per value."""
     if not library.maneuvers:
         return
     colors = trim_colors(trim.id for trim in library.trims)
@@ -119,7 +119,7 @@ def draw_maneuver_errors(figure: Figure | SubFigure, library: Library) -> None:
         )
         axes.set_xlabel(name, fontsize=palette.TEXT_SIZE)
     _label_rows(panels[0], labels)
-    _heading(figure, "Maneuvers: duration and displacement, in the colour of the trim led to")
+    _heading(figure, "Maneuvers: duration and displacement, in the colour of the target trim")
 
 
 def _heading(figure: Figure | SubFigure, text: str) -> None:
@@ -127,12 +127,12 @@ def _heading(figure: Figure | SubFigure, text: str) -> None:
 
 
 def _draw_intervals(axes: Axes, intervals: Sequence[Interval], colors: Sequence[str]) -> None:
-    """Draws a row for each interval: a tick, and to both sides how far off the vehicle may be."""
-    palette.dress(axes)
+    """Draws a row per interval: nominal value and error to both sides."""
+    palette.format_axes(axes)
     axes.axvline(0.0, color=palette.FAINT, linewidth=0.8, zorder=1)
     for row, ((nominal, error), color) in enumerate(zip(intervals, colors, strict=True)):
         rows = np.array([row, row])
-        Stroke(color, BAR, opacity=PALE).draw(axes, np.array([nominal, nominal - error]), rows)
+        Stroke(color, BAR, opacity=LIGHT_OPACITY).draw(axes, np.array([nominal, nominal - error]), rows)
         Stroke(color, BAR).draw(axes, np.array([nominal, nominal + error]), rows)
         axes.plot(nominal, row, "|", color=palette.INK, markersize=9, markeredgewidth=1.4, zorder=5)
 
@@ -150,5 +150,5 @@ def _interval_entries() -> list[Line2D]:
     return [
         nominal,
         Stroke(palette.INK, BAR).entry("to gamma = +1"),
-        Stroke(palette.INK, BAR, opacity=PALE).entry("to gamma = \N{MINUS SIGN}1"),
+        Stroke(palette.INK, BAR, opacity=LIGHT_OPACITY).entry("to gamma = \N{MINUS SIGN}1"),
     ]

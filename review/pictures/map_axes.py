@@ -1,4 +1,4 @@
-"""Axes of a map: north up, east right, one metre as long as the other."""
+"""Axes of a map: north up, east right, equal scales."""
 
 from matplotlib.axes import Axes
 from matplotlib.ticker import MaxNLocator
@@ -6,9 +6,9 @@ from matplotlib.ticker import MaxNLocator
 from . import palette
 
 
-def dress_map(axes: Axes) -> None:
-    """Makes a map of axes."""
-    palette.dress(axes)
+def format_map_axes(axes: Axes) -> None:
+    """Formats axes as a map."""
+    palette.format_axes(axes)
     axes.set_aspect("equal", adjustable="datalim")
     for axis in (axes.xaxis, axes.yaxis):
         axis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))

@@ -1,4 +1,4 @@
-"""Marks on a map: where a flight starts, where it is to go, words beside a place."""
+"""Marks on a map: pose, goal, annotation."""
 
 from math import cos, sin
 
@@ -10,19 +10,19 @@ from matplotlib.path import Path
 from matplotlib.patheffects import withStroke
 from matplotlib.transforms import Affine2D
 
-from flight.mission.goal import Destination
+from flight.mission.destination import Destination
 from flight.se2 import SE2
 
 from . import palette
 
 # Points north.
-DART = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
+HEADING_MARKER = Path([(0.0, 1.0), (0.6, -0.8), (0.0, -0.35), (-0.6, -0.8), (0.0, 1.0)], closed=True)
 
 
-def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
-    """Draws a dart at a pose, along its heading."""
+def draw_heading_marker(axes: Axes, pose: SE2, *, fill: str) -> None:
+    """Draws a dart along the heading of a pose."""
     # Markers point up, that is north, and turn counter-clockwise.
-    marker = MarkerStyle(DART, transform=Affine2D().rotate(-pose.heading))
+    marker = MarkerStyle(HEADING_MARKER, transform=Affine2D().rotate(-pose.heading))
     axes.plot(
         pose.y,
         pose.x,
@@ -35,8 +35,8 @@ def dart(axes: Axes, pose: SE2, *, fill: str) -> None:
     )
 
 
-def note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
-    """Writes a few words beside a pose: away to its right, or along its heading."""
+def annotate_pose(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = False) -> None:
+    """Writes a text beside a pose, to its right or ahead."""
     east, north = sin(pose.heading), cos(pose.heading)
     x, y = (east, north) if along else (north, -east)
     axes.annotate(
@@ -54,7 +54,7 @@ def note(axes: Axes, pose: SE2, text: str, *, away: float = 1.0, along: bool = F
 
 
 def draw_goal(axes: Axes, goal: Destination) -> Line2D:
-    """Draws a cross in the disc that counts as there, and returns the legend's entry."""
+    """Draws the goal and its tolerance; returns the legend entry."""
     north, east = goal.position
     if goal.tolerance:
         fill = Circle((east, north), goal.tolerance, color=palette.GOAL, alpha=0.22, linewidth=0, zorder=2)

@@ -1,4 +1,4 @@
-"""Colours and strokes of every picture: one meaning each, told apart by the colour-blind."""
+"""Colours and formats of all pictures, distinguishable for the colour-blind."""
 
 from collections.abc import Sequence
 
@@ -10,8 +10,8 @@ INK = "#222222"
 FAINT = "#8a8a8a"
 GRID = "#e4e4e4"
 
-TRUE = "#0072B2"
-BELIEVED = "#E69F00"
+TRUE_COLOR = "#0072B2"
+ESTIMATE_COLOR = "#E69F00"
 ALARM = "#D55E00"
 GOAL = "#009E73"
 
@@ -19,13 +19,13 @@ TEXT_SIZE = 9.0
 SMALL_TEXT = 7.5
 
 
-def page(width: float, height: float) -> Figure:
-    """Returns an empty figure of a size in inches; it belongs to no window and no global state."""
+def new_figure(width: float, height: float) -> Figure:
+    """Returns an empty figure of a size in inches, without global state."""
     return Figure(figsize=(width, height), dpi=130, layout="constrained", facecolor="white")
 
 
-def dress(axes: Axes) -> None:
-    """Takes what distracts away: no box, a faint grid behind the data."""
+def format_axes(axes: Axes) -> None:
+    """Formats axes: no box, a faint grid behind the data."""
     axes.spines[["top", "right"]].set_visible(False)
     axes.spines[["left", "bottom"]].set_color(FAINT)
     axes.tick_params(labelsize=SMALL_TEXT + 0.5, colors=INK, length=3, color=FAINT)
@@ -33,13 +33,13 @@ def dress(axes: Axes) -> None:
     axes.set_axisbelow(True)
 
 
-def headline(axes: Axes, text: str) -> None:
-    """Writes what a panel shows above its left edge."""
+def draw_headline(axes: Axes, text: str) -> None:
+    """Writes a panel's title above its left edge."""
     axes.set_title(text, loc="left", fontsize=TEXT_SIZE + 1, color=INK, fontweight="bold")
 
 
-def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
-    """Puts a legend in one row above a panel's right edge."""
+def draw_legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
+    """Draws a legend in one row above a panel's right edge."""
     legend = axes.legend(
         handles=entries,
         loc="lower right",
@@ -51,5 +51,5 @@ def legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
         borderpad=0.2,
         columnspacing=1.2,
     )
-    # It stands in the headline's room, and needs no other.
+    # The legend shares the title's row and needs no space of its own.
     legend.set_in_layout(False)

@@ -1,4 +1,4 @@
-"""A plan from above: what is coasted, what is maneuvered, and where each uncertainty level leads."""
+"""Plan view of a plan: coasts, maneuvers, track of every scenario."""
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,52 +12,54 @@ from flight.plan.planned_track import Line, planned_track
 from flightlog.trim_labels import trim_colors
 
 from . import palette
-from .map_axes import dress_map
-from .marks import dart, draw_goal, note
+from .map_axes import format_map_axes
+from .marks import annotate_pose, draw_goal, draw_heading_marker
 from .stroke import Stroke
 
-SHOWN = 0.005
-"""Seconds that a trim is held for at least, where it is shown: less is written 0.00 s."""
+SHORTEST_SHOWN_COAST = 0.005
+"""Shortest coast in seconds that is drawn; a shorter one would be written 0.00 s."""
 
 DECIDING = Stroke(palette.INK, 1.3, layer=4.5)
 
-# Greys, told apart by their dots: every colour is a trim's.
+# Greys with different dots, because the colours stand for trims.
 AT_ZERO = Stroke(palette.FAINT, 1.2, layer=3.5)
 ABOVE = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 1.0)), layer=3.5)
 BELOW = Stroke(palette.FAINT, 1.6, dashes=(0.0, (1.0, 3.0)), layer=3.5)
 
 
 class NothingToDrawError(FlightError):
-    """A plan that is an honest no has no track."""
+    """The plan found no solution, so there is no track to draw."""
 
     def __init__(self, plan: Plan) -> None:
-        super().__init__(f"nothing to draw: the plan for {plan.mission} is {plan.status}")
+        super().__init__(
+            f"cannot draw the plan for {plan.mission}: expected a solution, got status {plan.status}"
+        )
 
 
 def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
-    """Returns the picture of a plan: north up, east right, one metre as long as the other.
+    """Returns the picture of a plan: north up, east right, equal scales.
 
-    The deciding scenario is drawn with the colours of its trims, the others grey.
+    The deciding scenario is drawn in the colours of its trims, the others in grey.
 
     Args:
-        plan: what is drawn.
-        library: planned with.
-        mission: planned for.
+        plan: the plan.
+        library: library of the plan.
+        mission: mission of the plan.
 
     Raises:
-        NothingToDrawError: there is no plan.
+        NothingToDrawError: the plan has no solution.
     """
     if not plan.found:
         raise NothingToDrawError(plan)
-    figure = palette.page(7.6, 6.4)
+    figure = palette.new_figure(7.6, 6.4)
     axes = figure.add_subplot()
-    dress_map(axes)
+    format_map_axes(axes)
     walk = " - ".join(str(trim) for trim in plan.sequence)
-    palette.headline(axes, f"{plan.mission}, {_promise(plan)}: trims {walk}")
+    palette.draw_headline(axes, f"{plan.mission}, {_guarantee_text(plan)}: trims {walk}")
     handles = _draw_scenarios(axes, plan, library, mission)
     handles.append(draw_goal(axes, mission.destination))
-    dart(axes, mission.start, fill=palette.INK)
-    note(axes, mission.start, "start", away=-1.2, along=True)
+    draw_heading_marker(axes, mission.start, fill=palette.INK)
+    annotate_pose(axes, mission.start, "start", away=-1.2, along=True)
     axes.margins(0.1)
     figure.legend(
         handles=handles, loc="outside lower center", ncols=3, frameon=False, fontsize=palette.SMALL_TEXT
@@ -65,10 +67,10 @@ def plan_picture(plan: Plan, library: Library, mission: Mission) -> Figure:
     return figure
 
 
-def _promise(plan: Plan) -> str:
+def _guarantee_text(plan: Plan) -> str:
     if plan.policy == "nominal":
         return f"nominal, {plan.cost:.2f} s"
-    return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (decided by {plan.deciding.gamma:g})"
+    return f"{plan.policy} to gamma {plan.gamma:g}, {plan.cost:.2f} s (at gamma {plan.deciding.gamma:g})"
 
 
 def _draw_scenarios(axes: Axes, plan: Plan, library: Library, mission: Mission) -> list[Line2D]:
@@ -87,17 +89,19 @@ def _draw_deciding(axes: Axes, plan: Plan, library: Library, mission: Mission) -
     colors = trim_colors(trim.id for trim in library.trims)
     held: dict[int, list[float]] = {}
     for trim, line, time in zip(plan.sequence, coasts, scenario.coasting_times, strict=True):
-        if time >= SHOWN:
-            _draw(axes, _coast(colors[trim]), line)
+        if time >= SHORTEST_SHOWN_COAST:
+            _draw(axes, _coast_stroke(colors[trim]), line)
             held.setdefault(trim, []).append(time)
     for line in maneuvers:
         _draw(axes, DECIDING, line)
-    level = f"gamma {scenario.gamma:g}, decides: {scenario.cost:.2f} s" if len(plan.scenarios) > 1 else ""
+    level = f"gamma {scenario.gamma:g}, slowest: {scenario.cost:.2f} s" if len(plan.scenarios) > 1 else ""
     steps = f"maneuvers {', '.join(map(str, plan.maneuvers))}" if maneuvers else ""
     entries = [DECIDING.entry("; ".join(filter(None, (level, steps))))] if level or steps else []
     for trim, times in held.items():
         seconds = " + ".join(f"{time:.2f}" for time in times)
-        entries.append(_coast(colors[trim]).entry(f"trim {trim}, {library.trim(trim).name}: {seconds} s"))
+        entries.append(
+            _coast_stroke(colors[trim]).entry(f"trim {trim}, {library.trim(trim).name}: {seconds} s")
+        )
     return entries
 
 
@@ -111,7 +115,7 @@ def _draw_faint(axes: Axes, plan: Plan, scenario: Scenario, library: Library, mi
     return style.entry(f"gamma {scenario.gamma:g}: {scenario.cost:.2f} s")
 
 
-def _coast(color: str) -> Stroke:
+def _coast_stroke(color: str) -> Stroke:
     return Stroke(color, 3.0, layer=5.0)
 
 

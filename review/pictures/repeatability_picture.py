@@ -1,4 +1,4 @@
-"""Every performance of every maneuver on one another, and how far off they are, with the bounds claimed."""
+"""Repeatability of maneuvers: tracks of all performances, deviations over bounds."""
 
 from collections.abc import Mapping, Sequence
 from math import ceil, degrees
@@ -16,14 +16,14 @@ from flight.automaton.trim import Trim
 from . import palette
 
 COLUMNS = 6
-# More maneuvers than this do not fit on a page; the first ones are shown, and the title says so.
-MOST = 48
+# Largest number of maneuvers on a page; only the first are shown, and the title states the count.
+MAX_MANEUVERS = 48
 
-# Inches a primitive, and how many bounds a histogram reaches; what lies further is put at its end.
-LINE, FURTHEST = 0.36, 1.45
-BINS = np.linspace(-FURTHEST, FURTHEST, 59)
-# What lies on the bound is inside it, in the last bin before it.
-ON_IT = 1 - 1e-9
+# Height per primitive in inches; range of a histogram in bounds, beyond which values are clipped.
+LINE, HISTOGRAM_LIMIT = 0.36, 1.45
+BINS = np.linspace(-HISTOGRAM_LIMIT, HISTOGRAM_LIMIT, 59)
+# A value on the bound belongs to the last bin inside it.
+AT_BOUND = 1 - 1e-9
 
 _TRIM_NUMBERS = (
     ("forward speed", 1.0, "m/s"),
@@ -44,15 +44,15 @@ Rows = Mapping[int, Float[np.ndarray, "n k"]]
 
 
 def repeatability_picture(library: Library, tracks: Tracks) -> Figure:
-    """Returns the tracks of all performances, seen from their entry, a panel for each maneuver (Figure 6)."""
-    shown = [row for row in library.maneuvers if row.id in tracks][:MOST]
+    """Returns tracks of all performances, one panel per maneuver (Figure 6)."""
+    shown = [row for row in library.maneuvers if row.id in tracks][:MAX_MANEUVERS]
     rows = ceil(len(shown) / COLUMNS)
-    figure = palette.page(17.0, 1.2 + 2.9 * rows)
+    figure = palette.new_figure(17.0, 1.2 + 2.9 * rows)
     _title(figure, f"{library.name}: maneuvers are repeatable", shown, library)
     panels = figure.subplots(rows, COLUMNS, squeeze=False).ravel()
     for axes, row in zip(panels, shown, strict=False):
         for track in tracks[row.id]:
-            axes.plot(track[:, 1], track[:, 0], color=palette.TRUE, linewidth=0.5, alpha=0.35)
+            axes.plot(track[:, 1], track[:, 0], color=palette.TRUE_COLOR, linewidth=0.5, alpha=0.35)
             axes.plot(track[-1, 1], track[-1, 0], ".", color=palette.INK, markersize=2.0)
         moved, error = row.displacement, row.error
         axes.add_patch(
@@ -66,31 +66,31 @@ def repeatability_picture(library: Library, tracks: Tracks) -> Figure:
                 zorder=5,
             )
         )
-        palette.dress(axes)
+        palette.format_axes(axes)
         axes.set_aspect("equal", adjustable="datalim")
-        palette.headline(axes, _name(row))
+        palette.draw_headline(axes, _name(row))
     for axes in panels[len(shown) :]:
         axes.set_visible(False)
-    figure.supxlabel("to the right of the heading at entry, m; the box: where the library says that it ends")
+    figure.supxlabel("to the right of the heading at entry, m; box: end point bounds of the library")
     figure.supylabel("ahead, m")
     return figure
 
 
 def deviations_picture(library: Library, trims: Rows, maneuvers: Rows) -> Figure:
-    """Returns histograms of all deviations from the library's values, as shares of its bounds.
+    """Returns histograms of all deviations over the library's bounds.
 
-    A line for each primitive, a column for each of its numbers; its bound is written beside it.
+    One line per primitive, one column per value; the bound is written beside it.
 
     Args:
         library: values and errors.
-        trims: by trim, the furthest deviations: forward, side, yaw rate, a row for each flight.
-        maneuvers: by maneuver, duration, forward, side, heading change, a row for each performance.
+        trims: largest deviations by trim: forward, side, yaw rate, a row per flight.
+        maneuvers: by maneuver, duration, forward, side, heading change, a row per performance.
     """
     held = [trim for trim in library.trims if trim.id in trims]
-    shown = [row for row in library.maneuvers if row.id in maneuvers][:MOST]
+    shown = [row for row in library.maneuvers if row.id in maneuvers][:MAX_MANEUVERS]
     heights = [max(len(lines), 1) + 1.6 for lines in (held, shown)]
-    figure = palette.page(17.0, 0.8 + LINE * sum(heights))
-    _title(figure, f"{library.name}: deviations in all flights, as shares of the bounds", shown, library)
+    figure = palette.new_figure(17.0, 0.8 + LINE * sum(heights))
+    _title(figure, f"{library.name}: deviations over bounds, all flights", shown, library)
     upper, lower = figure.subfigures(2, 1, height_ratios=heights, squeeze=False)[:, 0]
     _histograms(
         upper.subplots(1, 4, sharey=True),
@@ -103,7 +103,7 @@ def deviations_picture(library: Library, trims: Rows, maneuvers: Rows) -> Figure
         [(_name(row), maneuvers[row.id] - _values(row), _maneuver_bounds(row)) for row in shown],
     )
     figure.supxlabel(
-        "deviation over bound, which is written beside it; between the red lines lies what the library says",
+        "deviation over bound; the bound is written beside it; red lines: bounds of the library",
         fontsize=palette.TEXT_SIZE + 1,
     )
     return figure
@@ -118,8 +118,8 @@ def _values(row: Maneuver) -> Numbers:
 
 
 def _maneuver_bounds(row: Maneuver) -> Numbers:
-    wrong = row.error
-    return np.abs([wrong.duration, wrong.forward, wrong.side, wrong.heading_change])
+    error = row.error
+    return np.abs([error.duration, error.forward, error.side, error.heading_change])
 
 
 def _histograms(
@@ -127,19 +127,19 @@ def _histograms(
     numbers: Sequence[tuple[str, float, str]],
     lines: Sequence[tuple[str, Float[np.ndarray, "n k"], Numbers]],
 ) -> None:
-    """Draws a panel for each number, in it a histogram for each primitive, the first on top."""
+    """Draws a panel per value with a histogram per primitive."""
     for panel in panels[len(numbers) :]:
         panel.set_visible(False)
     for column, (panel, (headline, scale, unit)) in enumerate(zip(panels, numbers, strict=False)):
-        palette.dress(panel)
-        palette.headline(panel, headline)
+        palette.format_axes(panel)
+        palette.draw_headline(panel, headline)
         for place, (_, off, bounds) in enumerate(lines):
             bound = max(float(bounds[column]), 1e-12)
             counts, edges = np.histogram(
-                np.clip(ON_IT * off[:, column] / bound, -FURTHEST, FURTHEST), bins=BINS
+                np.clip(AT_BOUND * off[:, column] / bound, -HISTOGRAM_LIMIT, HISTOGRAM_LIMIT), bins=BINS
             )
             foot, height = -float(place), 0.85 * counts / max(counts.max(), 1)
-            panel.stairs(foot + height, edges, baseline=foot, fill=True, color=palette.TRUE, alpha=0.75)
+            panel.stairs(foot + height, edges, baseline=foot, fill=True, color=palette.TRUE_COLOR, alpha=0.75)
             panel.text(
                 1.01,
                 foot + 0.35,
@@ -150,7 +150,7 @@ def _histograms(
             )
         for side in (-1.0, 1.0):
             panel.axvline(side, color=palette.ALARM, linewidth=1.4)
-        panel.set_xlim(-FURTHEST, FURTHEST)
+        panel.set_xlim(-HISTOGRAM_LIMIT, HISTOGRAM_LIMIT)
         panel.set_ylim(-len(lines) + 0.9, 1.1)
         panel.set_yticks([0.35 - place for place in range(len(lines))], [name for name, _, _ in lines])
 

@@ -1,4 +1,4 @@
-"""Spectra of gusts, measured and analytic, as a picture."""
+"""Picture of gust spectra, measured and analytic."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -13,12 +13,12 @@ def draw_spectra(
     spectra: Mapping[str, tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n"]]],
     path: Path,
 ) -> None:
-    """Writes a picture with one panel a gust component.
+    """Writes a picture with one panel per gust component.
 
     Args:
         frequency: rad/s.
         spectra: measured and analytic one-sided spectrum by component, m2/s2 per rad/s.
-        path: of the picture; its ending says the format.
+        path: the picture file; its suffix selects the format.
     """
     figure = Figure(figsize=(10.0, 3.6), layout="constrained")
     panels = np.atleast_1d(figure.subplots(1, len(spectra), sharey=True))

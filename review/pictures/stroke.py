@@ -1,4 +1,4 @@
-"""How a line looks, so that the line and its entry in a legend cannot differ."""
+"""Line styles, shared by lines and their legend entries."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -15,7 +15,7 @@ Dashes = Literal["solid"] | tuple[float, tuple[float, ...]]
 
 @dataclass(frozen=True, slots=True)
 class Stroke:
-    """A line's colour, width in points, dashes, opacity, and layer (higher is nearer)."""
+    """Line style: colour, width in points, dashes, opacity, layer (z order)."""
 
     color: str
     width: float
@@ -29,7 +29,7 @@ class Stroke:
         axes.autoscale_view()
 
     def entry(self, label: str) -> Line2D:
-        """Returns the line's entry in a legend."""
+        """Returns a legend entry of the line."""
         return self._line([], [], label)
 
     def _line(
@@ -48,20 +48,20 @@ class Stroke:
         )
 
 
-# Dashes mean one thing in every picture: what was asked for, beside what was flown.
-ASKED_FOR = (0.0, (4.0, 2.0))
-COMMANDED = Stroke(palette.INK, 1.2, dashes=ASKED_FOR, layer=5.0)
-ESTIMATED = Stroke(palette.BELIEVED, 1.0, layer=3.0)
-ACTUAL = Stroke(palette.TRUE, 1.4)
+# In every picture, dashes stand for commanded or planned values.
+COMMAND_DASHES = (0.0, (4.0, 2.0))
+COMMANDED = Stroke(palette.INK, 1.2, dashes=COMMAND_DASHES, layer=5.0)
+ESTIMATED = Stroke(palette.ESTIMATE_COLOR, 1.0, layer=3.0)
+ACTUAL = Stroke(palette.TRUE_COLOR, 1.4)
 MANEUVER = Stroke(palette.INK, 1.2)
 FIRST_PLAN = Stroke(palette.FAINT, 7.0, opacity=0.3, layer=1.0)
 LATER_PLAN = Stroke(palette.FAINT, 1.0, opacity=0.45, layer=1.5)
 SERVO_COMMAND = Stroke(palette.FAINT, 2.2, layer=3.0)
-SERVO = Stroke(palette.TRUE, 1.0)
+SERVO = Stroke(palette.TRUE_COLOR, 1.0)
 LIMIT = Stroke(palette.ALARM, 1.2)
-COMPONENTS = (Stroke(palette.TRUE, 1.0), Stroke(palette.ALARM, 1.0), Stroke(palette.FAINT, 1.0))
+COMPONENTS = (Stroke(palette.TRUE_COLOR, 1.0), Stroke(palette.ALARM, 1.0), Stroke(palette.FAINT, 1.0))
 
 
-def coast(color: str) -> Stroke:
-    """Returns the stroke of a trim held, in the trim's colour."""
+def trim_stroke(color: str) -> Stroke:
+    """Returns the stroke of a coast, in the trim's colour."""
     return Stroke(color, 3.0)

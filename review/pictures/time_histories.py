@@ -1,4 +1,4 @@
-"""Panels over time: what was commanded, believed and true, with the primitives behind them."""
+"""Time histories: commanded, estimated and actual values, tinted by primitive."""
 
 from collections.abc import Mapping, Sequence
 from math import degrees
@@ -10,9 +10,9 @@ from matplotlib.patches import Patch
 
 from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_palette
-from review.summary.bound_check import judging_library
+from review.summary.bound_check import bounding_library
 from review.summary.tracking import navigation_error
 
 from . import palette, stroke
@@ -34,23 +34,26 @@ TITLES = {
 
 
 def draw_velocity(axes: Axes, log: FlightLog, field: str) -> None:
-    """Draws one velocity as commanded, estimated and actual, the trims' error bounds as bands.
+    """Draws one velocity: commanded, estimated, actual, with the trims' bounds.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         log: the flight.
         field: `forward`, `side` or `yaw_rate`.
     """
     scale = _scale(field)
     _draw_bounds(axes, log, field)
     _draw_state(axes, log, field, scale)
-    if COMMAND.name in log.series and log[COMMAND].holds(field):
+    if COMMAND.name in log.series and log[COMMAND].has_fields(field):
         stroke.COMMANDED.draw(axes, log[COMMAND].time, scale * log[COMMAND][field])
     _finish(axes, log, TITLES[field], least_span=0.5 * scale**0.5)
 
 
 def draw_height(axes: Axes, log: FlightLog) -> None:
-    """Draws the height as commanded, estimated and actual; above its own origin in a foreign log."""
+    """Draws the height: commanded, estimated, actual.
+
+    The heights of an imported log are above its own origin.
+    """
     _draw_state(axes, log, "down", -1.0)
     if COMMAND.name in log.series:
         stroke.COMMANDED.draw(axes, log[COMMAND].time, log[COMMAND]["height"])
@@ -62,17 +65,17 @@ def draw_attitude(axes: Axes, log: FlightLog, field: str) -> None:
     """Draws roll or pitch as estimated and actual."""
     _draw_state(axes, log, field, DEGREES_PER_RADIAN)
     _finish(axes, log, TITLES[field], least_span=2.0)
-    palette.legend_above(axes, _state_entries(log))
+    palette.draw_legend_above(axes, _state_entries(log))
 
 
 def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tuple[float, float]]) -> None:
-    """Draws a control's command and servo; its limits, where known, in words and where the curve comes near.
+    """Draws a control's command, servo position and known limits.
 
     Args:
-        axes: to draw on.
+        axes: axes to draw on.
         log: the flight.
         field: `collective`, `longitudinal`, `lateral` or `pedal`.
-        limits: least and largest value in radians, by field.
+        limits: lower and upper limit in radians, by field.
     """
     controls = log[CONTROLS]
     stroke.SERVO_COMMAND.draw(axes, controls.time, DEGREES_PER_RADIAN * controls[f"{field}_command"])
@@ -83,13 +86,15 @@ def draw_control(axes: Axes, log: FlightLog, field: str, limits: Mapping[str, tu
     span = axes.get_ylim()
     for limit in shown:
         stroke.LIMIT.draw(axes, np.array([0.0, log.duration]), np.full(2, limit))
-    # A limit far away is said in words; it shall not flatten the curve.
+    # A distant limit is stated in the title and must not flatten the curve.
     axes.set_ylim(span)
-    palette.legend_above(axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")])
+    palette.draw_legend_above(
+        axes, [stroke.SERVO_COMMAND.entry("servo command"), stroke.SERVO.entry("servo")]
+    )
 
 
 def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
-    """Draws as many as three controls of a vehicle whose controls are numbered."""
+    """Draws up to three numbered controls."""
     controls = log[ACTUATORS]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
         style.draw(axes, controls.time, controls[field])
@@ -99,9 +104,9 @@ def draw_actuators(axes: Axes, log: FlightLog, fields: Sequence[str]) -> None:
 
 
 def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> None:
-    """Draws as many as three components of the air's motion at the vehicle, those that the log has."""
+    """Draws up to three components of the air's motion at the vehicle."""
     wind = log[WIND]
-    fields = [field for field in fields if wind.holds(field)]
+    fields = [field for field in fields if wind.has_fields(field)]
     for field, style in zip(fields, stroke.COMPONENTS, strict=False):
         style.draw(axes, wind.time, _scale(field) * wind[field])
     _finish(axes, log, title)
@@ -109,35 +114,35 @@ def draw_wind(axes: Axes, log: FlightLog, fields: Sequence[str], title: str) -> 
 
 
 def draw_navigation_error(axes: Axes, log: FlightLog, field: str, title: str) -> None:
-    """Draws estimate minus truth of one number of the state, and three sigma where the log has them."""
+    """Draws estimate minus truth of a state field, with three sigma."""
     scale = _scale(field)
     stroke.ACTUAL.draw(axes, log[TRUTH].time, scale * navigation_error(log, field))
     if NAVIGATION.name in log.series:
-        claimed = log[NAVIGATION]
-        edge = 3.0 * scale * claimed[field]
-        axes.fill_between(claimed.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
-        entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="three sigma, as the vehicle believes")
-        palette.legend_above(axes, [entry])
+        sigma = log[NAVIGATION]
+        edge = 3.0 * scale * sigma[field]
+        axes.fill_between(sigma.time, -edge, edge, color=palette.FAINT, alpha=0.25, linewidth=0, zorder=1)
+        entry = Patch(facecolor=palette.FAINT, alpha=0.4, label="estimated three sigma")
+        palette.draw_legend_above(axes, [entry])
     axes.axhline(0.0, color=palette.FAINT, linewidth=0.8, zorder=2)
     _finish(axes, log, title)
 
 
 def stroke_legend(log: FlightLog) -> list[Line2D | Patch]:
-    """Returns what the strokes of the panels mean, as far as the log has them."""
+    """Returns the legend of the panels' strokes that the log has."""
     entries: list[Line2D | Patch] = [*_state_entries(log)]
     if COMMAND.name in log.series:
         entries.insert(0, stroke.COMMANDED.entry("commanded"))
-    if judging_library(log) is not None:
-        bound = "trim \N{PLUS-MINUS SIGN} its error in the library"
+    if bounding_library(log) is not None:
+        bound = "trim \N{PLUS-MINUS SIGN} error in the library"
         entries.append(Patch(facecolor=palette.FAINT, alpha=0.4, label=bound))
     return entries
 
 
 def _state_entries(log: FlightLog) -> list[Line2D]:
-    believed = [stroke.ESTIMATED.entry("estimated (what the vehicle believes)")]
+    estimated = [stroke.ESTIMATED.entry("estimated")]
     actual = [stroke.ACTUAL.entry("actual")]
     return [
-        *(believed if ESTIMATE.name in log.series else []),
+        *(estimated if ESTIMATE.name in log.series else []),
         *(actual if log.motion.topic.name != ESTIMATE.name else []),
     ]
 
@@ -145,16 +150,16 @@ def _state_entries(log: FlightLog) -> list[Line2D]:
 def _draw_state(axes: Axes, log: FlightLog, field: str, scale: float) -> None:
     drawn = {topic.name: stroke.ACTUAL for topic in (TRUTH, MOTION)} | {ESTIMATE.name: stroke.ESTIMATED}
     for name in (ESTIMATE.name, TRUTH.name, MOTION.name):
-        if name in log.series and log.series[name].holds(field):
+        if name in log.series and log.series[name].has_fields(field):
             drawn[name].draw(axes, log.series[name].time, scale * log.series[name][field])
 
 
 def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
-    library = judging_library(log)
+    library = bounding_library(log)
     if library is None:
         return
     colors, scale = trim_palette(log), _scale(field)
-    for part in stretches_flown(log):
+    for part in merged_primitives(log):
         if part.kind is PrimitiveKind.COAST:
             trim = library.trim(part.id)
             nominal, error = getattr(trim.velocity, field), abs(getattr(trim.error, field))
@@ -170,8 +175,8 @@ def _draw_bounds(axes: Axes, log: FlightLog, field: str) -> None:
 
 
 def _finish(axes: Axes, log: FlightLog, title: str, *, least_span: float = 0.0) -> None:
-    palette.dress(axes)
-    palette.headline(axes, title)
+    palette.format_axes(axes)
+    palette.draw_headline(axes, title)
     shade_primitives(axes, log)
     axes.set_xlim(0.0, log.duration)
     low, high = axes.get_ylim()
@@ -186,10 +191,10 @@ def _name_components(axes: Axes, fields: Sequence[str]) -> None:
     entries = [
         style.entry(field.replace("_", " ")) for field, style in zip(fields, stroke.COMPONENTS, strict=False)
     ]
-    palette.legend_above(axes, entries)
+    palette.draw_legend_above(axes, entries)
 
 
 def _scale(field: str) -> float:
-    """Returns what brings a field to the unit it is shown in."""
+    """Returns the factor from a field's unit to the unit shown."""
     angular = field in {"roll", "pitch", "heading"} or "rate" in field.split("_")
     return DEGREES_PER_RADIAN if angular else 1.0

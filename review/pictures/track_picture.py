@@ -1,4 +1,4 @@
-"""The plan view: where the vehicle truly was, primitive by primitive, with goal, plans and wind."""
+"""Plan view of a flight: track by primitive, goal, plans and wind."""
 
 from collections.abc import Iterator
 
@@ -12,41 +12,41 @@ from matplotlib.patches import FancyArrowPatch
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.attachments import goal_of_flight, plans_of_flight
 from flightlog.channels import ESTIMATE, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import logged_goal, logged_plans
+from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.trim_labels import trim_label, trim_names, trim_palette
 from review.summary.bound_check import pose_at
 
 from . import palette, stroke
 from .labels import Label, place_labels
-from .map_axes import dress_map
-from .marks import dart, draw_goal
+from .map_axes import format_map_axes
+from .marks import draw_goal, draw_heading_marker
 
-# Steps between the times written along the track, in seconds; the first that keeps them to a dozen.
+# Candidate steps between the times written along the track, s; the first with at most `MOST_TIMES` is used.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)
 MOST_TIMES = 12
 
-# Length in points.
+# Length of the wind arrow in points.
 WIND_ARROW = 30.0
 
-# Where legend and wind stand, as a share of the plan view's height.
+# Position of legend and wind, as a share of the plan view's height.
 BELOW = -0.08
 
 
 def draw_track(axes: Axes, log: FlightLog) -> None:
-    """Draws the plan view of a flight: north up, east right, one metre as long as the other.
+    """Draws the plan view of a flight, north up, with equal scales.
 
-    Labels are set where there is room in the figure as it is now: it should have all else that it will have.
+    Labels are placed in the space that is free now, so the rest of the figure should be complete.
 
     Raises:
         FlightError: the log lacks positions, or an attachment is broken.
     """
-    dress_map(axes)
+    format_map_axes(axes)
     handles = _draw_primitives(axes, log) + _draw_plans(axes, log)
     labels = [*_draw_ends(axes, log), *_draw_times(axes, log)]
-    goal = goal_of_flight(log)
+    goal = logged_goal(log)
     if goal is not None:
         handles.append(draw_goal(axes, goal))
     axes.margins(0.12)
@@ -69,29 +69,29 @@ def draw_track(axes: Axes, log: FlightLog) -> None:
 
 
 def _draw_primitives(axes: Axes, log: FlightLog) -> list[Line2D]:
-    flown = stretches_flown(log)
+    flown = merged_primitives(log)
     colors = trim_palette(log)
     for part in flown:
         track = _track(log, part)
         if part.kind is PrimitiveKind.COAST:
-            stroke.coast(colors[part.id]).draw(axes, *track)
+            stroke.trim_stroke(colors[part.id]).draw(axes, *track)
         else:
             stroke.MANEUVER.draw(axes, *track)
     if not flown:
         motion = log.motion
-        believed = motion.topic.name == ESTIMATE.name
-        line = stroke.ESTIMATED if believed else stroke.ACTUAL
+        estimated = motion.topic.name == ESTIMATE.name
+        line = stroke.ESTIMATED if estimated else stroke.ACTUAL
         line.draw(axes, motion["east"], motion["north"])
-        return [line.entry("flown, as believed" if believed else "flown")]
+        return [line.entry("estimated track" if estimated else "flown")]
     names = trim_names(log)
     held = sorted({part.id for part in flown if part.kind is PrimitiveKind.COAST})
-    handles = [stroke.coast(colors[trim]).entry(trim_label(trim, names)) for trim in held]
+    handles = [stroke.trim_stroke(colors[trim]).entry(trim_label(trim, names)) for trim in held]
     if any(part.kind is PrimitiveKind.MANEUVER for part in flown):
         handles.append(stroke.MANEUVER.entry("maneuver between trims"))
     return handles
 
 
-def _track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
+def _track(log: FlightLog, part: FlownPrimitive) -> Float[np.ndarray, "2 n"]:
     """Returns east and north during a primitive, both ends included."""
     motion = log.motion
     inside = (motion.time > part.start) & (motion.time < part.end)
@@ -100,16 +100,17 @@ def _track(log: FlightLog, part: PrimitiveFlown) -> Float[np.ndarray, "2 n"]:
 
 
 def _draw_ends(axes: Axes, log: FlightLog) -> Iterator[Label]:
-    """Marks start and end by darts that point along the heading, the start's filled; yields their names."""
+    """Marks start and end by darts along the heading; yields their labels."""
     for time, name, fill, turned in ((0.0, "start", palette.INK, 0.5), (log.duration, "end", "white", -0.5)):
         pose = pose_at(log, time)
-        dart(axes, pose, fill=fill)
+        draw_heading_marker(axes, pose, fill=fill)
         yield Label(pose, name, turned * np.pi)
 
 
 def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
-    """Marks round times along the track, so that it can be read together with the time histories."""
-    step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), TIME_STEPS[-1])
+    """Marks times along the track; yields their labels."""
+    longest = TIME_STEPS[-1] * np.ceil(log.duration / (TIME_STEPS[-1] * MOST_TIMES))
+    step = next((step for step in TIME_STEPS if log.duration / step <= MOST_TIMES), longest)
     for time in np.arange(step, log.duration - 0.4 * step, step):
         pose = pose_at(log, float(time))
         axes.plot(pose.y, pose.x, "o", color="white", markeredgecolor=palette.INK, markersize=4, zorder=6)
@@ -117,18 +118,19 @@ def _draw_times(axes: Axes, log: FlightLog) -> Iterator[Label]:
 
 
 def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
-    """Draws each plan from where the vehicle believed to be when it was made; the first one strongest."""
-    plans = plans_of_flight(log)
+    """Draws each plan from the estimated pose at its time."""
+    plans = logged_plans(log)
     if not plans or LIBRARY_ATTACHMENT not in log.attachments or ESTIMATE.name not in log.series:
         return []
     library, estimate = log.library(), log[ESTIMATE]
-    for place, plan in enumerate(plans):
+    for place, planning in enumerate(plans):
         x, y, heading = (
-            float(np.interp(plan.time, estimate.time, estimate[name]))
+            float(np.interp(planning.time, estimate.time, estimate[name]))
             for name in ("north", "east", "heading")
         )
+        plan, start = planning.plan, SE2(x, y, heading)
         lines = planned_track(
-            library, plan.sequence, plan.coasting_times, start=SE2(x, y, heading), gamma=plan.gamma
+            library, plan.sequence, plan.coasting_times, start=start, gamma=plan.deciding.gamma
         )
         for line in (*lines[0], *lines[1]):
             style = stroke.FIRST_PLAN if place == 0 else stroke.LATER_PLAN
@@ -140,7 +142,7 @@ def _draw_plans(axes: Axes, log: FlightLog) -> list[Line2D]:
 
 
 def _draw_wind(axes: Axes, log: FlightLog) -> None:
-    """Draws the mean wind as an arrow in the direction in which the air moves."""
+    """Draws the mean wind as an arrow along the air's motion."""
     wind = log[WIND]
     north, east = float(wind["north"].mean()), float(wind["east"].mean())
     speed = float(np.hypot(north, east))

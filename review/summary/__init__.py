@@ -1,1 +1,1 @@
-"""Figures that sum up a flight: tiles, tracking, bounds, control limits."""
+"""Summary figures of a flight: tiles, tracking, bounds, control limits."""

@@ -1,4 +1,4 @@
-"""The limits of a vehicle's controls, as its log says them."""
+"""Control limits of the vehicle in a log."""
 
 import json
 
@@ -9,7 +9,7 @@ Limits = dict[str, tuple[float, float]]
 
 
 def control_limits(log: FlightLog) -> Limits:
-    """Returns least and largest controls in radians, by field; empty where the log is silent."""
+    """Returns control limits in radians by field; empty where unknown."""
     if VEHICLE_ATTACHMENT not in log.attachments:
         return {}
     try:

@@ -1,4 +1,4 @@
-"""A flight in a few numbers: what was flown, how well it was tracked and believed, where bounds were left."""
+"""Summary of a flight: primitives, tracking, navigation, bounds, plans, arrival."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,29 +6,26 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.mission.goal import Arrival, Destination, first_arrival
+from flight.mission.arrival import ArrivalVerdict
+from flightlog.arrival import logged_arrival
 from flightlog.attachment_names import PLANS_ATTACHMENT
-from flightlog.attachments import PlanOfFlight, goal_of_flight, plannings_of_flight
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
-from flightlog.fault_record import faults_flown
+from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveFlown, PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import logged_planned_time, logged_plannings
+from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_names
 
-from .bound_check import Bounds, bounds_kept
+from .bound_check import BoundCheck, check_bounds
 from .tracking import VELOCITIES, navigation_error, tracking_error
 
 Column = Float[np.ndarray, "n"]
-Track = Float[np.ndarray, "m 2"]
-
-# Metres; a tolerance of 0 means equality, and this is what equality means.
-EQUALITY = 1e-6
 
 
 @dataclass(frozen=True, slots=True)
 class PrimitiveCount:
-    """How often and how long one primitive was flown: its id, a few words, times flown, seconds in all."""
+    """Flights of one primitive: id, name, count, total seconds."""
 
     id: int
     name: str
@@ -42,9 +39,9 @@ class TrackingError:
 
     Attributes:
         field: `forward`, `side` or `yaw_rate`.
-        unit: of the numbers.
-        worst: the largest, with its sign.
-        time: of the largest, seconds since the flight's start.
+        unit: unit of the numbers.
+        worst: the largest error, signed.
+        time: time of the largest error, seconds since the flight's start.
         rms: root mean square over the flight.
     """
 
@@ -60,10 +57,10 @@ class NavigationError:
     """Estimate minus truth in the horizontal plane: metres, metres per second, radians.
 
     Attributes:
-        position_rms: of the distance between the two positions.
+        position_rms: root mean square of the distance between the two positions.
         position_max: the largest distance.
-        velocity_rms: of the length of the difference of the two velocities.
-        heading_rms: of the difference of the two headings.
+        velocity_rms: root mean square length of the velocity difference.
+        heading_rms: root mean square of the heading difference.
     """
 
     position_rms: float
@@ -74,28 +71,27 @@ class NavigationError:
 
 @dataclass(frozen=True, slots=True)
 class Summary:
-    """What a log says about its flight; what the log does not hold is None, never zero.
+    """Summary of a flight; a value missing in the log is None.
 
     Attributes:
         kind: `sequence`, `campaign` or `mission`.
-        name: of the sequence, campaign or mission.
-        vehicle: what flew.
-        seed: of every random number of the flight.
+        name: name of the sequence, campaign or mission.
+        vehicle: the vehicle's name.
+        seed: seed of the flight's random numbers.
         wind: wind class.
         duration: seconds.
-        distance: length of the track over the ground, metres; the true one, or the believed one without it;
-            None where positions are not known.
-        outcome: `completed`, or what went wrong.
+        distance: length of the track over the ground, m: true, or else estimated; None without positions.
+        outcome: `completed`, or the failure.
         trims: coasts flown, by trim.
         maneuvers: maneuvers flown, by id.
         timeouts: maneuvers that ended by time-out.
-        tracking: one for each velocity that a trim fixes; None without command or truth.
+        tracking: one error per velocity that a trim fixes; None without command or truth.
         navigation: None without estimate or truth.
         bounds: None without library, truth or primitives.
-        faults: what went wrong on purpose, when and how far, a sentence each.
-        plans: how many plannings found something to fly; None where the log carries no plans.
-        failures: how many plannings found nothing, so that the vehicle flew on with what it had.
-        promise: seconds that the first plan promised; None without one.
+        faults: injected faults with their times and sizes, a sentence each.
+        plans: replans that found a plan; None where the log has no plans.
+        failures: replans that found none, so that the previous plan stayed in force.
+        planned_time: seconds of the plan for the mission as stated; None where the log carries none.
         arrival: None without a mission.
     """
 
@@ -112,26 +108,25 @@ class Summary:
     timeouts: int
     tracking: tuple[TrackingError, ...] | None
     navigation: NavigationError | None
-    bounds: Bounds | None
+    bounds: BoundCheck | None
     faults: tuple[str, ...]
     plans: int | None
     failures: int
-    promise: float | None
-    arrival: Arrival | None
+    planned_time: float | None
+    arrival: ArrivalVerdict | None
 
 
 def summarise(log: FlightLog) -> Summary:
-    """Returns what a log says about its flight.
+    """Returns the summary of a flight.
 
     Raises:
         FlightError: the log has neither truth nor estimate, or an attachment is broken.
     """
     header = log.header
-    flown = stretches_flown(log) if PRIMITIVE.name in log.series else ()
+    flown = merged_primitives(log) if PRIMITIVE.name in log.series else ()
     names = trim_names(log)
-    goal = goal_of_flight(log)
-    plannings = plannings_of_flight(log)
-    plans = [planning for planning in plannings if isinstance(planning, PlanOfFlight)]
+    plannings = logged_plannings(log)
+    plans = [planning.plan for planning in plannings if planning.plan.found]
     motion, true = log.motion, TRUTH.name in log.series
     return Summary(
         kind=header.kind,
@@ -151,25 +146,25 @@ def summarise(log: FlightLog) -> Summary:
         timeouts=sum(part.timed_out for part in flown),
         tracking=_tracking(log) if true and COMMAND.name in log.series else None,
         navigation=_navigation(log) if true and _navigates(log) else None,
-        bounds=bounds_kept(log) if true and PRIMITIVE.name in log.series else None,
-        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in faults_flown(log).values()),
+        bounds=check_bounds(log) if true and PRIMITIVE.name in log.series else None,
+        faults=tuple(f"{flown.start:.2f} s: {flown.sentence}" for flown in fault_occurrences(log).values()),
         plans=len(plans) if PLANS_ATTACHMENT in log.attachments else None,
         failures=len(plannings) - len(plans),
-        promise=plans[0].cost if plans else None,
-        arrival=arrival(log, goal) if true and goal is not None else None,
+        planned_time=logged_planned_time(log),
+        arrival=logged_arrival(log),
     )
 
 
 def _distance(motion: Series) -> float | None:
-    if not motion.holds("north", "east"):
+    if not motion.has_fields("north", "east"):
         return None
     return float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum())
 
 
 def _navigates(log: FlightLog) -> bool:
-    """Whether both the truth and the estimate are known well enough to be held against one another."""
+    """Returns True if truth and estimate both have the fields to compare."""
     needed = ("north", "east", "forward", "side", "heading")
-    return all(topic.name in log.series and log[topic].holds(*needed) for topic in (TRUTH, ESTIMATE))
+    return all(topic.name in log.series and log[topic].has_fields(*needed) for topic in (TRUTH, ESTIMATE))
 
 
 def _trim_label(trim: int, names: dict[int, str]) -> str:
@@ -177,9 +172,9 @@ def _trim_label(trim: int, names: dict[int, str]) -> str:
 
 
 def _counts(
-    flown: tuple[PrimitiveFlown, ...], kind: PrimitiveKind, name: Callable[[PrimitiveFlown], str]
+    flown: tuple[FlownPrimitive, ...], kind: PrimitiveKind, name: Callable[[FlownPrimitive], str]
 ) -> tuple[PrimitiveCount, ...]:
-    groups: dict[int, list[PrimitiveFlown]] = {}
+    groups: dict[int, list[FlownPrimitive]] = {}
     for part in flown:
         if part.kind is kind:
             groups.setdefault(part.id, []).append(part)
@@ -194,7 +189,7 @@ def _tracking(log: FlightLog) -> tuple[TrackingError, ...] | None:
     time = log[TRUTH].time
     errors = []
     for field in VELOCITIES:
-        if not (log[TRUTH].holds(field) and log[COMMAND].holds(field)):
+        if not (log[TRUTH].has_fields(field) and log[COMMAND].has_fields(field)):
             continue
         error = tracking_error(log, field)
         worst = int(np.argmax(np.abs(error)))
@@ -213,17 +208,6 @@ def _navigation(log: FlightLog) -> NavigationError:
         velocity_rms=_rms(velocity),
         heading_rms=_rms(navigation_error(log, "heading")),
     )
-
-
-def arrival(log: FlightLog, destination: Destination) -> Arrival:
-    """Returns how the true track, as a line between its samples, met where it was to go.
-
-    Raises:
-        MissingTopicError: the log has no truth.
-    """
-    truth = log[TRUTH]
-    track = np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
-    return first_arrival([track], destination)
 
 
 def _rms(values: Column) -> float:

@@ -1,58 +1,63 @@
-"""A summary in the words of a page: a few tiles to be read first, and facts for who wants more."""
+"""Tiles and facts of a flight's summary, as texts for the page."""
 
 from collections.abc import Iterator
 
 import numpy as np
 
-from flight.plural import counted
+from flight.plural import plural
 from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
 from flightlog.topic import Series
 
-from .bound_check import FLOWN_TO_IDENTIFY, JUDGE_ATTACHMENT
+from .bound_check import BOUNDS_ATTACHMENT, IDENTIFICATION_KINDS
 from .summary import Summary
 
 Content = dict[str, object]
 
-NO_BOUNDS = "flown to find bounds; --library names some to judge by"
-"""Why a campaign's flight is not judged."""
+NO_BOUNDS = "a campaign has no bounds of its own; --library FILE sets some"
+"""Reason why a campaign's flight is not checked."""
 
-WORDS = {"forward": "forward speed", "side": "sideward speed", "yaw_rate": "yaw rate"}
+LABELS = {"forward": "forward speed", "side": "sideward speed", "yaw_rate": "yaw rate"}
 
 
-def tiles_of(summary: Summary) -> list[Content]:
-    """Returns what is read first: label, value, note, tone (`good`, `bad`, `plain`), a time to go to."""
+def summary_tiles(summary: Summary) -> list[Content]:
+    """Returns the tiles of a summary.
+
+    A tile has a label, a value, a note, a tone (`good`, `bad`, `plain`) and a time that it links to.
+    """
     tiles = [_outcome(summary)]
+    if summary.planned_time is not None:
+        tiles.append(_tile("planned time", f"{summary.planned_time:.2f} s", "for the mission as stated"))
     if summary.bounds is not None:
-        left, judged = len(summary.bounds.departures), summary.bounds.coasts + summary.bounds.maneuvers
-        coasts = summary.bounds.left_by(PrimitiveKind.COAST)
+        left, checked = len(summary.bounds.violations), summary.bounds.coasts + summary.bounds.maneuvers
+        coasts = summary.bounds.count_violations(PrimitiveKind.COAST)
         note = (
-            f"{counted(coasts, 'coast')}, {counted(left - coasts, 'maneuver')}"
+            f"{plural(coasts, 'coast')}, {plural(left - coasts, 'maneuver')}"
             if left
             else f"of library {summary.bounds.library}"
         )
         tone = "bad" if left else "good"
-        tiles.append(_tile("left their bounds", f"{left} of {judged}", note, tone))
-    elif summary.kind in FLOWN_TO_IDENTIFY:
-        tiles.append(_tile("left their bounds", "not judged", NO_BOUNDS))
+        tiles.append(_tile("left their bounds", f"{left} of {checked}", note, tone))
+    elif summary.kind in IDENTIFICATION_KINDS:
+        tiles.append(_tile("left their bounds", "not checked", NO_BOUNDS))
     if summary.trims or summary.maneuvers:
         tone = "bad" if summary.timeouts else "good"
         tiles.append(_tile("time-outs", str(summary.timeouts), "of maneuvers", tone))
     if summary.plans is not None:
         found, failed = summary.plans, summary.failures
-        note = "no planning failed" if not failed else f"{counted(failed, 'planning')} found none"
+        note = "no replan failed" if not failed else f"{plural(failed, 'replan')} failed"
         tiles.append(_tile("plans", str(found), note, "bad" if failed else "plain"))
     if summary.faults:
-        tiles.append(_tile("faults", str(len(summary.faults)), "as the events tell", "bad"))
+        tiles.append(_tile("faults", str(len(summary.faults)), "see the events", "bad"))
     if summary.tracking is not None:
-        # The furthest off in units of 1 m/s and 0.1 rad/s, of the order of one another in flight.
-        worst = max(summary.tracking, key=lambda one: abs(one.worst) * (10 if "rad" in one.unit else 1))
+        # Errors are compared in units of 1 m/s and 0.1 rad/s, which are of one order in flight.
+        worst = max(summary.tracking, key=lambda error: abs(error.worst) * (10 if "rad" in error.unit else 1))
         scale, unit = (np.degrees(1.0), "deg/s") if "rad" in worst.unit else (1.0, worst.unit)
         tile = _tile(
-            "furthest from command",
+            "largest tracking error",
             f"{scale * worst.worst:+.2f} {unit}",
-            f"{WORDS[worst.field]}, at {worst.time:.1f} s",
+            f"{LABELS[worst.field]}, at {worst.time:.1f} s",
             "plain",
         )
         tiles.append({**tile, "time": worst.time})
@@ -66,10 +71,10 @@ def tiles_of(summary: Summary) -> list[Content]:
     return tiles
 
 
-def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
-    """Returns names and values of what else is known of a flight."""
+def summary_facts(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
+    """Returns names and values of further facts about a flight."""
     header = log.header
-    facts = [("Duration", f"{summary.duration:.2f} s"), *_extremes(log.motion, summary)]
+    facts = [("Duration", f"{summary.duration:.2f} s"), *_extreme_values(log.motion, summary)]
     if WIND.name in log.series:
         wind = log[WIND]
         speeds = np.hypot(wind["north"], wind["east"])
@@ -78,33 +83,33 @@ def facts_of(log: FlightLog, summary: Summary) -> list[tuple[str, str]]:
         ("Vehicle", f"{header.vehicle}, model {header.model_hash[:12]}"),
         ("Program", f"{header.code_version}, {header.backend}"),
         ("Samples", _sampling(log)),
-        ("Attachments", ", ".join(name for name in log.attachments if name != JUDGE_ATTACHMENT) or "none"),
+        ("Attachments", ", ".join(name for name in log.attachments if name != BOUNDS_ATTACHMENT) or "none"),
     ]
     return facts
 
 
-def _extremes(motion: Series, summary: Summary) -> Iterator[tuple[str, str]]:
-    """Yields how far, fast, high and steep it went, as far as the log knows."""
+def _extreme_values(motion: Series, summary: Summary) -> Iterator[tuple[str, str]]:
+    """Yields the extremes of distance, speed, height, tilt and body rate."""
     if summary.distance is not None:
         yield "Distance over the ground", f"{summary.distance:.1f} m"
-    if motion.holds("forward", "side"):
+    if motion.has_fields("forward", "side"):
         speed = np.hypot(motion["forward"], motion["side"])
         yield "Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"
-    if motion.holds("down"):
+    if motion.has_fields("down"):
         height = -motion["down"]
         origin = "ground" if summary.kind != "import" else "the log's origin"
         yield f"Height above {origin}", f"{height.min():.2f} to {height.max():.2f} m"
-    if motion.holds("roll", "pitch"):
+    if motion.has_fields("roll", "pitch"):
         tilt = np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0))
         yield "Tilt", f"{np.degrees(tilt.max()):.1f} deg at most"
     rates = ("roll_rate", "pitch_rate", "body_yaw_rate")
-    if motion.holds(*rates):
+    if motion.has_fields(*rates):
         fastest = np.linalg.norm([motion[name] for name in rates], axis=0).max()
         yield "Body rate", f"{np.degrees(fastest):.1f} deg/s at most"
 
 
 def _sampling(log: FlightLog) -> str:
-    """Says how often each topic was sampled, and its longest gap where the gaps are not even."""
+    """Returns each topic's sampling rate and the longest gap if uneven."""
     words = []
     for topic in (TRUTH, ESTIMATE, MOTION, COMMAND, NAVIGATION, CONTROLS, ACTUATORS, WIND):
         if topic.name in log.series and len(log[topic]) > 1:
@@ -121,11 +126,11 @@ def _outcome(summary: Summary) -> Content:
     if summary.outcome != "completed":
         return _tile("outcome", "lost", summary.outcome, "bad")
     if summary.kind == "import":
-        return _tile("log", "imported", f"{summary.duration:.1f} s; the outcome is not known")
+        return _tile("log", "imported", f"{summary.duration:.1f} s; outcome unknown")
     if summary.arrival is None:
         return _tile("outcome", "completed", f"{summary.duration:.1f} s", "good")
     if summary.arrival.time is None:
-        return _tile("goal", "not reached", f"{summary.arrival.closest:.2f} m at the closest", "bad")
+        return _tile("goal", "not reached", summary.arrival.reason, "bad")
     tile = _tile("goal", "reached", f"after {summary.arrival.time:.2f} s", "good")
     return {**tile, "time": summary.arrival.time}
 

@@ -1,4 +1,4 @@
-"""Differences between what was commanded, believed and true, on the true state's time axis."""
+"""Tracking and navigation errors at the times of the true states."""
 
 import numpy as np
 from jaxtyping import Float
@@ -11,27 +11,27 @@ VELOCITIES = ("forward", "side", "yaw_rate")
 """Fields of command, estimate and truth that a trim fixes."""
 
 
-def at_times(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
-    """Returns a field between its samples, by straight lines."""
+def interpolate_field(series: Series, field: str, time: Float[np.ndarray, "n"]) -> Float[np.ndarray, "n"]:
+    """Interpolates a field linearly."""
     return np.asarray(np.interp(time, series.time, series[field]))
 
 
 def tracking_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
-    """Returns truth minus command of a velocity at the times of the true states.
+    """Returns truth minus command of a velocity.
 
     Raises:
         MissingTopicError: the log lacks command or truth.
     """
     truth = log[TRUTH]
-    return np.asarray(truth[field] - at_times(log[COMMAND], field, truth.time))
+    return np.asarray(truth[field] - interpolate_field(log[COMMAND], field, truth.time))
 
 
 def navigation_error(log: FlightLog, field: str) -> Float[np.ndarray, "n"]:
-    """Returns estimate minus truth of a state's field at the times of the true states; angles wrapped.
+    """Returns estimate minus truth of a state's field; angles are wrapped.
 
     Raises:
         MissingTopicError: the log lacks estimate or truth.
     """
     truth = log[TRUTH]
-    error = np.asarray(at_times(log[ESTIMATE], field, truth.time) - truth[field])
+    error = np.asarray(interpolate_field(log[ESTIMATE], field, truth.time) - truth[field])
     return np.asarray(np.remainder(error + np.pi, 2 * np.pi) - np.pi) if field == "heading" else error

@@ -1,1 +1,1 @@
-"""What other viewers need to show a log well: a layout for Foxglove and Lichtblick, a blueprint for Rerun."""
+"""Layouts for other viewers: Foxglove and Lichtblick, Rerun."""

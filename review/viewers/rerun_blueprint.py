@@ -1,6 +1,6 @@
-"""Writes the blueprint for Rerun: `python -m review.viewers.rerun_blueprint FILE.rbl`; needs rerun-sdk.
+"""Blueprint for Rerun: `python -m review.viewers.rerun_blueprint FILE.rbl`.
 
-Use it with a log that was converted, under the same application id:
+It needs rerun-sdk. Use it with a log converted under the same application id:
 
     rerun mcap convert flight.mcap --application-id maneuver --timeline-type duration -o flight.rrd
     rerun flight.rrd maneuver.rbl
@@ -11,11 +11,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from flightlog.viewers.channels import PATH
+from flightlog.viewers.viewer_channels import PATH
 from flightlog.viewers.z_up_frames import WORLD
 
 APPLICATION = "maneuver"
-"""Application id that a converted log must have."""
+"""Application id required of a converted log."""
 
 WHITE, ORANGE, BLUE, VERMILION, GREY, GREEN = "#dddddd", "#e69f00", "#56b4e9", "#d55e00", "#8a8a8a", "#009e73"
 
@@ -27,7 +27,7 @@ STATE = (
 
 
 def blueprint() -> Any:
-    """Returns the blueprint: path and events beside what was commanded, believed and true."""
+    """Returns the blueprint: path and events beside time histories."""
     import rerun as rr
     import rerun.blueprint as rrb
 
@@ -39,7 +39,7 @@ def blueprint() -> Any:
         "controls", "/controls", "maneuver.Controls", ("collective", "longitudinal", "lateral", "pedal")
     )
     wind = _components("wind", "/wind", "maneuver.Wind", ("north", "east", "down"))
-    spread = _components("one sigma", "/navigation", "maneuver.Spread", ("north", "east", "down"))
+    sigma = _components("one sigma", "/navigation", "maneuver.Spread", ("north", "east", "down"))
     return rrb.Blueprint(
         rrb.Horizontal(
             rrb.Vertical(
@@ -57,7 +57,7 @@ def blueprint() -> Any:
                 rrb.TextLogView(name="events", origin="/events"),
                 row_shares=[3, 1],
             ),
-            rrb.Vertical(*motion, controls, wind, spread),
+            rrb.Vertical(*motion, controls, wind, sigma),
         ),
         collapse_panels=True,
     )
@@ -69,7 +69,7 @@ def _components(name: str, topic: str, message: str, fields: Sequence[str]) -> A
 
 
 def _view(name: str, curves: Sequence[tuple[str, str, str, str]]) -> Any:
-    """Returns a plot of fields, each given as topic, message, colour and field."""
+    """Returns a plot of curves given by topic, message, colour and field."""
     import rerun as rr
     import rerun.blueprint as rrb
     from rerun.blueprint.encodings import ComponentSourceKind, VisualizerComponentMapping

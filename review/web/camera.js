@@ -1,4 +1,4 @@
-// The camera of the view: parallel projection of north, east and height onto the screen.
+// Camera of the view: parallel projection of north, east and height onto the screen.
 "use strict";
 
 const ABOVE = { turn: 0, tilt: Math.PI / 2 };
@@ -6,7 +6,7 @@ const SPACE = { turn: -0.55, tilt: 0.5 };
 
 const camera = { ...ABOVE, scale: 1, middle: { east: 0, north: 0, height: 0 }, zoom: 1, shift: { x: 0, y: 0 } };
 
-// Places on the screen, in metres right and up, before scale and shift.
+// Returns the position on the screen, in metres right and up, before scale and shift.
 function projected(north, east, height) {
   const { middle, turn, tilt } = camera;
   const [e, n, h] = [east - middle.east, north - middle.north, height - middle.height];
@@ -21,7 +21,7 @@ function onScreen(size, north, east, height) {
   return [size.width / 2 + camera.shift.x + right * metre, size.height / 2 + camera.shift.y - up * metre];
 }
 
-// Where on the ground, at a height, a place of the plan view is; the inverse of `onScreen` from above.
+// Returns the ground position of a point of the plan view; the inverse of `onScreen` from above.
 function groundAt(size, x, y) {
   const metre = camera.scale * camera.zoom;
   return {
@@ -30,7 +30,7 @@ function groundAt(size, x, y) {
   };
 }
 
-// Makes all points fit.
+// Sets scale and shift so that all points are visible.
 function fit(size, points, floor) {
   const range = (values) => [Math.min(...values), Math.max(...values)];
   const [south, north] = range(points.map((point) => point[0]));

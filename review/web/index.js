@@ -1,4 +1,4 @@
-// The table of a campaign: sorted by any column, outliers first.
+// Table of a campaign, sortable by any column, outliers first.
 "use strict";
 
 const page = JSON.parse(document.getElementById("data").textContent);
@@ -22,11 +22,11 @@ function figure(name, digits, scale = 1) {
 }
 
 const COLUMNS = [
-  { title: "stands out", number: true, falls: true, key: (row) => row.score ?? Infinity, cell: standsOut },
+  { title: "score", number: true, falls: true, key: (row) => row.score ?? Infinity, cell: scoreCell },
   { title: "flight", key: (row) => row.file, cell: flightCell },
   { title: "outcome", key: (row) => row.outcome, cell: outcomeCell },
   { title: "s", number: true, key: (row) => row.duration, cell: (row) => row.duration.toFixed(1) },
-  { title: "off command in time", wide: true, key: (row) => Math.max(0, ...row.spark), falls: true, cell: spark },
+  { title: "velocity error over time", wide: true, key: (row) => Math.max(0, ...row.spark), falls: true, cell: spark },
   { title: "left bounds", number: true, falls: true, key: (row) => row.left ?? -1, cell: (row) => (row.left === null ? "" : `${row.left} of ${row.primitives}`) },
   { title: "time-outs", number: true, falls: true, wide: true, key: (row) => row.timeouts, cell: (row) => String(row.timeouts) },
   { title: "forward, m/s", falls: true, wide: true, ...figure("forward", 3) },
@@ -36,7 +36,7 @@ const COLUMNS = [
 ];
 const sorting = { column: 0, falls: true };
 
-function standsOut(row) {
+function scoreCell(row) {
   const score = row.score === null ? "" : `${row.score.toFixed(1)} `;
   const strong = row.score === null || row.score > 3;
   return element("span", { className: strong ? "left" : "", title: "standard deviations above the median" }, score, element("span", { className: "hint" }, row.reason));

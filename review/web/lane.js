@@ -1,4 +1,4 @@
-// The lane of primitives above the plots, and the overview that says which part of the flight is shown.
+// Lane of primitives above the plots, and the overview with the time range shown.
 "use strict";
 
 const laneCanvas = document.getElementById("lane");
@@ -102,7 +102,7 @@ function drawOverview() {
   context.strokeRect(x(state.from) + 0.75, 0.75, Math.max(x(state.to) - x(state.from) - 1.5, 2), height - 1.5);
   const whole = state.to - state.from > duration - 1e-6;
   document.getElementById("range").textContent = whole
-    ? `the whole flight, ${duration.toFixed(1)} s`
+    ? `whole flight, ${duration.toFixed(1)} s`
     : `${state.from.toFixed(1)} to ${state.to.toFixed(1)} s of ${duration.toFixed(1)} s`;
   document.getElementById("whole").disabled = whole && state.chosen === null;
 }

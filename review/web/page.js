@@ -1,4 +1,4 @@
-// The rest of the page: head, tiles, scorecard, events, facts, theme.
+// Head, tiles, scorecard, events, facts and theme of the page.
 "use strict";
 
 function writeHead() {
@@ -35,7 +35,7 @@ function writeScorecard() {
   const rows = page.scorecard.map(([name, ...values]) =>
     element("tr", {}, element("td", {}, name), ...values.map((value) => element("td", { className: "number" }, value))));
   const table = element("table", {}, element("thead", {}, head), element("tbody", {}, ...rows));
-  section.append(element("h2", {}, "Side by side"), element("div", { className: "scroll" }, table));
+  section.append(element("h2", {}, "Comparison"), element("div", { className: "scroll" }, table));
   section.hidden = false;
 }
 
@@ -67,7 +67,7 @@ function writeFacts() {
 function setTheme(dark) {
   document.documentElement.dataset.theme = dark ? "dark" : "light";
   document.getElementById("theme").textContent = dark ? "light" : "dark";
-  tell("theme");
+  notify("theme");
 }
 
 const prefersDark = matchMedia("(prefers-color-scheme: dark)");

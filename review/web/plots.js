@@ -1,4 +1,4 @@
-// The linked plots: one canvas a panel, one time axis for all.
+// Linked plots: one canvas per panel, one time axis for all.
 "use strict";
 
 const AXIS = 56;
@@ -31,7 +31,7 @@ function styleOf(curve) {
   return styles[curve.role];
 }
 
-// Flights whose samples are not simultaneous keep their own times; the plot bridges the gaps.
+// Flights sampled at different times keep their own times; the plot bridges the gaps.
 function tableOf(panel) {
   const tables = new Map();
   for (const curve of panel.curves) {

@@ -1,4 +1,4 @@
-// How much of controls and rates is at which frequency: plots of their own, with logarithmic axes.
+// Spectra of controls and rates: plots with logarithmic axes.
 "use strict";
 
 const spectrumPlots = [];

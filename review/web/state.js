@@ -1,9 +1,9 @@
-// What is shown now, and who wants to know when it changes.
+// State of the page and listeners to its changes.
 "use strict";
 
 const page = JSON.parse(document.getElementById("data").textContent);
 const flights = page.flights;
-// A flight that was lost at once has a single sample; it is shown as if it had lasted a moment.
+// A flight lost at once has a single sample; it is shown with a short duration.
 const duration = Math.max(0.1, ...flights.map((flight) => flight.duration));
 const comparing = flights.length > 1;
 
@@ -14,7 +14,7 @@ function when(what, listener) {
   listeners[what].push(listener);
 }
 
-function tell(what) {
+function notify(what) {
   for (const listener of listeners[what]) listener();
 }
 
@@ -27,27 +27,27 @@ function showRange(from, to) {
   if (Math.abs(from - state.from) < 1e-6 && Math.abs(from + span - state.to) < 1e-6) return;
   state.from = from;
   state.to = from + span;
-  tell("range");
+  notify("range");
 }
 
 function showCursor(time) {
   if (time === state.cursor) return;
   state.cursor = time;
-  tell("cursor");
+  notify("cursor");
 }
 
-// A primitive is chosen by its flight and its place in it.
+// Selects a primitive by its flight and its index.
 function choose(flight, place) {
   const part = flights[flight].primitives[place];
   state.chosen = { flight, place };
-  tell("chosen");
+  notify("chosen");
   const margin = Math.max(0.35 * (part.end - part.start), 0.5);
   showRange(part.start - margin, part.end + margin);
 }
 
 function chooseNone() {
   state.chosen = null;
-  tell("chosen");
+  notify("chosen");
   showRange(0, duration);
 }
 
@@ -101,7 +101,7 @@ function lightness(color) {
   return (0.299 * r + 0.587 * g + 0.114 * b) / 255;
 }
 
-// Colours of trims are chosen for paper; on a dark page the dark ones are lifted.
+// Trim colours are made for a light page; on a dark page the dark ones are lightened.
 function shade(color) {
   const lift = isDark() && lightness(color) < 0.5 ? 0.42 : 0;
   const [r, g, b] = parts(color).map((value) => Math.round(value + lift * (255 - value)));
@@ -121,7 +121,7 @@ function flightColor(number) {
   return css(["--actual", "--second", "--goal", "--estimated"][number % 4]);
 }
 
-// Makes the drawing area as fine as the screen, and returns its context in CSS pixels.
+// Sets the drawing area to the screen's resolution; returns its context in CSS pixels.
 function prepare(canvas) {
   const ratio = window.devicePixelRatio || 1;
   const { width, height } = canvas.getBoundingClientRect();

@@ -1,14 +1,14 @@
-// The table of primitives: deviation against bound, sorted by any column.
+// Table of primitives: deviation and bound, sortable by any column.
 "use strict";
 
 const COLUMNS = [
-  { title: "at, s", number: true, key: (row) => row.part.start },
+  { title: "start, s", number: true, key: (row) => row.part.start },
   { title: "primitive", key: (row) => `${row.part.kind} ${String(row.part.id).padStart(5)}` },
-  { title: "s", number: true, key: (row) => row.part.end - row.part.start },
+  { title: "duration, s", number: true, key: (row) => row.part.end - row.part.start },
   { title: "worst", wide: true, key: (row) => (row.part.judged ? row.part.judged.number : "") },
   { title: "deviation", number: true, wide: true, key: (row) => (row.part.judged ? Math.abs(row.part.judged.deviation) : -1) },
   { title: "bound", number: true, wide: true, key: (row) => (row.part.judged ? row.part.judged.bound : -1) },
-  { title: "of bound", number: true, descends: true, key: (row) => (row.part.judged ? row.part.judged.share : -1) },
+  { title: "% of bound", number: true, descends: true, key: (row) => (row.part.judged ? row.part.judged.share : -1) },
 ];
 
 const sorting = { column: 0, falls: false };
@@ -26,9 +26,9 @@ function signed(value) {
 }
 
 function shareCell(judged) {
-  if (!judged) return element("span", { className: "hint" }, "not judged");
-  // The bar's middle is the bound; it is full at twice the bound.
-  const bar = element("span", { className: judged.left ? "share over" : "share", title: "the mark in the middle is the bound" });
+  if (!judged) return element("span", { className: "hint" }, "not checked");
+  // The bar's middle marks the bound; a full bar is twice the bound or more.
+  const bar = element("span", { className: judged.left ? "share over" : "share", title: "the middle mark is the bound" });
   bar.append(element("i", { style: `width: ${Math.min(50 * judged.share, 100)}%` }), element("b"));
   const text = element("span", { className: judged.left ? "left" : "" }, ` ${Math.round(100 * judged.share)} %`);
   return element("span", { style: "white-space: nowrap" }, bar, text);
@@ -92,7 +92,7 @@ function setUpTable() {
   }
   document.getElementById("primitives-title").textContent = `${count} primitives`;
   const bounds = flights[0].library === null ? "" : `bounds of library ${flights[0].library}; `;
-  document.getElementById("primitives-hint").textContent = `${bounds}a row takes the plots there`;
+  document.getElementById("primitives-hint").textContent = `${bounds}click a row to zoom to it`;
   writeHeads();
   writeRows();
   const body = document.querySelector("#primitives tbody");

@@ -1,16 +1,16 @@
-// Where it flew: from above and in three dimensions, with the plan and its tube under the track.
+// Track from above and in three dimensions, over the plan and its tube.
 "use strict";
 
 const viewCanvas = document.getElementById("view");
 const tracks = flights.map((flight) => unpackTrack(flight.track));
-const believed = flights.map((flight) => flight.believed && unpackTrack(flight.believed));
+const estimated = flights.map((flight) => flight.estimated && unpackTrack(flight.estimated));
 const plansDrawn = flights[0].plans.map((plan) => ({ ...plan, line: unpack(plan.line), tube: unpack(plan.tube) }));
 const placed = tracks.filter((track) => track !== null);
 const floor = placed.length ? Math.floor(Math.min(...placed.map((track) => track.height.reduce((a, b) => Math.min(a, b)))) - 0.5) : 0;
 let size = { width: 1, height: 1 };
 let inSpace = false;
 
-// A log without positions has no track; one without heights is drawn flat, one without headings without darts.
+// A log without positions has no track; without heights it is drawn flat, without headings without darts.
 function unpackTrack(track) {
   if (track === null) return null;
   const columns = Object.fromEntries(Object.entries(track).map(([name, text]) => [name, text && unpack(text)]));
@@ -78,14 +78,14 @@ function drawGrid(context) {
       else if (a[1] < size.height - 26) context.fillText(text, 6, a[1] - 4);
     }
   }
-  const note = inSpace ? `drag to turn; the plane lies ${floor} m above ground` : "east, m \u2192";
+  const note = inSpace ? `drag to rotate; plane at ${floor} m above ground` : "east, m \u2192";
   context.textAlign = "right";
   context.fillText(note, size.width - 10, size.height - (inSpace ? 10 : 24));
   context.textAlign = "left";
   if (!inSpace) context.fillText("north, m \u2191", 8, 16);
 }
 
-// Neighbouring lines of the tube are filled on a canvas of their own, so that overlaps do not add up.
+// The tube is filled on a separate canvas, so that the opacity of overlaps does not add up.
 function drawTube(context, plan, height) {
   const sheet = document.createElement("canvas");
   sheet.width = viewCanvas.width;
@@ -247,7 +247,7 @@ function drawView() {
     drawDart(context, placeAt(tracks[number], 0), css("--ink"));
     drawDart(context, placeAt(tracks[number], flight.duration), css("--paper"));
     if (state.cursor === null || state.cursor > flight.duration) return;
-    if (believed[number]) drawDart(context, placeAt(believed[number], state.cursor), css("--estimated"), 1.0);
+    if (estimated[number]) drawDart(context, placeAt(estimated[number], state.cursor), css("--estimated"), 1.0);
     drawDart(context, placeAt(tracks[number], state.cursor), comparing ? flightColor(number) : css("--actual"), 1.25);
   });
   if (flights[0].wind) drawWind(context, flights[0].wind);

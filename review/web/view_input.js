@@ -1,4 +1,4 @@
-// How the view is turned, moved and asked; its legend and its choice of plan.
+// Input of the view: rotation, pan, picking; its legend and plan selection.
 "use strict";
 
 function nearestOnTrack(event) {
@@ -50,7 +50,7 @@ function writeLegend() {
   }
   if (plansDrawn.length) {
     entries.push([swatch({ stroke: css("--commanded"), dash: true }), "plan"]);
-    entries.push([chip(css("--tube")), "its tube"]);
+    entries.push([chip(css("--tube")), "tube"]);
   }
   if (flights[0].goal) entries.push([chip(css("--goal")), `goal, within ${flights[0].goal.tolerance.toPrecision(3)} m`]);
   legend.replaceChildren(...entries.map(([mark, text]) => element("span", {}, mark, text)));
@@ -61,15 +61,15 @@ function writePlan() {
   if (!plan) return;
   const level = plan.level.toPrecision(2).replace(/\.0$/, "");
   document.getElementById("plan-text").textContent =
-    `plan ${state.plan + 1} of ${plansDrawn.length}, made at ${plan.time.toFixed(1)} s: ${plan.cost.toFixed(1)} s through trims ` +
-    `${plan.sequence.join(" ")}; tube: its coasting times at gamma \u2212${level} to ${level}`;
+    `plan ${state.plan + 1} of ${plansDrawn.length}, at ${plan.time.toFixed(1)} s: predicted ${plan.cost.toFixed(1)} s, trims ` +
+    `${plan.sequence.join(" ")}; tube: same coasting times at gamma \u2212${level} to ${level}`;
 }
 
 function setUpView() {
   if (!placed.length) {
-    const words = "The log holds no positions: there is no map.";
-    document.getElementById("plots-hint").textContent = "Drag across a plot to look closer, double-click for the whole flight; all plots move together.";
-    document.getElementById("view-section").replaceChildren(element("h2", {}, "Where it flew"), element("p", { className: "hint" }, words));
+    const words = "No map: the log has no positions.";
+    document.getElementById("plots-hint").textContent = "Drag across a plot to zoom, double-click for the whole flight; all plots are linked.";
+    document.getElementById("view-section").replaceChildren(element("h2", {}, "Track"), element("p", { className: "hint" }, words));
     return;
   }
   if (flights.every((flight) => !flight.track || !flight.track.height)) document.querySelector("[data-view=space]").hidden = true;
@@ -77,7 +77,7 @@ function setUpView() {
   document.getElementById("plans").hidden = plansDrawn.length === 0;
   slider.max = String(Math.max(plansDrawn.length - 1, 0));
   slider.hidden = plansDrawn.length < 2;
-  slider.addEventListener("input", () => { state.plan = Number(slider.value); tell("plan"); });
+  slider.addEventListener("input", () => { state.plan = Number(slider.value); notify("plan"); });
   when("plan", () => { writePlan(); drawView(); });
   when("cursor", drawView);
   when("chosen", drawView);

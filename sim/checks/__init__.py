@@ -1,1 +1,1 @@
-"""Checks of physics, margins and numerics that `maneuver verify` prints."""
+"""Checks of physics, margins and numerics, printed by `maneuver verify`."""

@@ -1,4 +1,4 @@
-"""What is asked of the controller: margins at every trim, delay, and what the adaptive element buys."""
+"""Checks of the controller: margins, delay and adaptation."""
 
 from collections.abc import Callable, Iterator, Sequence
 
@@ -10,22 +10,22 @@ from sim.control.controller import Controller
 from sim.control.gains import Gains
 from sim.vehicle.parameters import Parameters, change_vehicle
 
-from .check import Figure
-from .margins import PATHS, Loop, close_loop, margins, stable
-from .step_response import Response, respond
+from .check_result import CheckResult
+from .margins import PATHS, Loop, close_loop, compute_margins, is_stable
+from .velocity_response import Response, simulate_response
 
-GAIN_BAR, PHASE_BAR = 6.0, 45.0
+GAIN_LIMIT, PHASE_LIMIT = 6.0, 45.0
 _STEP, _HEIGHT = 0.01, 30.0
 # The trims of the thesis's Table 9.
 TRIMS = tuple(
     Twist(speed * FOOT, 0.0, rate)
     for speed, rate in ((0, 0), (3, 0), (10, 0), (3, -0.3), (3, 0.3), (10, -0.6), (10, 0.6))
 )
-# Straight flight from where those end to the end of the speed range.
+# Straight flight above these speeds, up to the end of the speed range.
 FAST_FLIGHT = tuple(Twist(speed * FOOT, 0.0, 0.0) for speed in (16, 32, 48, 64, 80))
 _MASSES = (0.8, 1.0, 1.2)
-_CHANGED = {
-    "as believed": {},
+_VEHICLE_CHANGES = {
+    "nominal": {},
     "mass +20 %": {"mass": 1.2},
     "rotor gain -15 %": {"lift": 0.85},
     "centre of mass 3 cm back": {"hub_forward": 0.03},
@@ -34,16 +34,16 @@ _CHANGED = {
 _WALK = (0, 1, 2, 6, 2, 5, 1, 0)
 _LEG = 10.0
 _FAST = TRIMS[2]
-# A flight whose body rates are beyond this has lost its stability, rad/s.
-_WILD = 1.0
+# Body rate above which a flight counts as unstable, rad/s.
+_UNSTABLE_RATE = 1.0
 
 
 def check_margins(
     parameters: Parameters, *, gains: Gains | None = None, extra_delay: float = 0.0
-) -> Iterator[Figure]:
-    """Yields, for every path, its smallest margins over trims and masses, with the full delay.
+) -> Iterator[CheckResult]:
+    """Yields each path's smallest margins over trims and masses.
 
-    First at the trims of Table 9, then in straight flight up to 80 ft/s.
+    With the full delay; first at the trims of Table 9, then in straight flight up to 80 ft/s.
     """
     controller = Controller(parameters, height=_HEIGHT, step=_STEP, gains=gains)
     for velocities, where, prefix in (
@@ -60,46 +60,48 @@ def check_margins(
             for mass in _MASSES
             for velocity in velocities
         ]
-        yield from _smallest(loops, prefix, beside=f"{where}, mass -20 %, 0, +20 %")
+        yield from _smallest_margins(loops, prefix, beside=f"{where}, mass -20 %, 0, +20 %")
 
 
-def _smallest(loops: Sequence[Loop], prefix: str, *, beside: str) -> Iterator[Figure]:
-    """Yields the smallest margins of every path over all loops, and the share of loops that settle."""
-    found = [margins(loop) for loop in loops]
+def _smallest_margins(loops: Sequence[Loop], prefix: str, *, beside: str) -> Iterator[CheckResult]:
+    """Yields each path's smallest margins and the share of stable loops."""
+    found = [compute_margins(loop) for loop in loops]
     for path in PATHS:
         gain = min(margin[path].gain for margin in found)
         phase = min(margin[path].phase for margin in found)
-        yield Figure("margins", f"{prefix}gain at {path}", gain, "dB", low=GAIN_BAR, beside=beside)
-        yield Figure("margins", f"{prefix}phase at {path}", phase, "deg", low=PHASE_BAR, beside=beside)
-    settled = sum(stable(loop) for loop in loops) / len(loops)
-    yield Figure("margins", f"{prefix}loops that settle, share", settled, "-", low=1.0, beside=beside)
+        yield CheckResult("margins", f"{prefix}gain at {path}", gain, "dB", low=GAIN_LIMIT, beside=beside)
+        yield CheckResult("margins", f"{prefix}phase at {path}", phase, "deg", low=PHASE_LIMIT, beside=beside)
+    stable = sum(is_stable(loop) for loop in loops) / len(loops)
+    yield CheckResult("margins", f"{prefix}share of stable loops", stable, "-", low=1.0, beside=beside)
 
 
-def check_delay(parameters: Parameters) -> Iterator[Figure]:
-    """Yields the delay that the loop bears beyond the modelled one: computed, flown, flown adapting."""
+def check_delay(parameters: Parameters) -> Iterator[CheckResult]:
+    """Yields the delay margin beyond the model: computed, flown, adaptive."""
     controller = Controller(parameters, height=_HEIGHT, step=_STEP)
     loop = close_loop(parameters, controller, parameters, _FAST, height=_HEIGHT, step=_STEP)
-    computed = _largest(lambda periods: stable(loop, extra_delay=periods)) * _STEP
-    frozen, adapting = (bearable_delay(parameters, adaptive=on) for on in (False, True))
+    computed = _largest_passing_delay(lambda periods: is_stable(loop, extra_delay=periods)) * _STEP
+    frozen, adapting = (flown_delay_margin(parameters, adaptive=on) for on in (False, True))
     beside = "10 ft/s, all servos at once"
-    yield Figure("delay", "borne beyond the modelled, computed", computed, "s", low=0.02, beside=beside)
-    yield Figure("delay", "flown, share of the computed", frozen / computed, "-", 0.9, 1.1, beside)
-    yield Figure("delay", "flown with adaptation", adapting, "s", low=0.02, beside=beside)
+    yield CheckResult("delay", "margin beyond the model, computed", computed, "s", low=0.02, beside=beside)
+    yield CheckResult("delay", "margin flown / computed", frozen / computed, "-", 0.9, 1.1, beside)
+    yield CheckResult("delay", "margin flown with adaptation", adapting, "s", low=0.02, beside=beside)
 
 
-def bearable_delay(parameters: Parameters, *, adaptive: bool) -> float:
-    """Returns the largest injected delay, in s, with which a disturbed flight at 10 ft/s calms down."""
+def flown_delay_margin(parameters: Parameters, *, adaptive: bool) -> float:
+    """Returns the largest extra delay of a stable flight, s."""
     nudged = Twist(_FAST.forward + 0.1, 0.1, 0.02)
 
-    def calms(periods: int) -> bool:
+    def settles(periods: int) -> bool:
         vehicle = change_vehicle(parameters, extra_delay=periods * _STEP)
-        return not _wild(respond([(nudged, 1.0), (_FAST, 39.0)], vehicle=vehicle, adaptive=adaptive))
+        return not _is_unstable(
+            simulate_response([(nudged, 1.0), (_FAST, 39.0)], vehicle=vehicle, adaptive=adaptive)
+        )
 
-    return _largest(calms) * _STEP
+    return _largest_passing_delay(settles) * _STEP
 
 
-def _largest(holds: Callable[[int], bool]) -> int:
-    """Returns the largest number of periods below one second for which something holds, by bisection."""
+def _largest_passing_delay(holds: Callable[[int], bool]) -> int:
+    """Returns the largest passing number of periods below 1 s, by bisection."""
     good, bad = 0, round(1.0 / _STEP)
     while bad - good > 1:
         middle = (good + bad) // 2
@@ -107,37 +109,40 @@ def _largest(holds: Callable[[int], bool]) -> int:
     return good
 
 
-def _wild(flown: Response) -> bool:
-    """Whether a flight ended, or swings more in its last quarter than in the third."""
+def _is_unstable(flown: Response) -> bool:
+    """Returns True if the flight was lost or its oscillation grows.
+
+    Growth is judged by the last two quarters of the flight.
+    """
     if flown.lost:
         return True
     rates = np.abs(np.stack([flown.column(name) for name in ("roll_rate", "pitch_rate", "yaw_rate")]))
     third, last = (part.max() for part in np.array_split(rates, 4, axis=1)[2:])
-    return bool(last > _WILD or last > max(1.2 * third, 1e-3 + np.abs(flown.reference[-1, 2])))
+    return bool(last > _UNSTABLE_RATE or last > max(1.2 * third, 1e-3 + np.abs(flown.reference[-1, 2])))
 
 
-def check_adaptation(parameters: Parameters, *, gains: Gains | None = None) -> Iterator[Figure]:
-    """Yields the velocity error with the adaptive element as a share of that without it."""
-    for name, change in _CHANGED.items():
+def check_adaptation(parameters: Parameters, *, gains: Gains | None = None) -> Iterator[CheckResult]:
+    """Yields the ratio of velocity errors with and without adaptation."""
+    for name, change in _VEHICLE_CHANGES.items():
         vehicle = change_vehicle(parameters, **change)
         high = 1.0 if not change else 0.5
         without, adapting = (
             fly_walk(vehicle, parameters, adaptive=on, gains=gains).velocity_error for on in (False, True)
         )
         beside = f"{without:.3f} m/s without, {adapting:.3f} m/s with; wind class gtmax"
-        share = adapting / without
-        yield Figure("adaptation", f"velocity error, {name}, share", share, "-", high=high, beside=beside)
+        ratio = adapting / without
+        yield CheckResult("adaptation", f"velocity error ratio, {name}", ratio, "-", high=high, beside=beside)
 
 
 def fly_walk(
-    vehicle: Parameters, believed: Parameters, *, adaptive: bool, gains: Gains | None = None
+    vehicle: Parameters, controller_model: Parameters, *, adaptive: bool, gains: Gains | None = None
 ) -> Response:
-    """Flies every trim in turn in wind class `gtmax`; the first 10 s, in hover, are left off."""
+    """Flies every trim in wind class `gtmax`, without the first 10 s."""
     legs = [(TRIMS[0], _LEG), *((TRIMS[place], _LEG) for place in _WALK)]
-    return respond(
+    return simulate_response(
         legs,
         vehicle=vehicle,
-        believed=believed,
+        controller_model=controller_model,
         adaptive=adaptive,
         gains=gains,
         wind="gtmax",

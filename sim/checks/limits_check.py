@@ -1,4 +1,4 @@
-"""Whether the library's maneuvers, in its own air, ever meet a limit of attitude or of a servo's rate."""
+"""Check that the library's maneuvers reach no attitude or servo-rate limit."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -17,10 +17,10 @@ from sim.loop.specification import CONTROL_RATE, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
+from .check_result import CheckResult
 
-# Times its size a limit is none.
-_LIFTED = 1000.0
+# Factor that removes a limit in effect.
+_WITHOUT_LIMITS = 1000.0
 
 
 def check_limits(
@@ -29,38 +29,43 @@ def check_limits(
     parameters: Parameters,
     *,
     gains: Gains | None = None,
-) -> Iterator[Figure]:
-    """Yields what flights use of the limits, and what they would be without any.
+) -> Iterator[CheckResult]:
+    """Yields the use of the limits, and the effect of removing them.
 
-    A limit that is never met changes no bit of a flight.
+    Removing a limit that is never reached changes no bit of a flight.
 
     Args:
-        flights: of sequences.
-        library: flown with.
-        parameters: the vehicle.
-        gains: of the controller.
+        flights: specified sequences.
+        library: library flown with.
+        parameters: vehicle.
+        gains: gains of the controller.
     """
     gains = gains or Gains()
     servos = parameters.servos
-    free_servos = replace(servos, rate=_LIFTED * servos.rate, pedal_rate=_LIFTED * servos.pedal_rate)
-    free = replace(parameters, servos=free_servos), replace(gains, tilt_limit=_LIFTED * gains.tilt_limit)
+    free_servos = replace(
+        servos, rate=_WITHOUT_LIMITS * servos.rate, pedal_rate=_WITHOUT_LIMITS * servos.pedal_rate
+    )
+    free = (
+        replace(parameters, servos=free_servos),
+        replace(gains, tilt_limit=_WITHOUT_LIMITS * gains.tilt_limit),
+    )
     logs = [_fly(flight, library, parameters, gains) for flight in flights]
     lifted = [_fly(flight, library, *free) for flight in flights]
     maneuvers = sum(len(flight.trims) - 1 for flight in flights)
     beside = f"{maneuvers} maneuvers, {len(flights)} flights in wind class {flights[0].wind}"
-    off = max(_apart(one, other) for one, other in zip(logs, lifted, strict=True))
-    yield Figure(
-        "limits", "motion with limits of tilt and servo rate lifted, off by", off, "m", None, 0.0, beside
+    off = max(_largest_distance(one, other) for one, other in zip(logs, lifted, strict=True))
+    yield CheckResult(
+        "limits", "change of motion without tilt and servo-rate limits", off, "m", None, 0.0, beside
     )
     lost = sum(log.header.outcome != "completed" for log in logs)
-    yield Figure("limits", "flights lost", float(lost), "-", None, 0.0, beside)
+    yield CheckResult("limits", "flights lost", float(lost), "-", None, 0.0, beside)
     tilt = max(float(np.abs(log[TRUTH][name]).max()) for log in logs for name in ("roll", "pitch"))
-    yield Figure("limits", "largest roll or pitch", tilt, "rad", beside=beside)
+    yield CheckResult("limits", "largest roll or pitch", tilt, "rad", beside=beside)
     for name in Controls._fields:
         limit = servos.pedal_rate if name == "pedal" else servos.rate
         rates = (float(np.abs(np.diff(log[CONTROLS][name])).max()) * CONTROL_RATE for log in logs)
-        share = max(rates) / limit
-        yield Figure("limits", f"fastest {name} servo, share of its rate", share, "-", None, 0.99, beside)
+        ratio = max(rates) / limit
+        yield CheckResult("limits", f"largest {name} servo rate / limit", ratio, "-", None, 0.99, beside)
 
 
 def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, gains: Gains) -> FlightLog:
@@ -70,13 +75,13 @@ def _fly(flight: FlightSpecification, library: Library, parameters: Parameters, 
     try:
         fly_sequence(helicopter, flight.sequence, library=library)
     except FlightLostError:
-        # The log's header says so.
+        # The outcome is in the log's header.
         return helicopter.log()
     return helicopter.log()
 
 
-def _apart(log: FlightLog, other: FlightLog) -> float:
-    """Returns how far two flights are from one another at most, in m; infinite where one is longer."""
+def _largest_distance(log: FlightLog, other: FlightLog) -> float:
+    """Returns the largest distance between two flights in m."""
     if len(log[TRUTH]) != len(other[TRUTH]):
         return np.inf
     differences = (log[TRUTH][name] - other[TRUTH][name] for name in ("north", "east", "down"))

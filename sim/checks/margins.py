@@ -1,7 +1,7 @@
-"""Gain and phase margins of the closed loop, one path broken at a time, with the network's weights frozen.
+"""Gain and phase margins with one loop broken at a time.
 
-The plant is discretised exactly for commands held over a control period and delayed by whole ones; the
-controller is differentiated where it holds the trim.
+The plant is discretised exactly for commands held over a control period and delayed by whole periods; the
+controller is linearised at the trim, with the network's weights frozen.
 """
 
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from jaxtyping import Complex, Float
 from scipy.linalg import expm
 
 from flight.se2 import Twist
-from sim.control.controller import Controller, first_memory
+from sim.control.controller import Controller, initial_controller_state
 from sim.control.trim_table import TrimPoint, trim_table
 from sim.loop.motion import Controls, Motion
 from sim.vehicle.equilibrium import EquilibriumFinder
@@ -20,20 +20,20 @@ from sim.vehicle.linearisation import LinearMotion, linearise
 from sim.vehicle.parameters import Parameters
 
 PATHS = (*Controls._fields, "forward", "side", "descent", "roll", "pitch", "yaw_rate")
-"""Where the loop is broken: at a servo command, or at what the controller believes."""
+"""Points at which the loop is broken: servo commands and estimated quantities."""
 
-# From the slowest path's crossing to the Nyquist frequency, with points dense enough for a crossing each.
+# From below the slowest crossover to the Nyquist frequency, dense enough to separate the crossovers.
 _SLOWEST, _POINTS = 0.02, 3000
 
 
 @dataclass(frozen=True, slots=True)
 class Margins:
-    """How far one path is from instability.
+    """Stability margins of one path.
 
     Attributes:
-        gain: smallest factor, up or down, that brings it there, dB.
-        phase: smallest lag or lead that does, deg.
-        delay: smallest delay that does, s.
+        gain: gain margin, up or down, dB.
+        phase: phase margin, lag or lead, deg.
+        delay: delay margin, s.
         crossover: highest frequency of gain one, rad/s.
     """
 
@@ -45,13 +45,13 @@ class Margins:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Loop:
-    """A sampled plant and controller: x+ = A x + B w, y = C x for each.
+    """Sampled plant and controller in state space.
 
     Attributes:
         plant: A, B, C, D from servo commands to estimate.
         controller: A, B, C, D from estimate to servo commands.
-        step: s.
-        delay: periods between.
+        step: sampling period, s.
+        delay: delay between them, periods.
     """
 
     plant: tuple[Float[np.ndarray, "..."], ...]
@@ -63,34 +63,34 @@ class Loop:
 def close_loop(
     vehicle: Parameters,
     controller: Controller,
-    believed: Parameters,
+    controller_model: Parameters,
     velocity: Twist,
     *,
     height: float,
     step: float,
 ) -> Loop:
-    """States the loop of a vehicle at a trim.
+    """Returns the loop of a vehicle at a trim.
 
     Args:
-        vehicle: what is flown.
-        controller: whose law is differentiated.
-        believed: the vehicle as the controller takes it to be.
-        velocity: of the trim.
-        height: that is held, m.
+        vehicle: vehicle flown.
+        controller: controller to linearise.
+        controller_model: vehicle that the controller is designed for.
+        velocity: velocity of the trim.
+        height: height held, m.
         step: control period, s.
     """
     motion = linearise(vehicle, EquilibriumFinder(vehicle).find(velocity))
-    trim = trim_table(believed).at(velocity.forward, velocity.yaw_rate)
+    trim = trim_table(controller_model).at(velocity.forward, velocity.yaw_rate)
     return Loop(
-        plant=_sample(motion, step),
-        controller=_differentiate(controller, trim, velocity, height=height),
+        plant=_discretise(motion, step),
+        controller=_linearise_controller(controller, trim, velocity, height=height),
         step=step,
         delay=round(vehicle.servos.delay / step),
     )
 
 
-def stable(loop: Loop, *, extra_delay: int = 0) -> bool:
-    """Whether the loop settles, by the eigenvalues of plant, delay and controller together."""
+def is_stable(loop: Loop, *, extra_delay: int = 0) -> bool:
+    """Returns True if all eigenvalues of the closed loop are stable."""
     a, b, c, _ = loop.plant
     ka, kb, kc, kd = loop.controller
     n, m, waiting = len(a), len(ka), loop.delay + extra_delay
@@ -110,12 +110,12 @@ def stable(loop: Loop, *, extra_delay: int = 0) -> bool:
         whole[:n] += b @ command
     whole[n + 4 * waiting :, :n] = kb @ c
     whole[n + 4 * waiting :, n + 4 * waiting :] = ka
-    # The weights and the heading itself are held by nothing: they neither grow nor decay.
+    # Weights and heading are marginally stable: eigenvalues of one.
     return bool(np.abs(np.linalg.eigvals(whole)).max() < 1.0 + 1e-7)
 
 
-def margins(loop: Loop) -> dict[str, Margins]:
-    """Returns the margins of every path, by its name in `PATHS`."""
+def compute_margins(loop: Loop) -> dict[str, Margins]:
+    """Returns the margins of every path by its name in `PATHS`."""
     frequencies = np.geomspace(_SLOWEST, np.pi / loop.step, _POINTS)
     plant, controller = _responses(loop, frequencies)
     identity = np.eye(4)
@@ -132,7 +132,7 @@ def margins(loop: Loop) -> dict[str, Margins]:
 
 
 def read_margins(frequencies: Float[np.ndarray, "n"], response: Complex[np.ndarray, "n"]) -> Margins:
-    """Reads the margins off an open loop's response, negative feedback understood."""
+    """Returns the margins of an open-loop response under negative feedback."""
     size, angle = np.abs(response), np.unwrap(np.angle(response))
     crossing = np.nonzero(np.diff(np.sign(size - 1.0)))[0]
     # Distance of the phase to the nearest odd multiple of pi, at gain one.
@@ -149,7 +149,7 @@ def read_margins(frequencies: Float[np.ndarray, "n"], response: Complex[np.ndarr
     )
 
 
-def _sample(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."], ...]:
+def _discretise(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."], ...]:
     n = len(motion.state)
     whole = np.zeros((n + 4, n + 4))
     whole[:n, :n], whole[:n, n:] = motion.state, motion.control
@@ -157,16 +157,16 @@ def _sample(motion: LinearMotion, step: float) -> tuple[Float[np.ndarray, "..."]
     return stepped[:n, :n], stepped[:n, n:], motion.output, np.zeros((13, 4))
 
 
-def _differentiate(
+def _linearise_controller(
     controller: Controller, trim: TrimPoint, velocity: Twist, *, height: float
 ) -> tuple[Float[np.ndarray, "..."], ...]:
     function = controller.function
-    estimate, wanted, learning, memory = function.sx_in()
-    controls, after = function(estimate, wanted, learning, memory)
-    parts = [ca.jacobian(out, by) for out, by in ((after, memory), (after, estimate), (controls, memory))] + [
+    estimate, reference, learning, state = function.sx_in()
+    controls, after = function(estimate, reference, learning, state)
+    parts = [ca.jacobian(out, by) for out, by in ((after, state), (after, estimate), (controls, state))] + [
         ca.jacobian(controls, estimate)
     ]
-    slopes = ca.Function("slopes", [estimate, wanted, learning, memory], parts)
+    jacobians = ca.Function("slopes", [estimate, reference, learning, state], parts)
     turn = velocity.yaw_rate
     level = (0.0, 0.0, -height, velocity.forward, velocity.side, 0.0, trim.roll, trim.pitch, 0.0)
     rates = (
@@ -177,7 +177,9 @@ def _differentiate(
     target = (velocity.forward, 0.0, 0.0, velocity.side, 0.0, 0.0, turn, 0.0, 0.0, *trim)
     return tuple(
         np.array(part)
-        for part in slopes(ca.DM([*level, *rates, turn]), ca.DM(target), 0.0, first_memory(trim))
+        for part in jacobians(
+            ca.DM([*level, *rates, turn]), ca.DM(target), 0.0, initial_controller_state(trim)
+        )
     )
 
 
@@ -193,7 +195,7 @@ def _response(
     system: tuple[Float[np.ndarray, "..."], ...], turn: Complex[np.ndarray, "n"]
 ) -> Complex[np.ndarray, "n outputs inputs"]:
     a, b, c, d = system
-    # States that reach nothing or that nothing reaches, such as frozen weights, are left out.
+    # Uncontrollable or unobservable states, such as frozen weights, are removed.
     across = np.abs(a - np.diag(np.diag(a)))
     reaching = np.abs(c).sum(axis=0) + across.sum(axis=0)
     reached = np.abs(b).sum(axis=1) + across.sum(axis=1)

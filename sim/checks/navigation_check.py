@@ -1,4 +1,4 @@
-"""Whether the navigation filter's claims about its own error are true, and what it bears."""
+"""Checks of the navigation filter: consistency and loss of GPS."""
 
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
@@ -15,37 +15,37 @@ from flight.mission.fault import Fault
 from flight.se2 import SE2
 from flight.units import FOOT
 from sim.loop.motion import Motion
-from sim.loop.specification import CONTROL_RATE, FlightSpecification, pose
+from sim.loop.specification import CONTROL_RATE, FlightSpecification, specified_pose
 from sim.navigation.filter import ESTIMATED
 from sim.navigation.navigation import Navigation
 from sim.simulated_helicopter import SimulatedHelicopter
 
-from .check import Figure
+from .check_result import CheckResult
 
 FLIGHTS = 50
 SECONDS = 200.0
-APART = 20.0
-"""Seconds between two looks at the filter; its error is another by then."""
-# An error's memory is taken as lost where its correlation is below this.
-_CORRELATION_BAR = exp(-1.0)
-# One foot: a third of the tolerance with which the thesis's missions are judged, m and m/s.
-POSITION_BAR = FOOT
+SAMPLE_INTERVAL = 20.0
+"""Seconds between two samples of the filter's error, long enough to be uncorrelated."""
+# Errors with a correlation below this count as independent.
+_CORRELATION_LIMIT = exp(-1.0)
+# One foot: a third of the tolerance of the thesis's missions, m and m/s.
+POSITION_LIMIT = FOOT
 _BEFORE, _LOSS, _AFTER = 10.0, 2.0, 15.0
 _ALTITUDE = 30.0
 _WINDS = ("calm", "gtmax", "light")
 _COASTS = (2.0, 8.0)
-# Keeps the chance of the walks apart from that of the flights.
+# Random stream of the walks, separate from those of the flights.
 _WALK_STREAM = 7
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Watched:
-    """What the filter of one flight was worth.
+class FilterErrors:
+    """Errors of the navigation filter in one flight.
 
     Attributes:
-        normalised: squared errors in units of the covariance that the filter claims, every `APART` seconds.
-        position: largest distance between belief and truth, horizontally, m.
-        velocity: largest difference of forward velocities, m/s.
+        normalised: normalised squared errors (NEES), every `SAMPLE_INTERVAL` seconds.
+        position: largest horizontal position error, m.
+        velocity: largest error of the forward velocity, m/s.
     """
 
     normalised: Float[np.ndarray, "n"]
@@ -53,18 +53,18 @@ class Watched:
     velocity: float
 
 
-class _Watch:
-    """Stands where a flight has its navigation, and compares belief and truth."""
+class _FilterMonitor:
+    """Navigation wrapper that compares estimate and truth."""
 
-    def __init__(self, navigation: Navigation, *, apart: float) -> None:
-        self._navigation, self._every = navigation, round(apart * CONTROL_RATE)
+    def __init__(self, navigation: Navigation, *, interval: float) -> None:
+        self._navigation, self._every = navigation, round(interval * CONTROL_RATE)
         self._truth, self._estimate = navigation.signals.truth, navigation.signals.estimate
         self._periods = 0
         self._position = self._velocity = 0.0
         self._normalised: list[float] = []
 
     def run(self) -> None:
-        """Believes, and looks."""
+        """Runs the navigation and compares estimate and truth."""
         self._navigation.run()
         self._periods += 1
         off = self._estimate[:4] - self._truth[:4]
@@ -74,104 +74,110 @@ class _Watch:
             truth = Motion._make(self._truth.tolist())
             self._normalised.append(self._navigation.normalised_error(truth))
 
-    def spread(self) -> tuple[float, ...]:
-        """Returns what the filter claims of its error."""
-        return self._navigation.spread()
+    def standard_deviation(self) -> tuple[float, ...]:
+        """Returns the standard deviations that the filter claims."""
+        return self._navigation.standard_deviation()
 
-    def move(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
-        self._navigation.move(displacement)
+    def move_world(self, displacement: SE2) -> None:
+        """Applies a displacement of the whole world."""
+        self._navigation.move_world(displacement)
 
-    def watched(self) -> Watched:
-        """Returns what was seen."""
-        return Watched(np.array(self._normalised), self._position, self._velocity)
+    def filter_errors(self) -> FilterErrors:
+        """Returns the errors so far."""
+        return FilterErrors(np.array(self._normalised), self._position, self._velocity)
 
 
-def check_navigation(library: Library, *, executor: Executor) -> Iterator[Figure]:
-    """Yields how honest the filter is over many flights, and what a loss of GPS in every trim does.
+def check_navigation(library: Library, *, executor: Executor) -> Iterator[CheckResult]:
+    """Yields the filter's consistency and its errors after GPS loss.
 
     Args:
-        library: trims, maneuvers and the rule by which they end.
-        executor: flies.
+        library: trims, maneuvers and the maneuver-end rule.
+        executor: executor of the flights.
     """
-    yield from judge_consistency(list(executor.map(_wander, repeat(library), range(FLIGHTS))))
-    yield from judge_losses(lose_gps(library, _LOSS, executor=executor), f"{_LOSS:g} s without GPS")
+    yield from check_filter_consistency(list(executor.map(_fly_random_walk, repeat(library), range(FLIGHTS))))
+    yield from check_gps_outages(
+        fly_gps_outages(library, _LOSS, executor=executor), f"{_LOSS:g} s without GPS"
+    )
 
 
-def judge_consistency(flights: Sequence[Watched]) -> Iterator[Figure]:
-    """Yields whether normalised errors are as the filter claims, at times that are not correlated."""
+def check_filter_consistency(flights: Sequence[FilterErrors]) -> Iterator[CheckResult]:
+    """Yields consistency of the claimed errors at uncorrelated times."""
     normalised = np.array([flight.normalised for flight in flights])
     number, times = normalised.shape
     mean = normalised.mean(axis=0)
     low, high = (chi2.ppf(share, ESTIMATED * number) / number for share in (0.025, 0.975))
     inside = float(((mean >= low) & (mean <= high)).mean())
-    beside = f"{number} flights, {times} times {APART:g} s apart, band {low:.2f} to {high:.2f}"
-    yield Figure(
-        "navigation", "share of times with the mean NEES in its 95 % band", inside, "-", 0.9, None, beside
+    beside = f"{number} flights, {times} samples every {SAMPLE_INTERVAL:g} s, band {low:.2f} to {high:.2f}"
+    yield CheckResult(
+        "navigation", "share of samples with mean NEES in its 95 % band", inside, "-", 0.9, None, beside
     )
-    yield Figure("navigation", "mean NEES", float(mean.mean()), "-", beside=f"{ESTIMATED} expected")
-    apart = normalised - ESTIMATED
-    correlation = float((apart[:, 1:] * apart[:, :-1]).mean() / (apart**2).mean())
-    beside = f"of one time with the next, {APART:g} s later"
-    yield Figure("navigation", "NEES, correlation", correlation, "-", None, _CORRELATION_BAR, beside)
+    yield CheckResult("navigation", "mean NEES", float(mean.mean()), "-", beside=f"{ESTIMATED} expected")
+    excess = normalised - ESTIMATED
+    correlation = float((excess[:, 1:] * excess[:, :-1]).mean() / (excess**2).mean())
+    beside = f"of consecutive samples, {SAMPLE_INTERVAL:g} s apart"
+    yield CheckResult("navigation", "NEES, correlation", correlation, "-", None, _CORRELATION_LIMIT, beside)
     position = max(flight.position for flight in flights)
-    beside = f"{number} flights of {times * APART:g} s"
-    yield Figure("navigation", "largest position error", position, "m", None, POSITION_BAR, beside)
+    beside = f"{number} flights of {times * SAMPLE_INTERVAL:g} s"
+    yield CheckResult("navigation", "largest position error", position, "m", None, POSITION_LIMIT, beside)
 
 
-def judge_losses(flights: Sequence[Watched], what: str) -> Iterator[Figure]:
-    """Yields the worst of flights, one a trim, that lost their GPS for a while."""
+def check_gps_outages(flights: Sequence[FilterErrors], what: str) -> Iterator[CheckResult]:
+    """Yields the largest errors of flights with a GPS outage."""
     beside = f"{what} in each of {len(flights)} trims in wind class gtmax"
     worst = max(flight.position for flight in flights)
-    yield Figure("navigation", "GPS lost: largest position error", worst, "m", None, POSITION_BAR, beside)
+    yield CheckResult(
+        "navigation", "GPS outage: largest position error", worst, "m", None, POSITION_LIMIT, beside
+    )
     worst = max(flight.velocity for flight in flights)
-    yield Figure("navigation", "GPS lost: largest error of speed", worst, "m/s", None, POSITION_BAR, beside)
+    yield CheckResult(
+        "navigation", "GPS outage: largest speed error", worst, "m/s", None, POSITION_LIMIT, beside
+    )
     after = max(float(flight.normalised[-1]) for flight in flights)
     likely = float(chi2.ppf(1.0 - 0.01 / len(flights), ESTIMATED))
-    beside = f"{_AFTER:g} s later, largest of {len(flights)}; bar: 99 % of honest filters"
-    yield Figure("navigation", "GPS lost: normalised error after", after, "-", None, likely, beside)
+    beside = f"{_AFTER:g} s later, largest of {len(flights)}; limit: 99 % of consistent filters"
+    yield CheckResult("navigation", "GPS outage: NEES afterwards", after, "-", None, likely, beside)
 
 
-def lose_gps(library: Library, seconds: float, *, executor: Executor) -> list[Watched]:
-    """Flies every trim, each with a loss of GPS."""
-    return list(executor.map(_lose, repeat(library), range(len(library.trims)), repeat(seconds)))
+def fly_gps_outages(library: Library, seconds: float, *, executor: Executor) -> list[FilterErrors]:
+    """Flies every trim with a GPS outage."""
+    return list(executor.map(_fly_gps_outage, repeat(library), range(len(library.trims)), repeat(seconds)))
 
 
-def _lose(library: Library, place: int, seconds: float) -> Watched:
+def _fly_gps_outage(library: Library, place: int, seconds: float) -> FilterErrors:
     loss = Fault(where="gps", what="dropout", start=_BEFORE, duration=seconds)
     flight = FlightSpecification(
         seed=place, start_trim=library.trims[place].id, wind="gtmax", faults=(loss,), altitude=_ALTITUDE
     )
     duration = _BEFORE + seconds + _AFTER
-    helicopter, watch = _watched(flight, library, apart=duration)
+    helicopter, monitor = _monitored_helicopter(flight, library, interval=duration)
     helicopter.coast(duration)
-    return watch.watched()
+    return monitor.filter_errors()
 
 
-def _wander(library: Library, number: int) -> Watched:
-    """Flies one walk of chance along the maneuvers, in air and with sensors of its own."""
+def _fly_random_walk(library: Library, number: int) -> FilterErrors:
+    """Flies one random walk along the maneuvers."""
     rng = np.random.default_rng([number, _WALK_STREAM])
     flight = FlightSpecification(
         seed=number,
         start_trim=int(rng.choice([trim.id for trim in library.trims])),
         wind=_WINDS[number % len(_WINDS)],
         altitude=float(rng.uniform(20.0, 60.0)),
-        start=pose(SE2(0.0, 0.0, float(rng.uniform(-pi, pi)))),
+        start=specified_pose(SE2(0.0, 0.0, float(rng.uniform(-pi, pi)))),
     )
-    helicopter, watch = _watched(flight, library, apart=APART)
+    helicopter, monitor = _monitored_helicopter(flight, library, interval=SAMPLE_INTERVAL)
     while helicopter.time < SECONDS:
         helicopter.coast(float(rng.uniform(*_COASTS)))
         onward = [maneuver for maneuver in library.maneuvers if maneuver.from_trim == helicopter.trim]
         helicopter.perform(onward[rng.integers(len(onward))])
-    watched = watch.watched()
-    return replace(watched, normalised=watched.normalised[: round(SECONDS / APART)])
+    errors = monitor.filter_errors()
+    return replace(errors, normalised=errors.normalised[: round(SECONDS / SAMPLE_INTERVAL)])
 
 
-def _watched(
-    flight: FlightSpecification, library: Library, *, apart: float
-) -> tuple[SimulatedHelicopter, _Watch]:
+def _monitored_helicopter(
+    flight: FlightSpecification, library: Library, *, interval: float
+) -> tuple[SimulatedHelicopter, _FilterMonitor]:
     helicopter = SimulatedHelicopter(flight, library)
     navigation = helicopter.navigation
     assert isinstance(navigation, Navigation), flight
-    helicopter.navigation = watch = _Watch(navigation, apart=apart)
-    return helicopter, watch
+    helicopter.navigation = monitor = _FilterMonitor(navigation, interval=interval)
+    return helicopter, monitor

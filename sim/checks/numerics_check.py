@@ -1,4 +1,4 @@
-"""Whether the integration matters: closed forms, the order of the step, and a flight at finer steps."""
+"""Checks of the integration: closed forms, order and smaller steps."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,49 +13,52 @@ from sim.loop.motion import Motion
 from sim.vehicle.helicopter import DEFAULT_STEP, load_model
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
-from .step_response import respond
+from .check_result import CheckResult
+from .velocity_response import simulate_response
 
-# Sixty seconds with every kind of change, in ft/s and rad/s.
+# Sixty seconds with all kinds of change, in ft/s and rad/s.
 _FLIGHT = tuple(
     (Twist(speed * FOOT, 0.0, rate), 7.5)
     for speed, rate in ((0, 0.0), (3, 0.0), (10, 0.0), (10, 0.6), (10, 0.0), (3, -0.3), (3, 0.0), (0, 0.0))
 )
 
 
-def check_numerics(parameters: Parameters, *, displacement_error: float) -> Iterator[Figure]:
-    """Yields the figures of the integration.
+def check_numerics(parameters: Parameters, *, displacement_error: float) -> Iterator[CheckResult]:
+    """Yields the errors and orders of the integration.
 
     Args:
-        parameters: the vehicle.
+        parameters: vehicle.
         displacement_error: median identified error of the library's maneuvers, m.
     """
-    coarse, fine = (tumble(parameters, DEFAULT_STEP / share) for share in (1, 8))
-    yield Figure("numerics", "torque-free tumbling, 5 s, off the closed form by", coarse, "rad/s", high=0.02)
-    yield Figure("numerics", "tumbling, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
-    coarse, fine = (drop(parameters, DEFAULT_STEP / share) for share in (1, 8))
-    yield Figure("numerics", "drop with drag, 5 s, off the closed form by", coarse, "m/s", high=0.02)
-    yield Figure("numerics", "drop, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
-    ends = [fly_end(parameters, DEFAULT_STEP / share) for share in (1, 2, 8)]
-    off, halved = (float(np.hypot(*(end - ends[-1]))) for end in ends[:2])
-    beside = "60 s, still air, ideal sensors; bar: a tenth of the median identified displacement error"
-    yield Figure(
-        "numerics", "end at the step and at an eighth", off, "m", high=0.1 * displacement_error, beside=beside
+    closed = "against the closed form"
+    coarse, fine = (tumbling_error(parameters, DEFAULT_STEP / share) for share in (1, 8))
+    yield CheckResult(
+        "numerics", "torque-free tumbling, 5 s, error", coarse, "rad/s", high=0.02, beside=closed
     )
-    yield Figure("numerics", "flight, order from step, half and eighth", fitted_order(off, halved), "-")
+    yield CheckResult("numerics", "tumbling, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
+    coarse, fine = (falling_error(parameters, DEFAULT_STEP / share) for share in (1, 8))
+    yield CheckResult("numerics", "drop with drag, 5 s, error", coarse, "m/s", high=0.02, beside=closed)
+    yield CheckResult("numerics", "drop, fitted order", log2(coarse / fine) / 3.0, "-", 0.9, 2.5)
+    ends = [final_position(parameters, DEFAULT_STEP / share) for share in (1, 2, 8)]
+    off, halved = (float(np.hypot(*(end - ends[-1]))) for end in ends[:2])
+    beside = "60 s, still air, ideal sensors; limit: a tenth of the median identified displacement error"
+    high = 0.1 * displacement_error
+    yield CheckResult("numerics", "final position, step against step / 8", off, "m", high=high, beside=beside)
+    yield CheckResult("numerics", "flight, fitted order", fitted_order(off, halved), "-")
 
 
 def fitted_order(off: float, halved: float) -> float:
-    """Returns the order p for which errors at h and h/2, both against h/8, have the ratio found."""
+    """Returns the order from errors at h and h/2 against h/8."""
     orders = np.linspace(0.2, 6.0, 2000)
     ratios = (1.0 - 8.0**-orders) / (2.0**-orders - 8.0**-orders)
     return float(orders[np.argmin(np.abs(ratios - off / halved))])
 
 
-def tumble(parameters: Parameters, step: float) -> float:
-    """Returns how far a free symmetric body's rates end from Euler's solution, rad/s.
+def tumbling_error(parameters: Parameters, step: float) -> float:
+    """Returns the final rate error of a free symmetric body, rad/s.
 
-    With moments of inertia A, A, C the rate r stays and (p, q) turns at (C - A) / A r.
+    Euler's solution: with moments of inertia A, A, C the rate r is constant and (p, q) rotates at (C - A) / A
+    r.
     """
     body = replace(parameters.body, inertia_yy=parameters.body.inertia_xx, inertia_xz=0.0)
     model = load_model(replace(parameters, body=body), step)
@@ -71,10 +74,10 @@ def tumble(parameters: Parameters, step: float) -> float:
     return float(np.abs(data.qvel[3:] - expected).max())
 
 
-def drop(parameters: Parameters, step: float) -> float:
-    """Returns how far a body falling flat ends from v = v_t tanh(g t / v_t), m/s.
+def falling_error(parameters: Parameters, step: float) -> float:
+    """Returns the final speed error of a falling body, m/s.
 
-    The drag is held through each step, as the rotor's loads are.
+    Closed form: v = v_t tanh(g t / v_t). The drag is held through each step, as the rotor's loads are.
     """
     model = load_model(parameters, step)
     data = mujoco.MjData(model)
@@ -90,7 +93,7 @@ def drop(parameters: Parameters, step: float) -> float:
     return float(abs(-data.qvel[2] - last * tanh(gravity * steps * step / last)))
 
 
-def fly_end(parameters: Parameters, step: float) -> np.ndarray:
-    """Returns where a flight of 60 s through every kind of change ends, north and east in m."""
-    flown = respond(_FLIGHT, vehicle=parameters, plant_step=step)
+def final_position(parameters: Parameters, step: float) -> np.ndarray:
+    """Returns the final north and east of a 60 s flight, m."""
+    flown = simulate_response(_FLIGHT, vehicle=parameters, plant_step=step)
     return np.array([flown.column(name)[-1] for name in Motion._fields[:2]])

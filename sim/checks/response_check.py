@@ -1,4 +1,4 @@
-"""Whether the vehicle answers commands as the thesis says: settling times, and the rows of its Table 10."""
+"""Checks of the response: settling times and the thesis's Table 10."""
 
 from collections.abc import Iterator, Sequence
 from math import inf
@@ -14,15 +14,15 @@ from sim.loop.specification import FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters
 
-from .check import Figure
-from .step_response import respond
+from .check_result import CheckResult
+from .velocity_response import simulate_response
 
 SPEED_SETTLING, TURN_SETTLING = 4.2, 3.2
-"""Seconds to within 5 %: what Table 10 implies for changes of speed, alone or in a turn, and for turns."""
-DISPLACEMENT_BAR, HEADING_BAR, DURATION_BAR = 0.08, 0.15, 0.15
-# Where Table 10 prints less than this, in rad, its heading change is a remainder and no change.
+"""Settling times to 5 % in seconds by Table 10: changes of speed, alone or in a turn, and turns."""
+DISPLACEMENT_LIMIT, HEADING_LIMIT, DURATION_LIMIT = 0.08, 0.15, 0.15
+# Heading changes of Table 10 below this are residuals, rad.
 _NO_TURN = 0.05
-# The largest remainder that it prints for a maneuver between straight trims, rad.
+# Largest printed residual of a maneuver between straight trims, rad.
 _STRAIGHT_REMAINDER = 0.03
 _STEP = 0.01
 _STRAIGHT = tuple((a, 0.0, b, 0.0) for a, b in ((0, 3), (3, 0), (3, 10), (10, 3), (0, 10), (10, 0)))
@@ -33,32 +33,42 @@ _TURNS = (
 )
 
 
-def check_response(parameters: Parameters) -> Iterator[Figure]:
+def check_response(parameters: Parameters) -> Iterator[CheckResult]:
     """Yields settling times in still air with ideal sensors (thesis, 2.6.2)."""
     for start, turn, end, next_turn in (*_STRAIGHT, *_COMBINED, *_TURNS):
         before, after = Twist(start * FOOT, 0.0, turn), Twist(end * FOOT, 0.0, next_turn)
-        flown = respond([(before, _STEP), (after, 12.0)], vehicle=parameters)
+        flown = simulate_response([(before, _STEP), (after, 12.0)], vehicle=parameters)
         settling = SPEED_SETTLING if start != end else TURN_SETTLING
         name = f"{start} ft/s, {turn:g} rad/s to {end} ft/s, {next_turn:g} rad/s"
         for field, what in (("forward", "speed"), ("yaw_rate", "yaw rate")):
             first, last = getattr(before, field), getattr(after, field)
             if first != last:
                 time = settling_time(flown.column(field), start=first, end=last)
-                yield Figure("response", f"{name}: {what} settles", time, "s", 0.9 * settling, 1.1 * settling)
+                yield CheckResult(
+                    "response", f"{name}: {what} settles", time, "s", 0.9 * settling, 1.1 * settling
+                )
 
 
 def settling_time(values: Sequence[float] | np.ndarray, *, start: float, end: float) -> float:
-    """Returns when a response, sampled every 10 ms, comes within 5 % of its change for good, in s."""
+    """Returns the 5 % settling time of a response, s.
+
+    Args:
+        values: samples every 10 ms.
+        start: value before the change.
+        end: value after the change.
+    """
     outside = np.nonzero(np.abs(np.asarray(values) - end) > 0.05 * abs(end - start))[0]
     return float(outside.max(initial=-1) + 1) * _STEP
 
 
-def check_table_10(printed: Library, parameters: Parameters | None = None) -> Iterator[Figure]:
-    """Yields every maneuver in still air with ideal sensors beside the thesis's Table 10.
+def check_table_10(printed: Library, parameters: Parameters | None = None) -> Iterator[CheckResult]:
+    """Yields every maneuver beside the thesis's Table 10.
+
+    Flown in still air with ideal sensors.
 
     Args:
         printed: the table, with the maneuver-end rule of still air in its conditions.
-        parameters: the vehicle; that of `models/gtmax.toml` where None.
+        parameters: vehicle; `models/gtmax.toml` if None.
     """
     for maneuver in printed.maneuvers:
         duration, displacement, swept = _perform(maneuver, printed, parameters)
@@ -66,28 +76,32 @@ def check_table_10(printed: Library, parameters: Parameters | None = None) -> It
             printed.trim(trim).velocity.yaw_rate == 0.0 for trim in (maneuver.from_trim, maneuver.to_trim)
         )
         name = f"Table 10, {maneuver.from_trim} to {maneuver.to_trim}"
-        yield _share(
-            f"{name}: duration", duration, maneuver.duration, DURATION_BAR if straight else inf, unit="s"
+        yield _ratio_result(
+            f"{name}: duration", duration, maneuver.duration, DURATION_LIMIT if straight else inf, unit="s"
         )
         if straight:
             forward = maneuver.displacement.x
-            yield _share(f"{name}: displacement", displacement.x, forward, DISPLACEMENT_BAR, unit="m")
+            yield _ratio_result(
+                f"{name}: displacement", displacement.x, forward, DISPLACEMENT_LIMIT, unit="m"
+            )
         if abs(maneuver.displacement.heading) >= _NO_TURN:
-            bar = inf if maneuver.notes.startswith("suspect") else HEADING_BAR
+            limit = inf if maneuver.notes.startswith("suspect") else HEADING_LIMIT
             changes = displacement.heading, maneuver.displacement.heading
-            yield _share(f"{name}: heading change", *changes, bar, unit="rad")
+            yield _ratio_result(f"{name}: heading change", *changes, limit, unit="rad")
         else:
-            high = _STRAIGHT_REMAINDER if straight else HEADING_BAR * swept
-            beside = f"printed {maneuver.displacement.heading:g} rad, swept on the way {swept:.3f} rad"
-            left = abs(displacement.heading)
-            yield Figure("response", f"{name}: heading left over", left, "rad", high=high, beside=beside)
+            high = _STRAIGHT_REMAINDER if straight else HEADING_LIMIT * swept
+            beside = f"printed {maneuver.displacement.heading:g} rad, swept {swept:.3f} rad"
+            residual = abs(displacement.heading)
+            yield CheckResult(
+                "response", f"{name}: residual heading", residual, "rad", high=high, beside=beside
+            )
 
 
 def _perform(maneuver: Maneuver, library: Library, parameters: Parameters | None) -> tuple[float, SE2, float]:
-    """Flies one maneuver out of its settled trim.
+    """Flies one maneuver from its settled trim.
 
     Returns:
-        Its duration in s, its displacement, and the angle swept to either side in rad.
+        Duration in s, displacement, and total angle swept in rad.
     """
     specification = FlightSpecification(seed=1, start_trim=maneuver.from_trim, ideal_navigation=True)
     helicopter = SimulatedHelicopter(specification, library, parameters=parameters)
@@ -97,7 +111,7 @@ def _perform(maneuver: Maneuver, library: Library, parameters: Parameters | None
     return leg.duration, entry.inverse() @ helicopter.truth.pose, swept
 
 
-def _share(name: str, found: float, printed: float, bar: float, *, unit: str) -> Figure:
-    low, high = (None, None) if bar == inf else (1.0 - bar, 1.0 + bar)
-    beside = f"{found:.3f} {unit} for {printed:.3f} {unit}"
-    return Figure("response", f"{name}, share", found / printed, "-", low, high, beside)
+def _ratio_result(name: str, flown: float, printed: float, limit: float, *, unit: str) -> CheckResult:
+    low, high = (None, None) if limit == inf else (1.0 - limit, 1.0 + limit)
+    beside = f"flown {flown:.3f} {unit}, printed {printed:.3f} {unit}"
+    return CheckResult("response", f"{name}, ratio", flown / printed, "-", low, high, beside)

@@ -1,4 +1,4 @@
-"""Whether the turbulence is Dryden's: covariance fixed points, ensembles, spectra."""
+"""Checks of the Dryden turbulence: covariance, ensembles and spectra."""
 
 from collections.abc import Callable, Iterator
 
@@ -11,32 +11,42 @@ from scipy.signal import welch
 from sim.wind.dryden import AIRSPEED_FLOOR, Dryden, LateralGust, dryden, step_longitudinal
 from sim.wind.wind import DrydenWind, WindClass
 
-from .check import Figure
+from .check_result import CheckResult
 
-FIXED_POINT_BAR = 1e-9
-# Steps over the filter's time constant, from 0.1 ms of a slow gust to many time constants.
+FIXED_POINT_LIMIT = 1e-9
+# Step over the filter's time constant, from 0.1 ms in a slow gust to many time constants.
 RATIOS = (1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
 _HEIGHT, _SPAN, _SPEED = 30.0, 3.0, 10.0
 _TEST = WindClass("test", 10.0, 0.0)
 _SOURCES = 800
 
 
-def check_wind() -> Iterator[Figure]:
-    """Yields the figures of the discrete filters, their ensembles and their spectra."""
+def check_wind() -> Iterator[CheckResult]:
+    """Yields covariance errors, ensemble errors and spectra."""
     for ratio in RATIOS:
         for name, variance in (("u", _longitudinal_variance(ratio)), ("v and w", lateral_variance(ratio))):
             off = abs(variance - 1.0)
-            beside = "variance in units of sigma^2, off by"
-            yield Figure(
-                "wind", f"fixed point of {name}, step {ratio:g} tau", off, "-", None, FIXED_POINT_BAR, beside
+            beside = "error of the variance over sigma^2"
+            yield CheckResult(
+                "wind",
+                f"stationary variance of {name}, step {ratio:g} tau",
+                off,
+                "-",
+                None,
+                FIXED_POINT_LIMIT,
+                beside,
             )
     yield from _check_ensembles()
     for name, ratio in spectrum_ratios().items():
-        yield Figure("wind", f"spectrum of {name}, measured over analytic, mean", ratio, "-", 0.9, 1.1)
+        yield CheckResult("wind", f"spectrum of {name}, measured / analytic, mean", ratio, "-", 0.9, 1.1)
 
 
 def lateral_variance(ratio: float) -> float:
-    """Returns the stationary variance of the discrete v and w filter at a step of `ratio` time constants."""
+    """Returns the stationary variance of the discrete v and w filter.
+
+    Args:
+        ratio: step over time constant.
+    """
     state, noise = ca.SX.sym("state", 2), ca.SX.sym("noise", 2)
     gust = LateralGust(*ca.vertsplit(state))
     after = ca.vertcat(*gust.step(ratio=ca.SX(ratio), noise=(noise[0], noise[1])))
@@ -54,19 +64,19 @@ def _longitudinal_variance(ratio: float) -> float:
     return driven**2 / (1.0 - kept**2)
 
 
-def _check_ensembles() -> Iterator[Figure]:
-    """Compares many sources after some periods; deviations in standard errors of a standard deviation."""
+def _check_ensembles() -> Iterator[CheckResult]:
+    """Yields errors of ensemble standard deviations, in standard errors."""
     model = dryden(_TEST.wind_at_20_ft, height=_HEIGHT, span=_SPAN)
     sigmas = (model.sigma_horizontal, model.sigma_horizontal, model.sigma_vertical, model.sigma_roll_rate)
     for step in (0.01, 1.0):
-        last = np.array([list(_blow(seed, step=step, periods=10)) for seed in range(_SOURCES)])
+        last = np.array([list(_gust_samples(seed, step=step, periods=10)) for seed in range(_SOURCES)])
         errors = np.abs(last[:, :4].std(axis=0) / sigmas - 1.0) * np.sqrt(2.0 * _SOURCES)
         for name, error in zip(("u", "v", "w", "p"), errors.tolist(), strict=True):
-            label = f"ensemble of {name}, step {step:g} s, off by"
-            yield Figure("wind", label, error, "standard errors", high=4.0, beside=f"{_SOURCES} sources")
+            label = f"ensemble of {name}, step {step:g} s, error"
+            yield CheckResult("wind", label, error, "standard errors", high=4.0, beside=f"{_SOURCES} sources")
 
 
-def _blow(seed: int, *, step: float, periods: int) -> tuple[float, ...]:
+def _gust_samples(seed: int, *, step: float, periods: int) -> tuple[float, ...]:
     source = _source(seed, step)
     for _ in range(periods):
         wind = source.step(velocity_north=0.0, velocity_east=0.0)
@@ -78,21 +88,21 @@ def _source(seed: int, step: float) -> DrydenWind:
     return DrydenWind(_TEST, height=_HEIGHT, span=_SPAN, direction=0.0, step=step, rng=rng)
 
 
-def spectra() -> tuple[Float[np.ndarray, "n"], dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Returns frequencies in rad/s and, for u, v and w, the measured and the analytic one-sided spectrum."""
+def gust_spectra() -> tuple[Float[np.ndarray, "n"], dict[str, tuple[np.ndarray, np.ndarray]]]:
+    """Returns frequencies in rad/s, and measured and analytic gust spectra."""
     step, periods = 0.05, 100_000
     source = _source(7, step)
     blown = np.array([source.step(velocity_north=_SPEED, velocity_east=0.0)[:3] for _ in range(periods)])
     hertz, power = welch(blown, fs=1.0 / step, nperseg=4096, axis=0)
     frequency, power = 2.0 * np.pi * hertz[1:], power[1:] / (2.0 * np.pi)
     model = dryden(_TEST.wind_at_20_ft, height=_HEIGHT, span=_SPAN)
-    analytic = _analytic(model, max(_SPEED, AIRSPEED_FLOOR))
+    analytic = _analytic_spectra(model, max(_SPEED, AIRSPEED_FLOOR))
     return frequency, {
         name: (power[:, place], analytic[place](frequency)) for place, name in enumerate(("u", "v", "w"))
     }
 
 
-def _analytic(model: Dryden, speed: float) -> tuple[Callable[[np.ndarray], np.ndarray], ...]:
+def _analytic_spectra(model: Dryden, speed: float) -> tuple[Callable[[np.ndarray], np.ndarray], ...]:
     """Returns the one-sided spectra of MIL-F-8785C, 3.7.1.2, over rad/s."""
 
     def longitudinal(frequency: np.ndarray) -> np.ndarray:
@@ -117,7 +127,10 @@ def _analytic(model: Dryden, speed: float) -> tuple[Callable[[np.ndarray], np.nd
 
 
 def spectrum_ratios() -> dict[str, float]:
-    """Returns measured over analytic spectrum, its mean below a fifth of the sampling frequency."""
-    frequency, found = spectra()
+    """Returns the mean ratio of measured and analytic spectrum.
+
+    Frequencies are those below a fifth of the sampling frequency.
+    """
+    frequency, found = gust_spectra()
     low = frequency < 0.2 * 2.0 * np.pi / 0.05
     return {name: float(np.mean(power[low] / analytic[low])) for name, (power, analytic) in found.items()}

@@ -1,1 +1,1 @@
-"""The velocity-tracking adaptive controller and its gains."""
+"""Velocity-tracking adaptive controller and its gains."""

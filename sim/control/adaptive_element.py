@@ -1,7 +1,7 @@
-"""The adaptive element: a network with a single hidden layer that learns what the inversion gets wrong.
+"""Adaptive element: single-hidden-layer network for the inversion error.
 
 Laws of Johnson and Kannan (Adaptive Trajectory Control for Autonomous Helicopters, 2005), with
-e-modification. With e = wanted - flown the error obeys e'' = -K_d e' - K_p e + output - model error, which
+e-modification. The error e = reference - flown obeys e'' = -K_d e' - K_p e + output - model error, which
 gives the training signal r = e^T P B.
 """
 
@@ -17,53 +17,53 @@ OUTPUTS = 6
 INPUTS = 9
 INNER_WEIGHTS, OUTER_WEIGHTS = INPUTS * HIDDEN, (HIDDEN + 1) * OUTPUTS
 
-# Steepness of the hidden neurons, and how fast the inner weights learn beside the outer ones.
+# Steepness of the hidden neurons, and learning rate of the inner weights relative to the outer ones.
 _STEEPNESS, _INNER_RATE = 1.0, 0.5
 
 
 class Weights(NamedTuple):
-    """Inner weights (inputs, hidden) and outer weights (hidden and a constant, outputs)."""
+    """Inner weights (inputs, hidden) and outer weights (hidden + 1, outputs)."""
 
     inner: ca.SX
     outer: ca.SX
 
 
-def first_inner_weights() -> Float[np.ndarray, "weights"]:
-    """Returns inner weights, column-major, that make every hidden neuron see something else."""
+def initial_inner_weights() -> Float[np.ndarray, "weights"]:
+    """Returns inner weights, column-major, different for every hidden neuron."""
     place = np.arange(INPUTS * HIDDEN).reshape(HIDDEN, INPUTS)
-    # A fixed pattern; were all alike, they would stay so.
+    # A fixed pattern: equal weights would stay equal.
     return np.asarray(0.5 * np.cos(2.4 * place)).ravel()
 
 
-def output(weights: Weights, seen: ca.SX) -> ca.SX:
-    """Returns what the network adds up to, shape (6, 1), for what it sees, shape (9, 1)."""
-    return ca.SX(weights.outer.T @ _hidden(weights, seen)[0])
+def network_output(weights: Weights, inputs: ca.SX) -> ca.SX:
+    """Returns the network's output, shape (6, 1), for its inputs, (9, 1)."""
+    return ca.SX(weights.outer.T @ _hidden_layer(weights, inputs)[0])
 
 
-def learn(
-    weights: Weights, seen: ca.SX, *, training: ca.SX, rates: ca.SX, forgetting: float, step: float
+def update_weights(
+    weights: Weights, inputs: ca.SX, *, training: ca.SX, rates: ca.SX, forgetting: float, step: float
 ) -> Weights:
-    """Moves the weights on by one period.
+    """Returns the weights after one period.
 
     Args:
-        weights: before.
-        seen: inputs of the network, shape (9, 1).
+        weights: weights before.
+        inputs: inputs of the network, shape (9, 1).
         training: r, shape (6, 1), in the units of the outputs times s.
         rates: learning rates of the outputs, shape (6, 1); zeros freeze the network.
         forgetting: kappa of the e-modification.
-        step: s.
+        step: control period, s.
     """
-    hidden, slopes = _hidden(weights, seen)
+    hidden, slopes = _hidden_layer(weights, inputs)
     driven = rates * training
     size = ca.sqrt(ca.dot(driven, driven) + 1e-12)
-    linear = ca.vertcat(0, slopes * (weights.inner.T @ seen))
+    linear = ca.vertcat(0, slopes * (weights.inner.T @ inputs))
     outer_rate = -(hidden - linear) @ driven.T - forgetting * size * weights.outer
     back = slopes * (weights.outer[1:, :] @ driven)
-    inner_rate = -_INNER_RATE * (seen @ back.T)
+    inner_rate = -_INNER_RATE * (inputs @ back.T)
     return Weights(weights.inner + step * inner_rate, weights.outer + step * outer_rate)
 
 
-def _hidden(weights: Weights, seen: ca.SX) -> tuple[ca.SX, ca.SX]:
-    """Returns the constant and the hidden neurons' values, and the slopes of the neurons."""
-    values = 1.0 / (1.0 + ca.exp(-_STEEPNESS * (weights.inner.T @ seen)))
+def _hidden_layer(weights: Weights, inputs: ca.SX) -> tuple[ca.SX, ca.SX]:
+    """Returns the bias and hidden values, and the neurons' derivatives."""
+    values = 1.0 / (1.0 + ca.exp(-_STEEPNESS * (weights.inner.T @ inputs)))
     return ca.vertcat(1, values), _STEEPNESS * values * (1.0 - values)

@@ -1,4 +1,4 @@
-"""What goes in and out of one period of the control law, field by field, in the order of its columns."""
+"""Inputs, outputs and state of the control law, in column order."""
 
 from typing import NamedTuple
 
@@ -8,7 +8,7 @@ from . import adaptive_element as element
 
 
 class InversionModel(NamedTuple):
-    """The model that is inverted: the vehicle linearised in hover.
+    """Inversion model: the vehicle linearised in hover.
 
     Attributes:
         roll: angular acceleration per disc angle to the right, 1/s2.
@@ -25,10 +25,11 @@ class InversionModel(NamedTuple):
     lift: float
 
 
-class Memory(NamedTuple):
-    """What the controller remembers: reference model, bar and servos as reckoned, yaw, weights.
+class ControllerState(NamedTuple):
+    """State of the controller.
 
-    `excess_yaw` is the yaw rate past the reference's that is believed to be a turn, rad/s.
+    Reference model, predicted bar and servos, integrated heading error in rad, filtered yaw rate beyond the
+    reference's in rad/s (`excess_yaw`), weights.
     """
 
     roll: ca.SX
@@ -44,12 +45,12 @@ class Memory(NamedTuple):
     outer_weights: ca.SX
 
 
-MEMORY_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
-"""Entries of each part, in the order in which they are laid out."""
+STATE_SIZES = (1, 1, 1, 1, 1, 1, 1, 1, 4, element.INNER_WEIGHTS, element.OUTER_WEIGHTS)
+"""Number of entries of each part, in order."""
 
 
-class Wanted(NamedTuple):
-    """The reference, value, rate and acceleration of each channel, and the trim at its values."""
+class ControlReference(NamedTuple):
+    """Reference of each channel with derivatives, and the trim there."""
 
     forward: ca.SX
     forward_rate: ca.SX
@@ -68,9 +69,9 @@ class Wanted(NamedTuple):
     trim_pedal: ca.SX
 
 
-def split(memory: ca.SX) -> Memory:
-    """Returns the parts of a memory laid out in one column."""
+def split_state(state: ca.SX) -> ControllerState:
+    """Returns the parts of a state column."""
     places = [0]
-    for size in MEMORY_SIZES:
+    for size in STATE_SIZES:
         places.append(places[-1] + size)
-    return Memory._make(ca.vertsplit(memory, places))
+    return ControllerState._make(ca.vertsplit(state, places))

@@ -1,4 +1,4 @@
-"""The flight controller: it turns an estimate and a reference into servo commands, period by period."""
+"""Flight controller: servo commands from estimate and reference."""
 
 from functools import cache
 from itertools import chain
@@ -10,7 +10,7 @@ import numpy as np
 from flight.se2 import Twist
 from sim.loop.backend import Backend
 from sim.loop.bound_function import Recursion
-from sim.loop.motion import Channel, Controls, Motion, Reference
+from sim.loop.motion import Controls, Motion, Reference, ReferenceChannel
 from sim.loop.signals import Signals
 from sim.vehicle.equilibrium import find_equilibrium
 from sim.vehicle.linearisation import linearise
@@ -18,30 +18,30 @@ from sim.vehicle.parameters import Parameters
 
 from . import adaptive_element as element
 from .control_law import ControlLaw
-from .control_signals import MEMORY_SIZES, InversionModel
+from .control_signals import STATE_SIZES, InversionModel
 from .gains import Gains
 from .trim_table import TrimPoint, trim_table
 
-_SIZE = sum(MEMORY_SIZES)
+_SIZE = sum(STATE_SIZES)
 _INNER, _OUTER = _SIZE - element.INNER_WEIGHTS - element.OUTER_WEIGHTS, _SIZE - element.OUTER_WEIGHTS
 _ROWS = element.HIDDEN + 1
-_CHANNEL = len(Channel._fields)
+_CHANNEL = len(ReferenceChannel._fields)
 
 
 class Controller:
-    """Follows a reference at a height, from an estimate alone.
+    """Controller of velocity, yaw rate and height.
 
     Args:
-        parameters: the vehicle as the controller takes it to be.
-        height: above ground, m.
-        step: control period in s.
-        gains: all feedback and learning gains.
-        adaptive: whether the adaptive element learns; its output stays 0 where not.
-        signals: where it finds estimate and reference, and leaves the controls; its own where None.
-        backend: what evaluates the control law.
+        parameters: vehicle that the controller is designed for.
+        height: height above ground to hold, m.
+        step: control period, s.
+        gains: feedback and learning gains.
+        adaptive: whether the adaptive element learns; otherwise its output is 0.
+        signals: inputs estimate and reference, output controls; its own if None.
+        backend: numeric back-end.
 
     Attributes:
-        function: (estimate, wanted, learning, memory) -> (controls, memory), for margins.
+        function: (estimate, reference, learning, state) -> (controls, state), for margins.
     """
 
     def __init__(
@@ -59,37 +59,37 @@ class Controller:
         self._trims = trim_table(parameters)
         self.function = _control_function(parameters, self.gains, height, step)
         self.signals = signals = signals or Signals()
-        self._learning, self._memory = np.array([1.0 if adaptive else 0.0]), np.zeros(_SIZE)
+        self._learning, self._state = np.array([1.0 if adaptive else 0.0]), np.zeros(_SIZE)
         self._law = Recursion(
             _with_trims(self.function, self._trims.function),
-            (signals.estimate, signals.reference, self._learning, self._memory),
+            (signals.estimate, signals.reference, self._learning, self._state),
             (signals.controls,),
             backend=backend,
         )
         self._begun = False
 
     @property
-    def memory(self) -> np.ndarray:
-        """What is remembered now, laid out as in `control_law.Memory`."""
-        return self._memory.copy()
+    def state(self) -> np.ndarray:
+        """Controller state, laid out as `control_signals.ControllerState`."""
+        return self._state.copy()
 
-    def restore(self, memory: np.ndarray) -> None:
-        """Goes on from a memory."""
-        self._memory[:] = memory
+    def restore(self, state: np.ndarray) -> None:
+        """Sets the controller state."""
+        self._state[:] = state
         self._begun = True
 
-    def turn(self, angle: float) -> None:
-        """Follows a turn of the whole world about the vertical, in rad."""
-        outer = self._memory[_OUTER:].reshape(element.OUTPUTS, _ROWS)
+    def rotate_world(self, angle: float) -> None:
+        """Applies a rotation of the world about the vertical, in rad."""
+        outer = self._state[_OUTER:].reshape(element.OUTPUTS, _ROWS)
         north, east = outer[0].copy(), outer[1].copy()
         outer[0] = cos(angle) * north - sin(angle) * east
         outer[1] = sin(angle) * north + cos(angle) * east
 
     def run(self) -> None:
-        """Gives the controls of the next control period."""
+        """Computes the controls of the next control period."""
         if not self._begun:
             forward, _, yaw_rate = self.signals.reference[::_CHANNEL].tolist()
-            self.restore(first_memory(self._trims.at(forward, yaw_rate)))
+            self.restore(initial_controller_state(self._trims.at(forward, yaw_rate)))
         self._law.step()
 
     def step(self, estimate: Motion, reference: Reference) -> Controls:
@@ -99,13 +99,13 @@ class Controller:
         return Controls._make(self.signals.controls.tolist())
 
 
-def first_memory(trim: TrimPoint) -> np.ndarray:
-    """Returns the memory of a controller that has always held a trim."""
+def initial_controller_state(trim: TrimPoint) -> np.ndarray:
+    """Returns the state of a controller settled in a trim."""
     parts = (
         *(trim.roll, 0.0, trim.pitch, 0.0),
         *(0.0, 0.0, 0.0, 0.0),
         trim[2:],
-        element.first_inner_weights(),
+        element.initial_inner_weights(),
         np.zeros(element.OUTER_WEIGHTS),
     )
     return np.concatenate([np.atleast_1d(part) for part in parts])
@@ -113,7 +113,7 @@ def first_memory(trim: TrimPoint) -> np.ndarray:
 
 @cache
 def inversion_model(parameters: Parameters) -> InversionModel:
-    """Returns the model that the controller inverts: the vehicle linearised in hover."""
+    """Returns the inversion model: the vehicle linearised in hover."""
     hover = find_equilibrium(parameters, Twist(0.0, 0.0, 0.0))
     state = linearise(parameters, hover).state
     return InversionModel(
@@ -127,8 +127,8 @@ def inversion_model(parameters: Parameters) -> InversionModel:
 
 @cache
 def _with_trims(law: ca.Function, trims: ca.Function) -> ca.Function:
-    """Builds (estimate, reference, learning, memory) -> (controls, memory) of a law and a trim table."""
-    estimate, reference, learning, memory = (
+    """Builds (estimate, reference, learning, state) -> (controls, state) with trim table."""
+    estimate, reference, learning, state = (
         ca.MX.sym(name, size)
         for name, size in zip(
             ("estimate", "reference", "learning", "memory"),
@@ -137,8 +137,8 @@ def _with_trims(law: ca.Function, trims: ca.Function) -> ca.Function:
         )
     )
     trim = trims(reference[0], reference[2 * _CHANNEL])
-    controls, after = law(estimate, ca.vertcat(reference, trim), learning, memory)
-    return ca.Function("control", [estimate, reference, learning, memory], [controls, after])
+    controls, after = law(estimate, ca.vertcat(reference, trim), learning, state)
+    return ca.Function("control", [estimate, reference, learning, state], [controls, after])
 
 
 @cache

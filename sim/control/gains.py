@@ -1,33 +1,33 @@
-"""The gains of the flight controller, feedback and learning."""
+"""Gains of the flight controller."""
 
 from dataclasses import dataclass
 
 
 @dataclass(frozen=True, slots=True)
 class Gains:
-    """Gains of the controller; every one in SI.
+    """Gains of the controller in SI units.
 
     Attributes:
         velocity: acceleration per velocity error, 1/s.
         height: descent per height error, 1/s.
         descent: acceleration per descent error, 1/s.
-        model_frequency: of the attitude's reference model, rad/s.
-        model_damping: of the same.
-        lead: time that the attitude command runs ahead of the velocity's reference, s.
+        model_frequency: frequency of the attitude reference model, rad/s.
+        model_damping: damping ratio of the attitude reference model.
+        lead: lead of the attitude command over the velocity reference, s.
         attitude: frequencies of the attitude error in roll and pitch, rad/s.
-        attitude_damping: of the same.
+        attitude_damping: damping ratio of the attitude error.
         yaw_rate: yaw acceleration per yaw rate error, 1/s.
         heading: yaw acceleration per heading error, 1/s2.
-        heading_memory: time after which a heading error is forgotten, s.
-        turn_time: lag with which a yaw rate past the reference's is believed to be a turn, s. As long as the
-            velocity loop's own, so that the vehicle banks into a turn and not into a swing of its tail.
-        tilt_limit: largest attitude command away from the trim's, rad.
+        heading_error_time: time constant of the heading error's decay, s.
+        turn_time: lag of banking for a yaw rate beyond the reference's, s. Equal to the lag of the velocity
+            loop, so that the vehicle banks for turns and not for oscillations of the tail.
+        tilt_limit: largest attitude command beyond the trim's, rad.
         learning_velocity: learning rate of the horizontal accelerations.
-        learning_descent: of the vertical one.
-        learning_attitude: of roll and pitch.
-        learning_yaw: of yaw.
+        learning_descent: learning rate of the vertical acceleration.
+        learning_attitude: learning rate of roll and pitch.
+        learning_yaw: learning rate of yaw.
         forgetting: kappa of the e-modification.
-        hedging: 1, or 0 to let the element see the servos' limits.
+        hedging: 1 with pseudo-control hedging, 0 without.
     """
 
     velocity: float = 1.5
@@ -40,7 +40,7 @@ class Gains:
     attitude_damping: float = 0.4
     yaw_rate: float = 7.0
     heading: float = 25.0
-    heading_memory: float = 60.0
+    heading_error_time: float = 60.0
     turn_time: float = 0.67
     tilt_limit: float = 0.45
     learning_velocity: float = 0.6

@@ -1,10 +1,9 @@
-"""The maneuver generator: it turns a change of trim into a smooth command of velocity and yaw rate.
+"""Maneuver generator: smooth velocity and yaw-rate commands between trims.
 
 A second-order reference model for each channel, stepped exactly. The thesis finds that the vehicle "behaves
-like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2), and its Table 10
-says which constant: changes of speed last 4 s, turns 3 s, both together 4 s. So the yaw rate takes the
-velocity's time where speed and yaw rate change together; only so do the heading changes of those rows come
-out. There is no memory of position or heading.
+like a second order linear dynamic system, whose settling time is ideally constant" (2.6.2). By its Table 10
+changes of speed take 4 s, turns 3 s, both together 4 s. The yaw rate therefore settles with the velocity if
+both change; only this reproduces the heading changes of those rows. Position and heading are not tracked.
 """
 
 from dataclasses import dataclass
@@ -17,38 +16,38 @@ import numpy as np
 from flight.se2 import Twist
 from sim.loop.backend import Backend
 from sim.loop.bound_function import Recursion
-from sim.loop.motion import Channel, Reference
+from sim.loop.motion import Reference, ReferenceChannel
 from sim.loop.signals import Signals
 
 
 @dataclass(frozen=True, slots=True)
-class SecondOrder:
-    """A second-order response: natural frequency in rad/s and damping ratio below 1."""
+class SecondOrderResponse:
+    """Second-order response: frequency in rad/s and damping ratio."""
 
     frequency: float
     damping: float
 
     def __post_init__(self) -> None:
-        """Refuses what does not swing."""
+        """Refuses overdamped responses."""
         if not (self.frequency > 0.0 and 0.0 < self.damping < 1.0):
             raise ValueError(f"frequency must be > 0 rad/s and damping in (0, 1), got {self}")
 
 
-# With these, displacement and heading change of every maneuver of Table 10 come out where it ends at the
-# printed duration: a channel covers 2 damping / frequency times its change less than target times duration.
-VELOCITY_RESPONSE = SecondOrder(frequency=0.78, damping=0.76)
-YAW_RATE_RESPONSE = SecondOrder(frequency=1.06, damping=0.76)
-_CHANNEL = len(Channel._fields)
+# Chosen so that displacements and heading changes match Table 10 at the printed durations: a channel covers
+# 2 damping / frequency times its change less than target times duration.
+VELOCITY_RESPONSE = SecondOrderResponse(frequency=0.78, damping=0.76)
+YAW_RATE_RESPONSE = SecondOrderResponse(frequency=1.06, damping=0.76)
+_CHANNEL = len(ReferenceChannel._fields)
 
 
 class ManeuverGenerator:
-    """Generates the reference from the trim asked for.
+    """Generator of the reference from the commanded trim.
 
     Args:
-        velocity: trim velocity held at the start.
-        step: control period in s.
-        signals: where it leaves the reference; its own where None.
-        backend: what evaluates the reference models.
+        velocity: trim velocity at the start.
+        step: control period, s.
+        signals: output of the reference; its own if None.
+        backend: numeric back-end.
     """
 
     def __init__(
@@ -61,50 +60,56 @@ class ManeuverGenerator:
     ) -> None:
         self.signals = signals = signals or Signals()
         self._target = velocity
-        # Forward, side, yaw rate, and whether the yaw rate takes the velocity's time.
-        self._asked = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
+        # Forward, side, yaw rate, and whether the yaw rate settles with the velocity.
+        self._command = np.array([velocity.forward, velocity.side, velocity.yaw_rate, 0.0])
         signals.reference[:] = 0.0
-        signals.reference[::_CHANNEL] = self._asked[:3]
-        models = _models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
-        self._models = Recursion(models, (self._asked, signals.reference), (), backend=backend)
+        signals.reference[::_CHANNEL] = self._command[:3]
+        models = _reference_models(VELOCITY_RESPONSE, YAW_RATE_RESPONSE, step)
+        self._models = Recursion(models, (self._command, signals.reference), (), backend=backend)
         self.run = self._models.step
-        """Moves the reference on by one control period."""
+        """Advances the reference by one control period."""
 
-    def aim(self, target: Twist) -> None:
-        """Asks for a velocity from now on."""
+    def set_target(self, target: Twist) -> None:
+        """Sets the target velocity."""
         if target == self._target:
             return
         speed_changes = (target.forward, target.side) != (self._target.forward, self._target.side)
-        self._asked[:] = (target.forward, target.side, target.yaw_rate, speed_changes)
+        self._command[:] = (target.forward, target.side, target.yaw_rate, speed_changes)
         self._target = target
 
     def step(self, target: Twist) -> Reference:
-        """Moves on by one control period towards a target velocity."""
-        self.aim(target)
+        """Advances one control period towards a target velocity."""
+        self.set_target(target)
         self.run()
         rows = self.signals.reference.reshape(-1, _CHANNEL).tolist()
-        return Reference(*(Channel._make(row) for row in rows))
+        return Reference(*(ReferenceChannel._make(row) for row in rows))
 
 
 @cache
-def _models(speeding: SecondOrder, turning: SecondOrder, step: float) -> ca.Function:
-    """Builds the reference models of all channels, (asked, reference) -> reference."""
-    asked, reference = ca.SX.sym("asked", 4), ca.SX.sym("reference", 3 * _CHANNEL)
-    forward, side, yaw_rate, together = ca.vertsplit(asked)
+def _reference_models(
+    speeding: SecondOrderResponse, turning: SecondOrderResponse, step: float
+) -> ca.Function:
+    """Builds the reference models of all channels, (command, reference) -> reference."""
+    command, reference = ca.SX.sym("command", 4), ca.SX.sym("reference", 3 * _CHANNEL)
+    forward, side, yaw_rate, together = ca.vertsplit(command)
     before = [ca.vertsplit(part)[:2] for part in ca.vertsplit(reference, _CHANNEL)]
     with_speed, alone = (
-        _follow(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
+        _advance_second_order(response, before[2], yaw_rate, step=step) for response in (speeding, turning)
     )
     after = ca.vertcat(
-        _follow(speeding, before[0], forward, step=step),
-        _follow(speeding, before[1], side, step=step),
+        _advance_second_order(speeding, before[0], forward, step=step),
+        _advance_second_order(speeding, before[1], side, step=step),
         ca.if_else(together, with_speed, alone),
     )
-    return ca.Function("generate", [asked, reference], [after])
+    return ca.Function("generate", [command, reference], [after])
 
 
-def _follow(response: SecondOrder, before: list[ca.SX], target: ca.SX, *, step: float) -> ca.SX:
-    """Steps value and rate of one channel, exactly for a target held through the step.
+def _advance_second_order(
+    response: SecondOrderResponse, before: list[ca.SX], target: ca.SX, *, step: float
+) -> ca.SX:
+    """Returns one channel after a step with constant target.
+
+    The step is exact.
 
     Returns:
         Value, rate and acceleration.

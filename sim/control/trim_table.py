@@ -1,4 +1,4 @@
-"""Attitude and controls of level flight over speed and yaw rate, for the controller's feed-forward."""
+"""Table of trim attitude and controls for the feed-forward."""
 
 from functools import cache
 from math import inf
@@ -10,7 +10,7 @@ from flight.se2 import Twist
 from sim.vehicle.equilibrium import EquilibriumFinder
 from sim.vehicle.parameters import Parameters
 
-# From slow backward flight to the end of the speed range, 80 ft/s; in m/s.
+# From slow backward flight to the end of the speed range, 80 ft/s, in m/s.
 _SPEEDS = tuple(float(speed) for speed in range(-2, 26))
 # Beyond the fastest turn of the thesis's Table 3, 0.6 rad/s.
 _YAW_RATES = tuple(0.15 * i for i in range(-5, 6))
@@ -19,7 +19,7 @@ _CENTRIPETAL_LIMIT = 5.0
 
 
 class TrimPoint(NamedTuple):
-    """Attitude and controls in rad that hold a velocity in still air."""
+    """Attitude and controls of a trim in still air, rad."""
 
     roll: float
     pitch: float
@@ -30,34 +30,37 @@ class TrimPoint(NamedTuple):
 
 
 class TrimTable:
-    """Equilibria on a grid, read between the points by bilinear interpolation.
+    """Equilibria on a grid, interpolated bilinearly.
 
     Attributes:
-        function: (forward speed in m/s, yaw rate in rad/s), held to the table's range, -> trim point.
+        function: (forward speed in m/s, yaw rate in rad/s), clamped to the table's range -> trim point.
     """
 
     def __init__(self, parameters: Parameters) -> None:
         finder = EquilibriumFinder(parameters)
         values = [
-            number for rate in _YAW_RATES for speed in _SPEEDS for number in _point(finder, speed, rate)
+            number for rate in _YAW_RATES for speed in _SPEEDS for number in _trim_point(finder, speed, rate)
         ]
         table = ca.interpolant("trim_table", "linear", [list(_SPEEDS), list(_YAW_RATES)], values)
         speed, rate = ca.MX.sym("speed"), ca.MX.sym("yaw_rate")
-        place = ca.vertcat(_hold(speed, _SPEEDS), _hold(rate, _YAW_RATES))
+        place = ca.vertcat(_clamp(speed, _SPEEDS), _clamp(rate, _YAW_RATES))
         self.function = ca.Function("trim", [speed, rate], [table(place)])
 
     def at(self, forward: float, yaw_rate: float) -> TrimPoint:
-        """Returns the trim at a forward speed in m/s and a yaw rate in rad/s, held to the table's range."""
+        """Returns the trim at forward speed (m/s) and yaw rate (rad/s).
+
+        Arguments are clamped to the table's range.
+        """
         return TrimPoint._make(self.function(forward, yaw_rate).elements())
 
 
 @cache
 def trim_table(parameters: Parameters) -> TrimTable:
-    """Returns the table of a vehicle, made once in a process."""
+    """Returns the trim table of a vehicle, cached."""
     return TrimTable(parameters)
 
 
-def _point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoint:
+def _trim_point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoint:
     limit = _CENTRIPETAL_LIMIT / abs(speed) if speed else inf
     found = finder.find(Twist(speed, 0.0, max(-limit, min(limit, yaw_rate))))
     return TrimPoint(
@@ -65,6 +68,6 @@ def _point(finder: EquilibriumFinder, speed: float, yaw_rate: float) -> TrimPoin
     )
 
 
-def _hold(value: ca.MX, grid: tuple[float, ...]) -> ca.MX:
-    """Returns a value held to the range of a grid."""
+def _clamp(value: ca.MX, grid: tuple[float, ...]) -> ca.MX:
+    """Returns a value clamped to the range of a grid."""
     return ca.fmin(ca.fmax(value, grid[0]), grid[-1])

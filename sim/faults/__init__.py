@@ -1,1 +1,1 @@
-"""Faults injected into vehicle, sensors, air and computer."""
+"""Fault injection into vehicle, sensors, air and computer."""

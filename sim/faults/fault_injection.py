@@ -1,4 +1,4 @@
-"""The faults of a flight: put between the parts of its loop, and noted with what shows that they acted."""
+"""Fault injection into the flight loop, with logged effects."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -17,30 +17,30 @@ from sim.navigation.navigation import Navigation, Navigator
 from sim.vehicle.helicopter import Helicopter
 from sim.vehicle.parameters import Parameters
 
-from .fault_schedule import Failing, Schedule
-from .gust_fault import GustyAir
-from .late_computer import LateComputer
-from .sensor_faults import FailingSensors
-from .vehicle_faults import FailingVehicle
+from .delayed_computer import DelayedComputer
+from .fault_schedule import FaultSchedule, FaultTarget
+from .gust_fault import GustInjector
+from .sensor_faults import FaultySensors
+from .vehicle_faults import FaultyVehicle
 
 _SIZES = 3
 Parts = tuple[Callable[[], None], ...]
-"""Parts of the loop that run one after the other, each for one control period."""
+"""Parts of the loop in the order of their run, each for one control period."""
 
 
-class Faults:
-    """Lets the parts of a flight loop fail as asked for.
+class FaultInjector:
+    """Injector of a flight's faults into the loop's parts.
 
     Args:
-        faults: of the flight, whose clock is at 0; their numbers count from 1.
-        signals: what the parts say to one another.
-        helicopter: what flies.
-        parameters: the sound vehicle.
-        navigation: its sensors fail, where it has some.
-        parts: one period each of maneuver generator, controller and air.
+        faults: faults of the flight, numbered from 1; the flight is at time 0.
+        signals: signals of the loop.
+        helicopter: helicopter flown.
+        parameters: vehicle without faults.
+        navigation: navigation; its sensors can fail.
+        parts: one period each of maneuver generator, controller and wind.
 
     Attributes:
-        parts: the same, failing.
+        parts: the same parts with faults.
     """
 
     def __init__(
@@ -54,36 +54,36 @@ class Faults:
         parts: Parts,
     ) -> None:
         generate, control, blow = parts
-        air, vehicle = GustyAir(blow, signals.wind), FailingVehicle(helicopter, parameters)
-        computer = LateComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
+        air, vehicle = GustInjector(blow, signals.wind), FaultyVehicle(helicopter, parameters)
+        computer = DelayedComputer((generate, control), signals.controls, step=CONTROL_PERIOD)
         self.parts: Parts = (computer.run, air.run)
-        places: dict[str, Failing] = {"wind": air, "controller": computer, "vehicle": vehicle}
+        places: dict[str, FaultTarget] = {"wind": air, "controller": computer, "vehicle": vehicle}
         places |= dict.fromkeys(SERVOS, vehicle)
         if isinstance(navigation, Navigation):
-            sensors = FailingSensors(navigation.sensors, step=CONTROL_PERIOD)
+            sensors = FaultySensors(navigation.sensors, step=CONTROL_PERIOD)
             navigation.sensors = sensors
             places |= dict.fromkeys(SENSORS, sensors)
         self._faults = dict(enumerate(faults, start=1))
-        self._schedule = Schedule(self._faults, places)
+        self._schedule = FaultSchedule(self._faults, places)
         self._period = 0
         self._events: list[tuple[float, ...]] = []
         self._effects: list[tuple[float, ...]] = []
 
     def begin(self) -> None:
-        """Begins and ends what is due at the start of a control period."""
+        """Starts and ends the faults due at a control period."""
         for number, begun in self._schedule.begin(self._period):
             size = self._faults[number].size
             padded = (*size, *(0.0,) * (_SIZES - len(size)))
             self._events.append((self._period * CONTROL_PERIOD, number, float(begun), *padded))
 
     def note(self) -> None:
-        """Keeps the effects over the control period, which has been flown."""
+        """Records the effects over the control period flown."""
         time = self._period * CONTROL_PERIOD
         self._effects += [(time, number, effect()) for number, effect in self._schedule.active.items()]
         self._period += 1
 
     def add_to(self, log: FlightLog) -> FlightLog:
-        """Returns a log that tells of the faults too."""
+        """Returns the log with the faults and their effects."""
         series = {
             topic.name: _series(topic, rows)
             for topic, rows in ((FAULT, self._events), (FAULT_EFFECT, self._effects))

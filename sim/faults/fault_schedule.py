@@ -1,4 +1,4 @@
-"""When faults begin and end, to the nearest control period."""
+"""Schedule of faults in control periods."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -8,50 +8,53 @@ from flight.mission.fault import Fault
 from sim.loop.specification import CONTROL_PERIOD
 
 
-class Failing(Protocol):
-    """A part of the flight loop that can fail."""
+class FaultTarget(Protocol):
+    """Part of the flight loop that can fail."""
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from now on; returns what tells its effect."""
+        """Starts a fault; returns its effect function."""
 
     def end(self, number: int, fault: Fault) -> None:
-        """Takes a fault away."""
+        """Ends a fault."""
 
 
 @dataclass(frozen=True, slots=True)
-class Window:
-    """The control periods in which a fault acts: from the first until before the last."""
+class FaultWindow:
+    """Control periods of a fault: first, and the one after the last."""
 
     first: int
     last: int | None
 
 
-def window(fault: Fault) -> Window:
-    """Returns when a fault acts: for one control period at least, for good where it has no duration."""
+def fault_window(fault: Fault) -> FaultWindow:
+    """Returns the control periods of a fault, at least one.
+
+    Without a duration it lasts to the end of the flight.
+    """
     first = round(fault.start / CONTROL_PERIOD)
     if fault.duration is None:
-        return Window(first, None)
-    return Window(first, max(first + 1, round((fault.start + fault.duration) / CONTROL_PERIOD)))
+        return FaultWindow(first, None)
+    return FaultWindow(first, max(first + 1, round((fault.start + fault.duration) / CONTROL_PERIOD)))
 
 
-class Schedule:
-    """Begins and ends faults, period by period.
+class FaultSchedule:
+    """Schedule that starts and ends faults, period by period.
 
     Args:
-        faults: by their numbers.
-        places: what fails, by the name that faults have for it.
+        faults: faults by number.
+        places: failing parts by the place of the faults.
 
     Attributes:
-        active: what tells the effects of the faults that act now, by their numbers.
+        active: effect functions of the active faults by number.
     """
 
-    def __init__(self, faults: Mapping[int, Fault], places: Mapping[str, Failing]) -> None:
+    def __init__(self, faults: Mapping[int, Fault], places: Mapping[str, FaultTarget]) -> None:
         self._faults, self._places = faults, places
-        self._windows = {number: window(fault) for number, fault in faults.items()}
+        self._windows = {number: fault_window(fault) for number, fault in faults.items()}
         self.active: dict[int, Callable[[], float]] = {}
 
     def begin(self, period: int) -> list[tuple[int, bool]]:
-        """Ends and begins what is due at the start of a control period; returns which, and whether begun."""
+        """Ends and starts the faults due; returns numbers and if started."""
         ended = [number for number, at in self._windows.items() if at.last == period]
         begun = [number for number, at in self._windows.items() if at.first == period]
         for number in ended:

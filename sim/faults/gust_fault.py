@@ -1,4 +1,4 @@
-"""Air with discrete gusts in it."""
+"""Discrete gusts injected into the wind."""
 
 from collections.abc import Callable
 
@@ -10,12 +10,12 @@ from sim.loop.specification import CONTROL_PERIOD
 from sim.wind.discrete_gust import DiscreteGust
 
 
-class GustyAir:
-    """Adds gusts to the wind, period by period.
+class GustInjector:
+    """Wind with discrete gusts.
 
     Args:
-        blow: one period of the wind; leaves the air's motion in `wind`.
-        wind: laid out as `Wind`; altered in place.
+        blow: one period of the wind; writes `wind`.
+        wind: motion of the air, laid out as `Wind`, changed in place.
     """
 
     def __init__(self, blow: Callable[[], None], wind: Float[np.ndarray, "6"]) -> None:
@@ -24,18 +24,18 @@ class GustyAir:
         self._period = -1
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a gust come; returns what tells its speed."""
+        """Starts a gust; returns its speed function."""
         assert fault.duration is not None, fault
         gust = DiscreteGust(fault.start, fault.duration, *fault.size)
         self._gusts[number] = gust
         return lambda: gust.speed(self._period * CONTROL_PERIOD)
 
     def end(self, number: int, fault: Fault) -> None:
-        """Lets a gust be gone."""
+        """Ends a gust."""
         del self._gusts[number]
 
     def run(self) -> None:
-        """Moves the air on by one control period."""
+        """Advances the wind by one control period."""
         self._blow()
         self._period += 1
         for gust in self._gusts.values():

@@ -1,4 +1,4 @@
-"""Sensors that fail: what they read is altered on its way to the filter, which is not told."""
+"""Sensor faults: readings changed before the filter."""
 
 from collections import deque
 from collections.abc import Callable
@@ -8,25 +8,30 @@ import numpy as np
 
 from flight.mission.fault import SENSORS, Fault
 from flight.se2 import SE2
-from sim.navigation.sensors import Readings, Values
+from sim.navigation.sensors import SensorReadings, Values
 
 _INERTIAL = ("gyro", "accelerometer")
 
 
-class _Failure(Protocol):
-    """One fault on the way of one sensor's readings."""
+class _SensorFault(Protocol):
+    """Fault of one sensor."""
 
     effect: float
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
-        """Alters values in place; takes and gives whether they are a new reading."""
+    def apply(self, values: Values, *, fresh: bool) -> bool:
+        """Changes a reading in place; returns True if it is new.
+
+        Args:
+            values: the reading.
+            fresh: whether it is a new reading.
+        """
 
 
 class _Dropout:
     def __init__(self) -> None:
         self.effect = 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         self.effect += fresh
         return False
 
@@ -35,11 +40,11 @@ class _Stuck:
     def __init__(self, held: Values | None) -> None:
         self._held, self.effect = held, 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         if fresh:
             if self._held is None:
                 self._held = values.copy()
-            self.effect = _apart(values, self._held)
+            self.effect = _reading_distance(values, self._held)
             values[:] = self._held
         return fresh
 
@@ -48,7 +53,7 @@ class _Bias:
     def __init__(self, size: tuple[float, ...]) -> None:
         self._size, self.effect = size, 0.0
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         if fresh:
             values[: len(self._size)] += self._size
             self.effect = float(np.linalg.norm(self._size))
@@ -61,7 +66,7 @@ class _Delay:
         self._sound: Values | None = None
         self._on_its_way: deque[tuple[int, Values]] = deque()
 
-    def pass_on(self, values: Values, *, fresh: bool) -> bool:
+    def apply(self, values: Values, *, fresh: bool) -> bool:
         self._now += 1
         if fresh:
             self._sound = values.copy()
@@ -70,24 +75,24 @@ class _Delay:
             return False
         values[:] = self._on_its_way.popleft()[1]
         if self._sound is not None:
-            self.effect = _apart(values, self._sound)
+            self.effect = _reading_distance(values, self._sound)
         return True
 
 
-def _apart(values: Values, sound: Values) -> float:
-    """Returns how far a reading is from another; of fixes, how far their positions are."""
+def _reading_distance(values: Values, sound: Values) -> float:
+    """Returns the distance of two readings; of positions for fixes."""
     return float(np.linalg.norm((values - sound)[:3]))
 
 
-class FailingSensors:
-    """Sensors of which some fail.
+class FaultySensors:
+    """Sensors with faults.
 
     Args:
-        sensors: sound ones; what they read is altered in place, right after they have read it.
+        sensors: sensors without faults; their readings are changed in place.
         step: control period, s.
     """
 
-    def __init__(self, sensors: Readings, *, step: float) -> None:
+    def __init__(self, sensors: SensorReadings, *, step: float) -> None:
         self._sensors, self._step = sensors, step
         self.inertial, self.fix = sensors.inertial, sensors.fix
         self.heading_and_height = sensors.heading_and_height
@@ -97,30 +102,30 @@ class FailingSensors:
             *(self.heading_and_height[:1], self.heading_and_height[1:]),
         )
         self._values = dict(zip(SENSORS, parts, strict=True))
-        # Registers of the inertial unit hold something from the start.
+        # The inertial unit's registers hold values from the start.
         self._last = {sensor: self._values[sensor].copy() for sensor in _INERTIAL}
-        self._failures: dict[str, dict[int, _Failure]] = {sensor: {} for sensor in SENSORS}
+        self._failures: dict[str, dict[int, _SensorFault]] = {sensor: {} for sensor in SENSORS}
 
     @property
     def biases(self) -> Values:
-        """Errors of accelerometers and gyros that wander, as they are."""
+        """Biases of accelerometers and gyros."""
         return self._sensors.biases
 
-    def move(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
-        self._sensors.move(displacement)
+    def move_world(self, displacement: SE2) -> None:
+        """Applies a displacement of the whole world."""
+        self._sensors.move_world(displacement)
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from the next reading on; returns what tells its effect."""
-        failure = self._failure(fault)
+        """Starts a fault at the next reading; returns its effect function."""
+        failure = self._sensor_fault(fault)
         self._failures[fault.where][number] = failure
         return lambda: failure.effect
 
     def end(self, number: int, fault: Fault) -> None:
-        """Makes a sensor sound again, but for its other faults."""
+        """Ends one fault of a sensor."""
         del self._failures[fault.where][number]
 
-    def _failure(self, fault: Fault) -> _Failure:
+    def _sensor_fault(self, fault: Fault) -> _SensorFault:
         match fault.what:
             case "dropout":
                 return _Dropout()
@@ -132,19 +137,19 @@ class FailingSensors:
                 return _Delay(round(fault.size[0] / self._step))
 
     def run(self) -> None:
-        """Reads at the end of a control period."""
+        """Reads the sensors at the end of a control period."""
         self._sensors.run()
         fix, slow = self._sensors.has_fix, self._sensors.has_heading_and_height
         fresh = dict(zip(SENSORS, (True, True, fix, slow, slow), strict=True))
         for sensor, values in self._values.items():
             for failure in self._failures[sensor].values():
-                fresh[sensor] = failure.pass_on(values, fresh=fresh[sensor])
+                fresh[sensor] = failure.apply(values, fresh=fresh[sensor])
             if fresh[sensor]:
                 self._last[sensor] = values.copy()
             elif sensor in _INERTIAL:
                 values[:] = self._last[sensor]
             elif sensor != "gps":
-                # The filter does not believe what is no number.
+                # The filter rejects not-a-number.
                 values[:] = np.nan
         self.has_fix = fresh["gps"]
         self.has_heading_and_height = fresh["magnetometer"] or fresh["altimeter"]

@@ -1,4 +1,4 @@
-"""A vehicle that fails: servos that jam, tire or lag, a mass or a lift that is another one."""
+"""Vehicle faults: jammed, slow or lagging servos, changed mass or lift."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -6,17 +6,17 @@ from dataclasses import replace
 from flight.mission.fault import SERVOS, Fault
 from sim.vehicle.helicopter import Helicopter
 from sim.vehicle.parameters import Parameters, change_vehicle
-from sim.vehicle.rotor_step import Drive, sound_drives
+from sim.vehicle.rotor_step import ServoDynamics, nominal_servo_dynamics
 
-from .fault_schedule import Schedule
+from .fault_schedule import FaultSchedule
 
 
-class FailingVehicle:
-    """Makes a helicopter another one while faults last.
+class FaultyVehicle:
+    """Helicopter whose parameters change with its faults.
 
     Args:
-        helicopter: what flies.
-        parameters: the sound vehicle.
+        helicopter: helicopter flown.
+        parameters: vehicle without faults.
     """
 
     def __init__(self, helicopter: Helicopter, parameters: Parameters) -> None:
@@ -24,7 +24,7 @@ class FailingVehicle:
         self._faults: dict[int, Fault] = {}
 
     def begin(self, number: int, fault: Fault) -> Callable[[], float]:
-        """Lets a fault act from the next plant step on; returns what tells its effect."""
+        """Starts a fault at the next plant step; returns its effect function."""
         self._faults[number] = fault
         self._refit()
         if fault.where in SERVOS:
@@ -35,31 +35,33 @@ class FailingVehicle:
         return lambda: change
 
     def end(self, number: int, fault: Fault) -> None:
-        """Takes a fault away."""
+        """Ends a fault."""
         del self._faults[number]
         self._refit()
 
     def _refit(self) -> None:
-        """Gives the helicopter the numbers that all its faults together leave."""
-        vehicle, drives = self._sound, list(sound_drives(self._sound.servos))
+        """Applies the parameters under all active faults."""
+        vehicle, servo_dynamics = self._sound, list(nominal_servo_dynamics(self._sound.servos))
         for fault in self._faults.values():
             if fault.where in SERVOS:
                 servo = SERVOS.index(fault.where)
-                drives[servo] = _fail(drives[servo], fault)
+                servo_dynamics[servo] = _faulty_servo(servo_dynamics[servo], fault)
             else:
                 vehicle = change_vehicle(vehicle, **{fault.what: fault.size[0]})
-        lateral, longitudinal, collective, pedal = drives
+        lateral, longitudinal, collective, pedal = servo_dynamics
         self._helicopter.refit(vehicle, (lateral, longitudinal, collective, pedal))
 
 
-def vehicle_schedule(faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters) -> Schedule:
-    """Returns when a helicopter alone fails: its servos, its mass and its lift."""
-    vehicle = FailingVehicle(helicopter, parameters)
+def vehicle_fault_schedule(
+    faults: Sequence[Fault], helicopter: Helicopter, parameters: Parameters
+) -> FaultSchedule:
+    """Returns the schedule of servo, mass and lift faults."""
+    vehicle = FaultyVehicle(helicopter, parameters)
     own = {number: fault for number, fault in enumerate(faults) if fault.where in (*SERVOS, "vehicle")}
-    return Schedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))
+    return FaultSchedule(own, dict.fromkeys((*SERVOS, "vehicle"), vehicle))
 
 
-def _fail(drive: Drive, fault: Fault) -> Drive:
+def _faulty_servo(drive: ServoDynamics, fault: Fault) -> ServoDynamics:
     match fault.what:
         case "jam":
             return replace(drive, rate=0.0)

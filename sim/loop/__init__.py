@@ -1,1 +1,1 @@
-"""The simulation loop: signals, streams of random numbers, numeric back-ends."""
+"""Simulation loop: signals, random streams and numeric back-ends."""

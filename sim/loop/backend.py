@@ -1,6 +1,6 @@
-"""How the vehicle's expressions are evaluated: interpreted by CasADi, or as machine code; the bits agree.
+"""Numeric back-ends: CasADi interpreter or bit-identical machine code.
 
-Machine code is the C that CasADi writes of an expression, compiled once by the machine's own compiler,
+Machine code is the C that CasADi writes of an expression, compiled once (`runtime.compiler`),
 without anything that would reorder arithmetic. Before it is used it is held to the interpreter, bit by bit,
 on random numbers, so that a flight does not depend on whether there is a compiler.
 """
@@ -18,49 +18,49 @@ import numpy as np
 from flight.errors import FlightError
 from runtime.compiler import IEEE_FLAGS, NoMachineCodeError, shared_library
 
-# Random arguments of several sizes that machine code must answer as the interpreter does.
+# Random arguments of several magnitudes in the comparison.
 _PROBES = 8
-# Thousands of lines without a branch: more effort takes half as long again and makes nothing faster.
+# Thousands of lines without a branch: -O2 compiles half as long again and runs no faster.
 _FLAGS = ("-O1", *IEEE_FLAGS)
 
 
 class Backend(StrEnum):
-    """What evaluates expressions."""
+    """Numeric back-end."""
 
     INTERPRETED = "interpreted"
     COMPILED = "compiled"
 
 
-class OtherBitsError(FlightError):
-    """Machine code does not give the numbers of the expression that it was made of."""
+class BitMismatchError(FlightError):
+    """Machine code with other bits than its expression."""
 
     def __init__(self, name: str) -> None:
-        super().__init__(f"the machine code of {name!r} gives other bits than its expression: not used")
+        super().__init__(f"expected machine code of {name!r} with the interpreter's bits, got other bits")
 
 
 def name_backend(backend: Backend) -> str:
-    """Returns the back-end as a log names it, such as `casadi-3.8.2 compiled`."""
+    """Returns the back-end's name in logs, such as `casadi-3.8.2 compiled`."""
     return f"casadi-{version('casadi')} {backend}"
 
 
 @cache
 def best_backend() -> Backend:
-    """Returns `COMPILED` where a compiler works, else `INTERPRETED`."""
+    """Returns `COMPILED` if a compiler works, else `INTERPRETED`."""
     x = ca.SX.sym("x")
     try:
-        realise(ca.Function("probe", [x], [ca.sin(x)]), Backend.COMPILED)
-    except (NoMachineCodeError, OtherBitsError):
+        prepare_function(ca.Function("probe", [x], [ca.sin(x)]), Backend.COMPILED)
+    except (NoMachineCodeError, BitMismatchError):
         return Backend.INTERPRETED
     return Backend.COMPILED
 
 
 @cache
-def realise(function: ca.Function, backend: Backend) -> ca.Function:
-    """Returns a function as the back-end evaluates it.
+def prepare_function(function: ca.Function, backend: Backend) -> ca.Function:
+    """Returns a function for evaluation by the back-end.
 
     Raises:
-        NoMachineCodeError: there is no compiler that works.
-        OtherBitsError: what it made is not used.
+        NoMachineCodeError: no compiler works.
+        BitMismatchError: the machine code has other bits than the interpreter.
     """
     if backend is Backend.INTERPRETED:
         return function
@@ -77,12 +77,12 @@ def realise(function: ca.Function, backend: Backend) -> ca.Function:
     except RuntimeError as error:
         raise NoMachineCodeError(str(error).splitlines()[-1]) from None
     if not same_bits(function, machine_code):
-        raise OtherBitsError(name)
+        raise BitMismatchError(name)
     return machine_code
 
 
 def same_bits(function: ca.Function, other: ca.Function) -> bool:
-    """Whether two functions answer random arguments with the same bits."""
+    """Returns True if two functions agree bitwise on random arguments."""
     rng = np.random.default_rng(1)
     for scale in np.geomspace(1e-3, 1e3, _PROBES):
         arguments = [scale * rng.standard_normal(function.size_in(place)) for place in range(function.n_in())]

@@ -1,4 +1,4 @@
-"""CasADi functions bound to arrays: evaluated in a microsecond, where the call with values takes fifty."""
+"""CasADi functions bound to arrays, for evaluation within a microsecond."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -6,24 +6,24 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from .backend import Backend, realise
+from .backend import Backend, prepare_function
 
 Array = np.ndarray[Any, np.dtype[np.float64]]
 
 
-def view(array: Array) -> memoryview:
-    """Returns the memory of an array; it copies from one to another faster than arrays do."""
+def memory_view(array: Array) -> memoryview:
+    """Returns an array's memory, which copies faster than arrays."""
     return memoryview(array.data)
 
 
 class BoundFunction:
-    """A function that reads and writes always the same arrays of doubles.
+    """Function bound to fixed arrays of doubles.
 
     Args:
-        function: with dense arguments and results.
+        function: function with dense arguments and results.
         arguments: contiguous arrays in column-major order, one for each argument.
-        results: likewise; none of them may be an argument too.
-        backend: what evaluates the function.
+        results: arrays of the same layout, none of them an argument.
+        backend: numeric back-end.
     """
 
     __slots__ = ("_buffer", "evaluate")
@@ -40,29 +40,29 @@ class BoundFunction:
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
         buffer: Any
-        buffer, self.evaluate = realise(function, backend).buffer()
+        buffer, self.evaluate = prepare_function(function, backend).buffer()
         for place, argument in enumerate(arguments):
-            buffer.set_arg(place, view(argument))
+            buffer.set_arg(place, memory_view(argument))
         for place, result in enumerate(results):
-            buffer.set_res(place, view(result))
-        # The evaluation reads the buffer; whoever holds the one holds the other.
+            buffer.set_res(place, memory_view(result))
+        # The evaluation needs the buffer alive.
         self._buffer = buffer
 
 
 class Recursion:
-    """A bound function that moves a state on: its last argument, and its last result.
+    """Bound function that advances its last argument, the state.
 
     Args:
-        function: with dense arguments and results.
+        function: function with dense arguments and results; the last result is the new state.
         arguments: arrays, one for each argument; the last is the state.
         results: arrays, one for each result but the last.
-        backend: what evaluates the function.
+        backend: numeric back-end.
     """
 
     __slots__ = ("step",)
 
     step: Callable[[], None]
-    """Reads the arguments, writes the results and moves the state on."""
+    """Reads the arguments, writes the results and advances the state."""
 
     def __init__(
         self,
@@ -74,7 +74,7 @@ class Recursion:
     ) -> None:
         state, moved = arguments[-1], np.zeros_like(arguments[-1])
         bound = BoundFunction(function, arguments, (*results, moved), backend=backend)
-        evaluate, before, after = bound.evaluate, view(state), view(moved)
+        evaluate, before, after = bound.evaluate, memory_view(state), memory_view(moved)
 
         def step(_kept: BoundFunction = bound) -> None:
             evaluate()

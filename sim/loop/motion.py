@@ -1,4 +1,4 @@
-"""The motion of the vehicle as controller, navigation and logs see it."""
+"""Motion, reference, controls and wind of the vehicle."""
 
 from typing import NamedTuple
 
@@ -7,8 +7,8 @@ import casadi as ca
 from flight.se2 import SE2, Twist
 
 
-class Seen(NamedTuple):
-    """The estimate, field by field as in `Motion`."""
+class Estimate(NamedTuple):
+    """Estimated motion as symbols, fields as in `Motion`."""
 
     north: ca.SX
     east: ca.SX
@@ -26,10 +26,10 @@ class Seen(NamedTuple):
 
 
 class Motion(NamedTuple):
-    """Where the vehicle is and how it moves, at one instant.
+    """Motion of the vehicle at one instant.
 
-    World north-east-down, angles clockwise seen along the axis. A tuple, not a dataclass: one is made at
-    every control step.
+    World north-east-down, angles clockwise seen along the axis. A tuple for speed: one is made at every
+    control step.
 
     Attributes:
         north: m.
@@ -68,12 +68,12 @@ class Motion(NamedTuple):
 
     @property
     def velocity(self) -> Twist:
-        """Velocity in the heading frame with the rate of the heading."""
+        """Velocity in the heading frame and yaw rate."""
         return Twist(self.forward, self.side, self.yaw_rate)
 
 
-class Channel(NamedTuple):
-    """A command with its first and second derivative."""
+class ReferenceChannel(NamedTuple):
+    """Reference value with its first and second derivative."""
 
     value: float
     rate: float
@@ -81,15 +81,18 @@ class Channel(NamedTuple):
 
 
 class Reference(NamedTuple):
-    """What the controller follows, in the heading frame: m/s (and derivatives), rad/s (and derivatives)."""
+    """Reference of the controller in the heading frame, SI units."""
 
-    forward: Channel
-    side: Channel
-    yaw_rate: Channel
+    forward: ReferenceChannel
+    side: ReferenceChannel
+    yaw_rate: ReferenceChannel
 
 
 class Controls(NamedTuple):
-    """Servo commands in rad of blade pitch: positive rolls right, pitches up, climbs, turns right."""
+    """Servo commands in rad of blade pitch.
+
+    Positive rolls right, pitches up, climbs, turns right.
+    """
 
     lateral: float
     longitudinal: float
@@ -98,7 +101,10 @@ class Controls(NamedTuple):
 
 
 class Wind(NamedTuple):
-    """Motion of the air at the vehicle, in world axes: velocity in m/s, gust rates in rad/s."""
+    """Motion of the air at the vehicle in world axes.
+
+    Velocities in m/s, gust rates in rad/s.
+    """
 
     north: float
     east: float

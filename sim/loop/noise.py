@@ -1,32 +1,32 @@
-"""Random numbers drawn in blocks and handed out a row a period."""
+"""Random numbers drawn in blocks, used row by row."""
 
 from collections.abc import Callable
 
 import numpy as np
 from jaxtyping import Float
 
-from .bound_function import Array, view
+from .bound_function import Array, memory_view
 
 _ROWS = 512
 
 
 class Noise:
-    """Fills an array with a new row of random numbers, period by period.
+    """Array filled with new random numbers every period.
 
     Args:
-        row: the array.
-        draw: returns the numbers of as many periods as it is told, a row each.
+        row: array to fill.
+        draw: returns random numbers for a number of periods, one row each.
     """
 
     def __init__(self, row: Array, draw: Callable[[int], Float[np.ndarray, "n width"]]) -> None:
-        self._row, self._draw, self._width = view(row), draw, len(row)
+        self._row, self._draw, self._width = memory_view(row), draw, len(row)
         self._full = self._place = _ROWS * len(row)
-        self._block = view(row)
+        self._block = memory_view(row)
 
     def next(self) -> None:
-        """Fills the array anew."""
+        """Fills the array with the next row."""
         if self._place == self._full:
-            self._block, self._place = view(self._draw(_ROWS).ravel()), 0
+            self._block, self._place = memory_view(self._draw(_ROWS).ravel()), 0
         end = self._place + self._width
         self._row[:] = self._block[self._place : end]
         self._place = end

@@ -1,31 +1,31 @@
-"""What the parts of the flight loop say to one another: the numbers of one moment, side by side in memory.
+"""Signals of the flight loop in shared memory.
 
-Every part reads some of these arrays and writes others, so that nothing is copied between them, and one copy
-of all is what a log keeps.
+Every part of the loop reads some of these arrays and writes others, without copies; the recorder copies them
+all.
 """
 
 from itertools import accumulate
 
 import numpy as np
 
-from .motion import Channel, Controls, Motion, Reference, Wind
+from .motion import Controls, Motion, Reference, ReferenceChannel, Wind
 
-_MOTION = (len(Motion._fields), len(Motion._fields), len(Reference._fields) * len(Channel._fields))
+_MOTION = (len(Motion._fields), len(Motion._fields), len(Reference._fields) * len(ReferenceChannel._fields))
 _PERIOD = (len(Controls._fields), len(Controls._fields), len(Wind._fields))
 
 
 class Signals:
-    """The numbers of one moment; arrays of doubles that share one memory.
+    """Signals of one period; arrays of doubles in one memory.
 
     Attributes:
         truth: true motion, laid out as `Motion`.
-        estimate: what the vehicle believes, likewise.
+        estimate: estimated motion, laid out as `Motion`.
         reference: value, rate and acceleration of the channels of `Reference`.
         controls: servo commands, laid out as `Controls`.
-        servos: where the servos are, likewise.
+        servos: servo positions, laid out as `Controls`.
         wind: motion of the air, laid out as `Wind`.
-        motion: truth, estimate and reference in one: what is so at a moment.
-        period: controls, servos and wind in one: what is held over the period that begins then.
+        motion: truth, estimate and reference in one array, at one instant.
+        period: controls, servos and wind in one array, held over a control period.
     """
 
     __slots__ = (

@@ -1,4 +1,4 @@
-"""What is to be flown, completely: with the library and the code version it repeats a flight to the byte."""
+"""Specification of a flight, complete with library and code version."""
 
 import operator
 from dataclasses import dataclass, fields
@@ -18,8 +18,8 @@ DEFAULT_ALTITUDE = 30.0
 CONTROL_RATE = 100
 """Hz."""
 
-FADE = 5.0
-"""Seconds in which a wind fades into the next."""
+WIND_FADE_TIME = 5.0
+"""Seconds of the transition from one wind to the next."""
 
 CONTROL_PERIOD = 1.0 / CONTROL_RATE
 
@@ -31,24 +31,25 @@ class _Pose(FileModel):
 
 
 class NoSensorsError(FlightError):
-    """A sensor was to fail in a flight that has none."""
+    """Sensor fault in a flight with ideal navigation."""
 
     def __init__(self, fault: str) -> None:
-        super().__init__(f"fault {fault!r} needs sensors; with ideal ones the vehicle believes the truth")
+        super().__init__(f"fault {fault!r} needs sensors: expected sensor models, got ideal navigation")
 
 
 class WindOrderError(FlightError):
-    """The wind was to change again before the last change was over."""
+    """Wind change before the end of the previous one."""
 
     def __init__(self, times: list[float]) -> None:
         super().__init__(
-            f"the wind must change {FADE:g} s apart or more, in order, got {', '.join(map(str, times))} s"
+            f"expected wind changes in order and at least {WIND_FADE_TIME:g} s apart, "
+            f"got {', '.join(map(str, times))} s"
         )
 
 
 @dataclass(frozen=True, slots=True)
-class Departure:
-    """How a flight departs from the plain one; fields as in `FlightSpecification`."""
+class FlightOptions:
+    """Options of a flight; fields as in `FlightSpecification`."""
 
     ideal_navigation: bool = False
     adaptive: bool = True
@@ -57,41 +58,41 @@ class Departure:
     wind_changes: tuple[WindChange, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuses sensors that fail where there are none, and winds that come before the last has come."""
+        """Refuses sensor faults without sensors, and overlapping wind changes."""
         failing = [fault.words for fault in self.faults if fault.where in SENSORS]
         if self.ideal_navigation and failing:
             raise NoSensorsError(failing[0])
         times = [change.time for change in self.wind_changes]
-        if any(later < before + FADE for before, later in pairwise(times)):
+        if any(later < before + WIND_FADE_TIME for before, later in pairwise(times)):
             raise WindOrderError(times)
 
 
-PLAIN = Departure()
-SUPERVISED = Departure(supervised=True)
+DEFAULT_OPTIONS = FlightOptions()
+SUPERVISED_OPTIONS = FlightOptions(supervised=True)
 
 
 class FlightSpecification(FileModel):
-    """One flight of the simulated helicopter.
+    """Specification of one flight of the simulated helicopter.
 
     Attributes:
         kind: `sequence`, `campaign` or `mission`.
-        name: of the flight; the name of its log too.
-        seed: of every random number of the flight.
+        name: name of the flight and of its log.
+        seed: seed of all random numbers of the flight.
         wind: wind class; `calm` switches wind and turbulence off.
-        wind_from: where the mean wind comes from when the flight begins to settle, rad clockwise from north,
-            to within the heading error of settling; drawn from the seed where None.
+        wind_from: direction of origin of the mean wind at the start of settling, rad clockwise from north, to
+            within the heading error of settling; random if None.
         adaptive: whether the controller's adaptive element learns.
-        altitude: above ground, m.
-        ideal_navigation: whether the vehicle believes the truth, at once.
-        faults: what goes wrong, with times from time 0.
-        wind_changes: other wind classes that come, in the order of their times.
-        supervised: whether the vehicle watches itself, and breaks off what it does at its first alarm.
+        altitude: height above ground, m.
+        ideal_navigation: whether the estimate equals the truth.
+        faults: injected faults, with times from time 0.
+        wind_changes: later wind classes in the order of their times.
+        supervised: whether the vehicle is supervised; its first alarm ends the current primitive.
         start: true pose at time 0.
-        start_trim: id of the trim held at time 0, and for the settling time before it.
-        settling_time: s.
-        step: plant step, s; the control period is a whole number of it.
-        trims: ids of the trims of a sequence; empty where something else decides.
-        coasting_times: s, one for each of `trims`.
+        start_trim: id of the trim held at time 0 and during settling.
+        settling_time: time of settling before time 0, s.
+        step: plant step, s, a divisor of the control period.
+        trims: trim ids of a sequence; empty for flights without one.
+        coasting_times: coasting time of each trim, s.
     """
 
     kind: str = "sequence"
@@ -120,17 +121,17 @@ class FlightSpecification(FileModel):
         return self
 
     @model_validator(mode="after")
-    def _possible_departure(self) -> "FlightSpecification":
+    def _check_options(self) -> "FlightSpecification":
         try:
-            _ = self.departure
+            _ = self.flight_options
         except (NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
 
     @property
-    def departure(self) -> Departure:
-        """How the flight departs from the plain one."""
-        return Departure(**{field.name: getattr(self, field.name) for field in fields(Departure)})
+    def flight_options(self) -> FlightOptions:
+        """Options of the flight."""
+        return FlightOptions(**{field.name: getattr(self, field.name) for field in fields(FlightOptions)})
 
     @property
     def start_pose(self) -> SE2:
@@ -139,20 +140,20 @@ class FlightSpecification(FileModel):
 
     @property
     def sequence(self) -> Sequence:
-        """What is flown.
+        """Sequence to fly.
 
         Raises:
-            ValueError: the flight follows no sequence.
+            ValueError: the flight has no sequence.
         """
         return Sequence(self.name, self.start_pose, self.trims, self.coasting_times, self.wind)
 
-    def depart(self, departure: Departure) -> "FlightSpecification":
-        """Returns the same flight, departing from the plain one."""
-        changed = {field.name: getattr(departure, field.name) for field in fields(departure)}
+    def with_options(self, flight_options: FlightOptions) -> "FlightSpecification":
+        """Returns the same flight with other options."""
+        changed = {field.name: getattr(flight_options, field.name) for field in fields(flight_options)}
         return self.model_copy(update=changed)
 
     def to_json(self) -> bytes:
-        """Returns the specification as JSON; every number comes back exactly."""
+        """Returns the specification as JSON, numbers exact."""
         return self.model_dump_json(indent=1).encode()
 
 
@@ -164,7 +165,7 @@ def specify_sequence(
     altitude: float = DEFAULT_ALTITUDE,
     ideal_navigation: bool = False,
 ) -> FlightSpecification:
-    """Returns the flight that follows a sequence."""
+    """Returns the specification of a sequence's flight."""
     return FlightSpecification(
         kind=kind,
         name=sequence.name,
@@ -172,22 +173,22 @@ def specify_sequence(
         wind=sequence.wind,
         altitude=altitude,
         ideal_navigation=ideal_navigation,
-        start=pose(sequence.start),
+        start=specified_pose(sequence.start),
         start_trim=sequence.trims[0],
         trims=sequence.trims,
         coasting_times=sequence.coasting_times,
     )
 
 
-def pose(start: SE2) -> _Pose:
-    """Returns a pose in the form that a specification holds."""
+def specified_pose(start: SE2) -> _Pose:
+    """Returns a pose as stored in a specification."""
     return _Pose(north=start.x, east=start.y, heading=start.heading)
 
 
 def parse_specification(text: bytes, source: str) -> FlightSpecification:
-    """Reads a specification back.
+    """Reads a specification from JSON.
 
     Raises:
-        BadFileError: names the source and the first place in it that is wrong.
+        BadFileError: the text is invalid; the message names source and first wrong entry.
     """
-    return parse_json(text, source, FlightSpecification, lambda specification: specification)
+    return parse_json(text, source, FlightSpecification)

@@ -1,9 +1,9 @@
-"""The navigation filter's equations as CasADi expressions: strapdown mechanisation and covariance.
+"""Equations of the navigation filter: strapdown mechanisation and covariance.
 
-Error-state Kalman filter. The nominal state is position, velocity (world), attitude quaternion (body to
-world), biases of accelerometers and gyros. Its error has 15 entries, position, velocity, rotation in body
-axes, the two biases, and 4 that are considered but never corrected (Schmidt): the wandering errors of fixes
-and heading.
+Error-state Kalman filter in CasADi. The nominal state is position, velocity (world), attitude quaternion
+(body to world), biases of accelerometers and gyros. Its error has 15 estimated entries, position, velocity,
+rotation in body axes, the two biases, and 4 considered ones (Schmidt): the Gauss-Markov errors of fixes and
+heading.
 """
 
 from collections.abc import Callable
@@ -11,39 +11,39 @@ from math import exp, pi
 
 import casadi as ca
 
-from .sensor_errors import Wander
+from .sensor_errors import GaussMarkovError
 
 NOMINAL, ESTIMATED, CONSIDERED = 16, 15, 4
-# Of what is believed: position, velocity in the heading frame, roll, pitch, heading.
-SPREAD = 9
+# Position, velocity in the heading frame, roll, pitch, heading.
+OUTPUTS = 9
 ERRORS = ESTIMATED + CONSIDERED
 _UPPER = ca.Sparsity.upper(ERRORS)
 STATE = NOMINAL + _UPPER.nnz() + 1
-"""What the filter remembers: nominal state, upper half of the covariance column by column, heading in rad."""
-# An innovation of more than this many standard deviations is not believed.
+"""Size of the filter's state: nominal state, upper half of the covariance by columns, heading in rad."""
+# Innovations above this many standard deviations are rejected.
 GATE = 5.0
 
 
-def predict(
-    step: float, gravity: float, noise: tuple[float, ...], wanders: tuple[Wander, ...]
+def prediction_function(
+    step: float, gravity: float, noise: tuple[float, ...], drifts: tuple[GaussMarkovError, ...]
 ) -> ca.Function:
     """Returns (inertial reading, state) -> (motion, state) one period later.
 
     Args:
-        step: s.
-        gravity: m/s2.
+        step: period, s.
+        gravity: gravity, m/s2.
         noise: standard deviations of accelerometers and gyros over a period.
-        wanders: of the biases (6) and of the considered errors (4).
+        drifts: Gauss-Markov errors: biases (6) and considered errors (4).
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     force, rates = reading[:3] - nominal[10:13], reading[3:] - nominal[13:16]
     quaternion = nominal[6:10]
     middle = rotation(product(quaternion, rotation_vector(rates * step / 2.0)))
     acceleration = middle @ force + ca.DM([0, 0, gravity])
     velocity = nominal[3:6] + step * acceleration
     turned = product(quaternion, rotation_vector(rates * step))
-    keep = [exp(-step / wander.time) for wander in wanders]
+    keep = [exp(-step / drift.time) for drift in drifts]
     after = ca.vertcat(
         nominal[:3] + step * (nominal[3:6] + velocity) / 2.0,
         velocity,
@@ -58,33 +58,35 @@ def predict(
     transition[6:9, 6:9] = rotation(rotation_vector(rates * step)).T
     transition[6:9, 12:15] = -step * ca.SX.eye(3)
     added = ca.SX(ca.Sparsity.diag(ERRORS))
-    for place, (wander, kept) in enumerate(zip(wanders, keep, strict=True), start=9):
+    for place, (drift, kept) in enumerate(zip(drifts, keep, strict=True), start=9):
         transition[place, place] = kept
-        added[place, place] = wander.sigma**2 * (1.0 - kept**2)
+        added[place, place] = drift.sigma**2 * (1.0 - kept**2)
     for place in range(3):
         added[place, place] = 0.0
         added[3 + place, 3 + place] = step**2 * noise[place] ** 2
         added[6 + place, 6 + place] = step**2 * noise[3 + place] ** 2
-    spread = transition @ covariance @ transition.T + added
-    results = _believe(after, spread, heading, reading)
+    predicted = transition @ covariance @ transition.T + added
+    results = _estimate_and_state(after, predicted, heading, reading)
     return ca.Function("predict", [reading, state], ca.cse(results))
 
 
-def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]) -> ca.Function:
+def fix_correction_function(
+    antenna: tuple[float, float, float], age: float, sigmas: tuple[float, ...]
+) -> ca.Function:
     """Returns (past, fix, inertial reading, state) -> (motion, tests, state).
 
-    Tests are the innovations in standard deviations, each after those before it were taken in, believed or
-    not. The fix is `age` seconds old. It is compared with the antenna of the nominal state and the inertial
-    reading of then, `past`; what the error of now says of the error of then enters the slopes.
+    Tests are the innovations in standard deviations, processed in sequence, rejected ones included. The fix
+    is `age` seconds old and is compared with the antenna position of the nominal state and inertial reading
+    of that time, `past`; the slopes relate the present error to the error of that time.
 
     Args:
-        antenna: forward, right, down of the centre of mass, m.
-        age: s.
+        antenna: position of the antenna from the centre of mass, forward, right, down, m.
+        age: age of the fix, s.
         sigmas: standard deviations of the fix's noise.
     """
     state, reading = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6)
     past, fix = ca.SX.sym("past", NOMINAL + 6), ca.SX.sym("fix", 6)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     force, rates = reading[:3] - nominal[10:13], past[NOMINAL + 3 :] - past[13:16]
     arm, turn = ca.DM(antenna), rotation(past[6:10])
     swing = ca.cross(rates, arm)
@@ -104,20 +106,24 @@ def correct_fix(antenna: tuple[float, float, float], age: float, sigmas: tuple[f
             error, covariance, slopes[row, :], innovation[row], sigmas[row] ** 2
         )
         tests.append(test)
-    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    motion, after = _estimate_and_state(inject(nominal, error), covariance, heading, reading)
     results = [motion, ca.vertcat(*tests), after]
     return ca.Function("correct_fix", [past, fix, reading, state], ca.cse(results))
 
 
-def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -> ca.Function:
-    """Returns (heading and height, inertial reading, state) -> (motion, tests, state); see `correct_fix`.
+def heading_height_correction_function(
+    heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]
+) -> ca.Function:
+    """Returns (heading and height, inertial, state) -> (motion, tests, state).
+
+    See `fix_correction_function` for the tests.
 
     Args:
         heading_sigma: standard deviation of the heading's noise, rad.
         height_sigma: standard deviation of the altimeter's noise at a height, m.
     """
     state, reading, seen = ca.SX.sym("state", STATE), ca.SX.sym("reading", 6), ca.SX.sym("seen", 2)
-    nominal, covariance, heading = split(state)
+    nominal, covariance, heading = split_filter_state(state)
     turn = rotation(nominal[6:10])
     # The heading's rate over a body rotation: (sin(roll) e_y + cos(roll) e_z) / cos(pitch).
     level = turn[2, 1] ** 2 + turn[2, 2] ** 2
@@ -133,7 +139,7 @@ def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -
     error, covariance, second = _correct(
         error, covariance, slopes, seen[1] + nominal[2], height_sigma(seen[1]) ** 2
     )
-    motion, after = _believe(inject(nominal, error), covariance, heading, reading)
+    motion, after = _estimate_and_state(inject(nominal, error), covariance, heading, reading)
     results = [motion, ca.vertcat(first, second), after]
     return ca.Function("correct_slow", [seen, reading, state], ca.cse(results))
 
@@ -141,42 +147,48 @@ def correct_slow(heading_sigma: float, height_sigma: Callable[[ca.SX], ca.SX]) -
 def _correct(
     error: ca.SX, covariance: ca.SX, slopes: ca.SX, innovation: ca.SX, variance: ca.SX | float
 ) -> tuple[ca.SX, ca.SX, ca.SX]:
-    """Takes one number in, with Schmidt's gain; nothing where the innovation is past the gate.
+    """Processes one scalar innovation with Schmidt's gain and a gate.
 
-    Returns error, covariance, and the innovation in standard deviations.
-
-    Between estimated errors, and between them and the considered, Joseph's form comes to a difference; the
-    covariance of the considered stays.
+    Innovations beyond the gate change nothing. Returns error, covariance, and the innovation in standard
+    deviations. For the estimated errors and their covariance with the considered ones Joseph's form reduces
+    to a difference; the covariance of the considered errors is unchanged.
     """
     reach = covariance @ slopes.T
-    spread = slopes @ reach + variance
+    innovation_variance = slopes @ reach + variance
     left = innovation - slopes[:ESTIMATED] @ error
-    # False too where the innovation is no number, because a sensor is silent.
-    believed = left**2 <= GATE**2 * spread
-    gain = ca.if_else(believed, reach[:ESTIMATED] / spread, ca.SX.zeros(ESTIMATED))
+    # Also false for not-a-number, the innovation of a sensor without reading.
+    accepted = left**2 <= GATE**2 * innovation_variance
+    gain = ca.if_else(accepted, reach[:ESTIMATED] / innovation_variance, ca.SX.zeros(ESTIMATED))
     smaller = covariance
     smaller[:ESTIMATED, :] -= gain @ reach.T
-    return error + gain * ca.if_else(believed, left, 0.0), _symmetric(smaller), left / ca.sqrt(spread)
+    return (
+        error + gain * ca.if_else(accepted, left, 0.0),
+        _symmetric(smaller),
+        left / ca.sqrt(innovation_variance),
+    )
 
 
-def split(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
+def split_filter_state(state: ca.SX) -> tuple[ca.SX, ca.SX, ca.SX]:
     """Returns nominal state, covariance and heading of a filter's state."""
     nominal, upper, heading = ca.vertsplit(state, (0, NOMINAL, NOMINAL + _UPPER.nnz(), STATE))
     return nominal, ca.triu2symm(ca.SX(_UPPER, upper)), heading
 
 
 def _symmetric(matrix: ca.SX) -> ca.SX:
-    """Returns a symmetric matrix from its upper half, so that the other half costs nothing."""
+    """Returns a symmetric matrix from its upper half.
+
+    The lower half is never evaluated.
+    """
     return ca.triu2symm(ca.triu(ca.densify(matrix)))
 
 
-def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
-    """Returns the motion that a nominal state stands for, laid out as `Motion`.
+def estimated_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
+    """Returns the motion of a nominal state, laid out as `Motion`.
 
     Args:
-        nominal: state.
-        rates: of the body, rad/s.
-        before: a heading that this one goes on from without jumps, rad.
+        nominal: nominal state.
+        rates: body rates, rad/s.
+        before: previous heading, for unwrapping, rad.
     """
     turn, velocity = rotation(nominal[6:10]), nominal[3:6]
     roll, heading = ca.atan2(turn[2, 1], turn[2, 2]), ca.atan2(turn[1, 0], turn[0, 0])
@@ -188,42 +200,42 @@ def believed_motion(nominal: ca.SX, rates: ca.SX, before: ca.SX) -> ca.SX:
     return ca.vertcat(nominal[:3], level, roll, pitch, heading, rates, yaw_rate)
 
 
-def _believe(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
-    """Returns the motion that is believed, and the filter's state."""
-    motion = believed_motion(nominal, reading[3:] - nominal[13:16], before)
+def _estimate_and_state(nominal: ca.SX, covariance: ca.SX, before: ca.SX, reading: ca.SX) -> list[ca.SX]:
+    """Returns the estimated motion and the filter's state."""
+    motion = estimated_motion(nominal, reading[3:] - nominal[13:16], before)
     upper = ca.project(ca.densify(covariance), _UPPER).nz[:]
-    return [motion, ca.vertcat(nominal, upper, motion[SPREAD - 1])]
+    return [motion, ca.vertcat(nominal, upper, motion[OUTPUTS - 1])]
 
 
-def spread() -> ca.Function:
-    """Returns state -> one standard deviation of what is believed: the first nine entries of the motion.
+def standard_deviation_function() -> ca.Function:
+    """Returns state -> standard deviations of the estimate.
 
-    First order: the slopes of what is believed over the error, around no error.
+    The first nine entries of the motion, to first order about zero error.
     """
     state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
-    nominal, covariance, heading = split(state)
-    motion = believed_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:SPREAD]
+    nominal, covariance, heading = split_filter_state(state)
+    motion = estimated_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:OUTPUTS]
     slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
     estimated = covariance[:ESTIMATED, :ESTIMATED]
     sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
-    return ca.Function("spread", [state], [ca.cse(sigmas)])
+    return ca.Function("standard_deviation", [state], [ca.cse(sigmas)])
 
 
-def first_nominal() -> ca.Function:
+def initial_nominal_function() -> ca.Function:
     """Returns motion -> nominal state without biases."""
     motion = ca.SX.sym("motion", 13)
     nominal = ca.vertcat(motion[:3], world_velocity(motion), euler_quaternion(motion[6:9]), ca.DM.zeros(6))
     return ca.Function("first_nominal", [motion], [nominal])
 
 
-def injection() -> ca.Function:
+def injection_function() -> ca.Function:
     """Returns (nominal, error) -> nominal."""
     nominal, error = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("error", ESTIMATED)
     return ca.Function("injection", [nominal, error], [inject(nominal, error)])
 
 
-def difference() -> ca.Function:
-    """Returns (nominal, motion) -> error of position, velocity and attitude, shape (9, 1)."""
+def error_function() -> ca.Function:
+    """Returns (nominal, motion) -> error of position, velocity and attitude."""
     nominal, motion = ca.SX.sym("nominal", NOMINAL), ca.SX.sym("motion", 13)
     left = product(conjugate(nominal[6:10]), euler_quaternion(motion[6:9]))
     turned = 2.0 * ca.sign(left[0]) * left[1:]
@@ -232,19 +244,19 @@ def difference() -> ca.Function:
 
 
 def inject(nominal: ca.SX, error: ca.SX) -> ca.SX:
-    """Returns the nominal state with an error taken up."""
+    """Returns the nominal state corrected by an error."""
     turned = product(nominal[6:10], rotation_vector(error[6:9]))
     return ca.vertcat(nominal[:6] + error[:6], turned / ca.norm_2(turned), nominal[10:] + error[9:15])
 
 
 def world_velocity(motion: ca.SX) -> ca.SX:
-    """Returns the velocity in the world of a motion laid out as `Motion`."""
+    """Returns the world velocity of a motion laid out as `Motion`."""
     c, s = ca.cos(motion[8]), ca.sin(motion[8])
     return ca.vertcat(c * motion[3] - s * motion[4], s * motion[3] + c * motion[4], motion[5])
 
 
 def euler_quaternion(angles: ca.SX) -> ca.SX:
-    """Returns the quaternion, body to world, of roll, pitch and heading."""
+    """Returns the body-to-world quaternion of roll, pitch and heading."""
     (cr, cp, ch), (sr, sp, sh) = ca.vertsplit(ca.cos(angles / 2)), ca.vertsplit(ca.sin(angles / 2))
     return ca.vertcat(
         cr * cp * ch + sr * sp * sh,
@@ -261,12 +273,12 @@ def rotation_vector(angles: ca.SX) -> ca.SX:
 
 
 def conjugate(quaternion: ca.SX) -> ca.SX:
-    """Returns the opposite rotation."""
+    """Returns the inverse rotation."""
     return ca.vertcat(quaternion[0], -quaternion[1:])
 
 
 def product(a: ca.SX, b: ca.SX) -> ca.SX:
-    """Returns the quaternion that rotates by b first, then by a."""
+    """Returns the quaternion of rotation b followed by a."""
     return ca.vertcat(
         a[0] * b[0] - ca.dot(a[1:], b[1:]), a[0] * b[1:] + b[0] * a[1:] + ca.cross(a[1:], b[1:])
     )

@@ -1,6 +1,6 @@
-"""What the vehicle believes: an error-state Kalman filter on the readings of its sensors.
+"""Navigation: error-state Kalman filter on sensor readings.
 
-The equations are those of `filter_equations`; here they are bound to arrays and fed, period by period.
+The equations of `filter` are bound to arrays and evaluated period by period.
 """
 
 from functools import cache
@@ -13,19 +13,19 @@ from jaxtyping import Float
 
 from flight.se2 import SE2
 from sim.loop.backend import Backend
-from sim.loop.bound_function import BoundFunction, Recursion, view
+from sim.loop.bound_function import BoundFunction, Recursion, memory_view
 from sim.loop.delay_line import DelayLine
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
 
 from . import filter as equations
-from .filter import ERRORS, ESTIMATED, NOMINAL, SPREAD, STATE
+from .filter import ERRORS, ESTIMATED, NOMINAL, OUTPUTS, STATE
 from .sensor_errors import SensorErrors
-from .sensors import Readings, Sensors
+from .sensors import SensorReadings, Sensors
 
-# What the filter knows at its start, one sigma: position (m), velocity (m/s), roll, pitch, heading (rad).
+# Initial standard deviations: position (m), velocity (m/s), roll, pitch, heading (rad).
 _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
-# Entries of the error that are vectors of the world, by the place of their north.
+# Entries of the error that are world vectors, by their first index.
 _WORLD_VECTORS = (0, 3, ESTIMATED)
 
 
@@ -34,58 +34,58 @@ _COLUMNS, _ROWS = np.tril_indices(ERRORS)
 
 
 class Navigator(Protocol):
-    """What turns the truth of the signals into their estimate, period by period."""
+    """Navigation: estimate from truth, period by period."""
 
     def run(self) -> None:
-        """Believes what is so at the end of a control period."""
+        """Updates the estimate at the end of a control period."""
 
-    def spread(self) -> tuple[float, ...] | None:
-        """Returns a standard deviation for each field of `/navigation`; None where no error is known."""
+    def standard_deviation(self) -> tuple[float, ...] | None:
+        """Returns standard deviations of `/navigation`; None if unknown."""
 
-    def move(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world, after which the truth is that of the signals."""
+    def move_world(self, displacement: SE2) -> None:
+        """Applies a displacement of the world, with the signals' new truth."""
 
 
 class IdealNavigation:
-    """Believes what is so, at once.
+    """Ideal navigation: the estimate equals the truth.
 
     Args:
-        signals: where it finds the truth and leaves the estimate.
+        signals: input truth, output estimate.
     """
 
     def __init__(self, signals: Signals) -> None:
-        self._truth, self._estimate = view(signals.truth), view(signals.estimate)
+        self._truth, self._estimate = memory_view(signals.truth), memory_view(signals.estimate)
         self.run()
 
     def run(self) -> None:
-        """Believes the truth."""
+        """Copies the truth to the estimate."""
         self._estimate[:] = self._truth
 
-    def spread(self) -> None:
-        """Knows of no error."""
+    def standard_deviation(self) -> None:
+        """Returns None: there are no errors."""
         return
 
-    def move(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world."""
+    def move_world(self, displacement: SE2) -> None:
+        """Applies a displacement of the whole world."""
         self.run()
 
 
 class Navigation:
-    """Sensors and filter: it turns true motion into an estimate, period by period.
+    """Sensors and filter: estimate from true motion, period by period.
 
     Args:
         truth: motion at the start.
-        step: control period in s.
-        gravity: m/s2.
-        rng: source of all its chance.
-        errors: sizes of the sensors' errors, as the filter takes them to be.
-        true_errors: as they are; as the filter takes them to be where None.
-        signals: where it finds the truth and leaves the estimate; its own where None.
-        backend: what evaluates sensors and filter.
+        step: control period, s.
+        gravity: gravity, m/s2.
+        rng: random generator.
+        errors: sensor errors assumed by the filter.
+        true_errors: actual sensor errors; those assumed if None.
+        signals: input truth, output estimate; its own if None.
+        backend: numeric back-end.
 
     Attributes:
         fix_tests: innovations of the last fix in standard deviations: position and velocity, world axes.
-        slow_tests: likewise of heading and height.
+        slow_tests: innovations of heading and height in standard deviations.
     """
 
     def __init__(
@@ -106,10 +106,10 @@ class Navigation:
         sensors = Sensors(
             true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
         )
-        self.sensors: Readings = sensors
-        """What the filter reads; others that fill the same arrays may stand between."""
+        self.sensors: SensorReadings = sensors
+        """Sensors of the filter; a wrapper with the same arrays may replace them."""
         self._state = np.zeros(STATE)
-        self._begin(truth, errors, rng)
+        self._initialise(truth, errors, rng)
         self._history = DelayLine((self._state[:NOMINAL], sensors.inertial), periods=errors.fix_latency)
         self._past = np.zeros(NOMINAL + 6)
         *functions, measure = _functions(errors, step, gravity)
@@ -128,15 +128,15 @@ class Navigation:
                 strict=True,
             )
         )
-        self._sigmas = np.zeros(SPREAD)
-        self._measure_spread = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
+        self._sigmas = np.zeros(OUTPUTS)
+        self._measure_sigmas = BoundFunction(measure, (self._state,), (self._sigmas,), backend=backend)
 
-    def _begin(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
-        """Draws a first estimate."""
-        sigmas = np.array([*_FIRST, *(wander.sigma for wander in errors.wanders)])
-        exact = np.array(equations.first_nominal()(ca.DM(list(truth)))).ravel()
+    def _initialise(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
+        """Draws the initial estimate."""
+        sigmas = np.array([*_FIRST, *(drift.sigma for drift in errors.drifts)])
+        exact = np.array(equations.initial_nominal_function()(ca.DM(list(truth)))).ravel()
         error = np.concatenate([np.array(_FIRST) * rng.standard_normal(9), np.zeros(6)])
-        self._state[:NOMINAL] = np.array(equations.injection()(exact, error)).ravel()
+        self._state[:NOMINAL] = np.array(equations.injection_function()(exact, error)).ravel()
         self._covariance = np.diag(sigmas**2)
         self._state[-1] = truth.heading
 
@@ -151,7 +151,7 @@ class Navigation:
         self._state[NOMINAL:-1] = covariance[_ROWS, _COLUMNS]
 
     def run(self) -> None:
-        """Believes, from what the sensors read at the end of a control period."""
+        """Updates sensors and estimate at the end of a control period."""
         sensors = self.sensors
         sensors.run()
         self._predict.step()
@@ -162,40 +162,40 @@ class Navigation:
         if sensors.has_heading_and_height:
             self._correct_slow.step()
 
-    def spread(self) -> tuple[float, ...]:
-        """Returns a standard deviation for each field of `/navigation`, as the filter claims now."""
-        self._measure_spread.evaluate()
+    def standard_deviation(self) -> tuple[float, ...]:
+        """Returns the filter's standard deviations for `/navigation`."""
+        self._measure_sigmas.evaluate()
         return tuple(self._sigmas.tolist())
 
     def step(self, truth: Motion) -> Motion:
-        """Returns what is believed now."""
+        """Returns the estimate after one period."""
         self.signals.truth[:] = truth
         self.run()
         return Motion._make(self.signals.estimate.tolist())
 
-    def move(self, displacement: SE2) -> None:
-        """Follows a motion of the whole world, after which the truth is that of the signals."""
-        self.sensors.move(displacement)
+    def move_world(self, displacement: SE2) -> None:
+        """Applies a displacement of the world, with the signals' new truth."""
+        self.sensors.move_world(displacement)
         turn = np.eye(ERRORS)
         c, s = cos(displacement.heading), sin(displacement.heading)
         for place in _WORLD_VECTORS:
             turn[place : place + 2, place : place + 2] = ((c, -s), (s, c))
         self._covariance = turn @ self._covariance @ turn.T
         for nominal in (self._state, *self._history.rows):
-            _move(nominal, displacement)
+            _move_nominal(nominal, displacement)
         self._state[-1] += displacement.heading
         estimate = self.signals.estimate
-        believed = displacement @ Motion._make(estimate.tolist()).pose
-        estimate[:2], estimate[8] = believed.position, believed.heading
+        moved = displacement @ Motion._make(estimate.tolist()).pose
+        estimate[:2], estimate[8] = moved.position, moved.heading
 
     def error(self, truth: Motion) -> Float[np.ndarray, "15"]:
-        """Returns the error of the estimate: position, velocity, rotation in body axes, biases."""
+        """Returns the estimate's error in position, velocity, rotation and biases."""
         nominal = self._state[:NOMINAL]
-        difference = equations.difference()(nominal, ca.DM(list(truth)))
+        difference = equations.error_function()(nominal, ca.DM(list(truth)))
         return np.concatenate([np.array(difference).ravel(), self.sensors.biases - nominal[10:]])
 
     def normalised_error(self, truth: Motion) -> float:
-        """Returns the squared error in units of the covariance that the filter claims."""
+        """Returns the normalised squared error (NEES)."""
         error = self.error(truth)
         covariance = self._covariance[:ESTIMATED, :ESTIMATED]
         return float(error @ np.linalg.solve(covariance, error))
@@ -203,17 +203,17 @@ class Navigation:
 
 @cache
 def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Function, ...]:
-    """Builds prediction, corrections and claimed errors of a filter that knows its sensors' errors."""
+    """Builds prediction, corrections and standard deviations of a filter."""
     age = errors.fix_latency * step
     return (
-        equations.predict(step, gravity, errors.inertial_noise, errors.wanders),
-        equations.correct_fix(errors.antenna, age, errors.fix_noise),
-        equations.correct_slow(errors.heading_noise, errors.height_sigma),
-        equations.spread(),
+        equations.prediction_function(step, gravity, errors.inertial_noise, errors.drifts),
+        equations.fix_correction_function(errors.antenna, age, errors.fix_noise),
+        equations.heading_height_correction_function(errors.heading_noise, errors.height_sigma),
+        equations.standard_deviation_function(),
     )
 
 
-def _move(nominal: np.ndarray, displacement: SE2) -> None:
+def _move_nominal(nominal: np.ndarray, displacement: SE2) -> None:
     """Moves position, velocity and attitude with the world."""
     pose = displacement @ SE2(nominal[0], nominal[1], 0.0)
     velocity = SE2(0.0, 0.0, displacement.heading) @ SE2(nominal[3], nominal[4], 0.0)

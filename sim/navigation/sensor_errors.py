@@ -1,17 +1,17 @@
-"""How large the errors of the sensors are, which the navigation filter knows."""
+"""Sizes of the sensors' errors."""
 
 from dataclasses import dataclass
 from math import radians
 
 import casadi as ca
 
-# Below this height in m the altimeter is the better one of two.
+# Height in m below which the more accurate altimeter is used.
 _LOW = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Wander:
-    """A Gauss-Markov error: standard deviation in the unit of what it spoils, correlation time in s."""
+class GaussMarkovError:
+    """Gauss-Markov error: standard deviation and correlation time in s."""
 
     sigma: float
     time: float
@@ -19,58 +19,58 @@ class Wander:
 
 @dataclass(frozen=True, slots=True)
 class SensorErrors:
-    """One-sigma errors of the sensors; SI.
+    """Standard deviations of the sensors' errors, SI units.
 
     Attributes:
         accelerometer_noise: each axis, over one control period, m/s2.
         accelerometer_bias: each axis, m/s2.
         gyro_noise: each axis, over one control period, rad/s.
         gyro_bias: each axis, rad/s.
-        position_noise: of a fix, north, east, down, m.
-        position_wander: of a fix, each axis, m.
-        velocity_noise: of a fix, each axis, m/s.
+        position_noise: white position noise of a fix, north, east, down, m.
+        position_drift: drift of the fixes' position, each axis, m.
+        velocity_noise: white velocity noise of a fix, each axis, m/s.
         fix_periods: control periods between two fixes.
-        fix_latency: age of a fix when it arrives, control periods.
-        antenna: forward, right, down of the centre of mass, m.
-        heading_noise: of the magnetometer, rad.
-        heading_wander: of the same, rad.
-        height_noise: of the altimeter, m.
-        low_height_noise: of the same near the ground, m.
+        fix_latency: age of a fix on arrival, control periods.
+        antenna: position from the centre of mass, forward, right, down, m.
+        heading_noise: white noise of the magnetometer, rad.
+        heading_drift: drift of the magnetometer, rad.
+        height_noise: white noise of the altimeter, m.
+        low_height_noise: white noise of the altimeter near the ground, m.
         slow_periods: control periods between readings of magnetometer and altimeter.
     """
 
     accelerometer_noise: float = 0.05
-    accelerometer_bias: Wander = Wander(0.03, 300.0)
+    accelerometer_bias: GaussMarkovError = GaussMarkovError(0.03, 300.0)
     gyro_noise: float = radians(0.2)
-    gyro_bias: Wander = Wander(radians(0.05), 300.0)
+    gyro_bias: GaussMarkovError = GaussMarkovError(radians(0.05), 300.0)
     position_noise: tuple[float, float, float] = (0.02, 0.02, 0.03)
-    position_wander: Wander = Wander(0.03, 60.0)
+    position_drift: GaussMarkovError = GaussMarkovError(0.03, 60.0)
     velocity_noise: float = 0.03
     fix_periods: int = 10
     fix_latency: int = 5
     antenna: tuple[float, float, float] = (-1.0, 0.0, -0.2)
     heading_noise: float = radians(1.5)
-    heading_wander: Wander = Wander(radians(1.5), 120.0)
+    heading_drift: GaussMarkovError = GaussMarkovError(radians(1.5), 120.0)
     height_noise: float = 0.3
     low_height_noise: float = 0.05
     slow_periods: int = 10
 
     @property
-    def wanders(self) -> tuple[Wander, ...]:
-        """The errors that wander: three of accelerometers, gyros and fixes each, then that of the heading."""
+    def drifts(self) -> tuple[GaussMarkovError, ...]:
+        """Gauss-Markov errors: accelerometers, gyros, fixes (three each), heading."""
         biases = (self.accelerometer_bias,) * 3 + (self.gyro_bias,) * 3
-        return (*biases, *(self.position_wander,) * 3, self.heading_wander)
+        return (*biases, *(self.position_drift,) * 3, self.heading_drift)
 
     @property
     def inertial_noise(self) -> tuple[float, ...]:
-        """Of accelerometers and gyros."""
+        """White noise of accelerometers and gyros."""
         return (self.accelerometer_noise,) * 3 + (self.gyro_noise,) * 3
 
     @property
     def fix_noise(self) -> tuple[float, ...]:
-        """Of position and velocity of a fix."""
+        """White noise of a fix's position and velocity."""
         return (*self.position_noise, *(self.velocity_noise,) * 3)
 
     def height_sigma(self, height: ca.SX) -> ca.SX:
-        """Returns the standard deviation of the altimeter at a height, m."""
+        """Returns the altimeter's standard deviation at a height, m."""
         return ca.if_else(height > _LOW, self.height_noise, self.low_height_noise)

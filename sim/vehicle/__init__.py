@@ -1,1 +1,1 @@
-"""The rotorcraft: rotor, rigid body, trim, linearisation."""
+"""Rotorcraft: rotor, rigid body, trim and linearisation."""

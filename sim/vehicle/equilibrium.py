@@ -1,4 +1,4 @@
-"""Steady level flight, straight or turning: controls and attitude that hold a trim in still air."""
+"""Trim: controls and attitude of steady level flight in still air."""
 
 from dataclasses import dataclass, replace
 from functools import cache
@@ -14,16 +14,16 @@ from . import rotor
 from .parameters import Parameters
 from .rotor import Air, RotorState
 
-# Residual of accelerations (m/s2, rad/s2), angles and inflow (m/s) that counts as balanced.
+# Largest residual of accelerations (m/s2, rad/s2), angles and inflow (m/s) at equilibrium.
 RESIDUAL = 1e-9
-# Unknowns at a plain hover, from which every other equilibrium is reached: roll, pitch, then the rotor state.
+# Initial guess in hover: roll, pitch, then the rotor state.
 _HOVER_GUESS = (0.05, 0.0, 0.0, 0.0, 0.16, 0.1, 0.0, 0.0, 0.0, 0.0, 6.4, 5.0)
-# Longest stride in forward and side speed (m/s) and yaw rate (rad/s) from a known equilibrium to the next.
+# Largest continuation step in forward and side speed (m/s) and yaw rate (rad/s).
 _STRIDE = (2.5, 2.5, 0.15)
 
 
 class NoEquilibriumError(FlightError):
-    """No steady flight is possible at a velocity, or none was found."""
+    """Velocity without a steady flight, or none found."""
 
     def __init__(self, velocity: Twist, reason: str) -> None:
         super().__init__(
@@ -34,7 +34,7 @@ class NoEquilibriumError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class Equilibrium:
-    """A balanced flight state.
+    """Steady flight state.
 
     Attributes:
         velocity: trim velocity in the heading frame.
@@ -43,8 +43,8 @@ class Equilibrium:
         lateral: cyclic pitch in rad; positive tilts the disc to the right.
         longitudinal: cyclic pitch in rad; positive tilts the disc back.
         collective: rad.
-        pedal: tail rotor pitch in rad that is commanded; the gyro takes its part off.
-        rotor_state: the entries of `rotor.RotorState`.
+        pedal: commanded tail rotor pitch in rad, before subtraction of the gyro's part.
+        rotor_state: entries of `rotor.RotorState`.
         power: shaft power of both rotors in W.
     """
 
@@ -60,31 +60,31 @@ class Equilibrium:
 
     @property
     def controls(self) -> Controls:
-        """Servo commands that hold it."""
+        """Servo commands of the equilibrium."""
         return Controls(self.lateral, self.longitudinal, self.collective, self.pedal)
 
 
 class EquilibriumFinder:
-    """Finds equilibria of one vehicle, each reached in strides from hover.
+    """Solver for equilibria of one vehicle, by continuation from hover.
 
     Args:
-        parameters: the vehicle.
-        height: above ground in m; None is far from it.
+        parameters: vehicle.
+        height: height above ground in m; None for out of ground effect.
     """
 
     def __init__(self, parameters: Parameters, *, height: float | None = None) -> None:
         self._servos, self._gyro_gain = parameters.servos, parameters.tail_rotor.gyro_gain
         unknowns, velocity = ca.SX.sym("unknowns", 12), ca.SX.sym("velocity", 3)
-        residual, power = balance(parameters, unknowns, velocity, height=height)
+        residual, power = trim_residual(parameters, unknowns, velocity, height=height)
         self._balance = ca.Function("balance", [unknowns, velocity], [residual, power])
         problem = {"x": unknowns, "p": velocity, "g": residual}
         self._solve = ca.rootfinder("equilibrium", "newton", problem, {"error_on_fail": False})
 
     def find(self, velocity: Twist) -> Equilibrium:
-        """Returns the equilibrium at a heading-frame velocity, reached in strides from hover.
+        """Returns the equilibrium at a heading-frame velocity.
 
         Raises:
-            NoEquilibriumError: the balance was not met, or not within the servos' travel.
+            NoEquilibriumError: the residual is too large, or a servo exceeds its travel.
         """
         wanted = (velocity.forward, velocity.side, velocity.yaw_rate)
         strides = 1 + int(max(abs(part) / stride for part, stride in zip(wanted, _STRIDE, strict=True)))
@@ -100,10 +100,10 @@ class EquilibriumFinder:
         worst, power = self.residual(found)
         if not worst <= RESIDUAL:
             raise NoEquilibriumError(velocity, f"residual {worst:.1e}, expected at most {RESIDUAL:.0e}")
-        self._refuse_beyond_travel(found)
+        self._check_servo_travel(found)
         return replace(found, power=power)
 
-    def _refuse_beyond_travel(self, found: Equilibrium) -> None:
+    def _check_servo_travel(self, found: Equilibrium) -> None:
         servos = self._servos
         cyclic = servos.cyclic_limit
         for name, value, low, high in (
@@ -117,7 +117,7 @@ class EquilibriumFinder:
                 raise NoEquilibriumError(found.velocity, reason)
 
     def residual(self, equilibrium: Equilibrium) -> tuple[float, float]:
-        """Returns the largest imbalance of a state said to be balanced, and its power in W."""
+        """Returns the largest residual of a state, and its power in W."""
         velocity = equilibrium.velocity
         unknowns = ca.DM([equilibrium.roll, equilibrium.pitch, *equilibrium.rotor_state[:10]])
         wanted = ca.DM([velocity.forward, velocity.side, velocity.yaw_rate])
@@ -127,36 +127,35 @@ class EquilibriumFinder:
 
 @cache
 def find_equilibrium(parameters: Parameters, velocity: Twist) -> Equilibrium:
-    """Returns the equilibrium of a vehicle far from the ground, found once in a process.
+    """Returns the equilibrium of a vehicle, cached.
 
     Raises:
-        NoEquilibriumError: there is none.
+        NoEquilibriumError: it was not found.
     """
     return EquilibriumFinder(parameters).find(velocity)
 
 
-def balance(
+def trim_residual(
     parameters: Parameters, unknowns: ca.SX, velocity: ca.SX, *, height: float | None = None
 ) -> tuple[ca.SX, ca.SX]:
     """States the balance of steady level flight in still air.
 
     Args:
-        parameters: the vehicle.
+        parameters: vehicle.
         unknowns: roll, pitch and the rotor state without the gyro, shape (12, 1).
         velocity: forward, side (m/s) and yaw rate (rad/s) in the heading frame, shape (3, 1).
-        height: above ground in m; None is far from it.
+        height: height above ground in m; None for out of ground effect.
 
     Returns:
-        What must vanish, shape (12, 1): accelerations, angular accelerations, flapping and inflow; and the
-        power.
+        Residual, shape (12, 1): accelerations, angular accelerations, flapping and inflow; and the power.
     """
     roll, pitch = unknowns[0], unknowns[1]
     state = RotorState._make([*ca.vertsplit(unknowns[2:]), ca.SX(0)])
     body_level = rotation_body_level(roll, pitch)
-    nearness = 0.0 if height is None else rotor.ground_nearness(parameters, ca.SX(height))
+    ground_effect = 0.0 if height is None else rotor.ground_effect_factor(parameters, ca.SX(height))
     velocity_body = body_level @ ca.vertcat(velocity[0], velocity[1], 0)
     rates = body_level @ ca.vertcat(0, 0, velocity[2])
-    air = rotor.still_air(velocity_body, rates, nearness=nearness)
+    air = rotor.still_air(velocity_body, rates, ground_effect=ground_effect)
     acceleration, angular = accelerations(parameters, state, air, down_body=body_level[:, 2])
     flapping = rotor.flapping_targets(parameters, state, air)
     main, tail = rotor.inflow_targets(parameters, state, air)
@@ -173,12 +172,12 @@ def balance(
 def accelerations(
     parameters: Parameters, state: RotorState, air: Air, *, down_body: ca.SX
 ) -> tuple[ca.SX, ca.SX]:
-    """Returns the rates of body velocity (m/s2) and body rates (rad/s2) in still air, by Newton and Euler.
+    """Returns linear and angular accelerations in body axes, in still air.
 
     Args:
-        parameters: the vehicle.
-        state: the rotors.
-        air: motion, which in still air is that over the ground.
+        parameters: vehicle.
+        state: rotor state.
+        air: motion through the air, in still air that over the ground.
         down_body: unit vector down in body axes, shape (3, 1).
     """
     load = rotor.loads(parameters, state, air)
@@ -191,7 +190,7 @@ def accelerations(
 
 
 def rotation_body_level(roll: ca.SX, pitch: ca.SX) -> ca.SX:
-    """Returns the matrix that brings a vector of the level heading frame into body axes."""
+    """Returns the matrix from the level heading frame to body axes."""
     cr, sr, cp, sp = ca.cos(roll), ca.sin(roll), ca.cos(pitch), ca.sin(pitch)
     return ca.vertcat(
         ca.horzcat(cp, 0, -sp),

@@ -1,4 +1,4 @@
-"""The helicopter as a free body in MuJoCo, moved by the loads of `rotor`."""
+"""Helicopter as a free body in MuJoCo under rotor loads."""
 
 from collections.abc import Sequence
 from copy import copy
@@ -21,20 +21,20 @@ from sim.loop.signals import Signals
 
 from .equilibrium import Equilibrium
 from .parameters import Parameters
-from .plant import REMEMBERED, delay_steps, observation_function, plant_function
-from .rotor_step import Drives, sound_drives
+from .plant import ROTOR_STATES, delay_steps, observation_function, plant_function
+from .rotor_step import AllServoDynamics, nominal_servo_dynamics
 
 DEFAULT_STEP = 0.005
-# The skids reach this far below the centre of mass, in m.
+# Height of the centre of mass above the skids, m.
 _GROUND_HEIGHT = 0.65
 _BODY = 1
-# MuJoCo's warnings of numbers that are not finite or too large.
+# MuJoCo's warnings about values not finite or too large.
 _DIVERGED = slice(mujoco.mjtWarning.mjWARN_BADQPOS, mujoco.mjtWarning.mjWARN_BADQACC + 1)
 
 
 @dataclass(frozen=True, slots=True)
 class HelicopterState:
-    """All that the helicopter's future depends on, bar wind and commands.
+    """Complete state of the helicopter except wind and commands.
 
     Attributes:
         position: north, east, down in m.
@@ -43,7 +43,7 @@ class HelicopterState:
         rates: body rates in rad/s.
         rotor_state: as in `rotor.RotorState`.
         heading: rad, not wrapped.
-        pending: servo commands on their way, one for each plant step of the transport delay.
+        pending: delayed servo commands, one for each plant step of the transport delay.
     """
 
     position: tuple[float, ...]
@@ -59,10 +59,10 @@ class Helicopter:
     """One helicopter in flight.
 
     Args:
-        parameters: the vehicle; its mass and inertia overrule the shape file's.
-        step: plant step in s.
-        signals: where it finds controls and wind, and leaves truth and servos; its own where None.
-        backend: what evaluates the loads.
+        parameters: vehicle; its mass and inertia override the shape file's.
+        step: plant step, s.
+        signals: inputs controls and wind, outputs truth and servos; its own if None.
+        backend: numeric back-end.
     """
 
     def __init__(
@@ -81,11 +81,11 @@ class Helicopter:
         self._warnings = memoryview(data.warning.number)[_DIVERGED]
         self._steps = 0
         self._delay = delay_steps(parameters, step)
-        # The rotor state, then the commands on their way to the servos.
-        self._memory = np.zeros(REMEMBERED + 4 * self._delay)
+        # The rotor state, then the delayed servo commands.
+        self._memory = np.zeros(ROTOR_STATES + 4 * self._delay)
         self._heading = np.zeros(1)
         self.lacking = np.zeros(4)
-        """How much faster sound servos would have moved in the last plant step, rad/s; 0 where all are."""
+        """Servo rate lost to faults in the last plant step, rad/s."""
         self._sound, self._backend = parameters, backend
         self._plant = self._bind(plant_function(parameters, step), backend)
         self._observe = Recursion(
@@ -104,31 +104,36 @@ class Helicopter:
             backend=backend,
         )
 
-    def refit(self, parameters: Parameters, drives: Drives) -> None:
-        """Goes on from the same state as another vehicle with other servos; the transport delay stays."""
-        sound = parameters == self._sound and drives == sound_drives(parameters.servos)
+    def refit(self, parameters: Parameters, servo_dynamics: AllServoDynamics) -> None:
+        """Continues from the same state with other parameters and servos.
+
+        The transport delay is unchanged.
+        """
+        sound = parameters == self._sound and servo_dynamics == nominal_servo_dynamics(parameters.servos)
         self.lacking[:] = 0.0
         self._plant = (
             self._bind(plant_function(parameters, self.step_length), self._backend)
             if sound
-            # The bits are those of machine code, without the seconds that a compiler takes.
+            # Same bits as machine code, without seconds of compilation.
             else self._bind(
-                plant_function(parameters, self.step_length, drives), Backend.INTERPRETED, self.lacking
+                plant_function(parameters, self.step_length, servo_dynamics),
+                Backend.INTERPRETED,
+                self.lacking,
             )
         )
         # Other flights share the model.
         self._model = copy(self._model)
         self._model.body_mass[_BODY] = parameters.body.mass
-        # Derived constants, computed in a place of its own, because it moves the state.
+        # Derived constants, computed on separate data, because the call changes the state.
         mujoco.mj_setConst(self._model, mujoco.MjData(self._model))
 
     @property
     def time(self) -> float:
-        """Seconds flown since the helicopter was placed."""
+        """Time flown since placement, seconds."""
         return self._steps * self.step_length
 
     def place(self, equilibrium: Equilibrium, *, altitude: float, heading: float) -> None:
-        """Puts the helicopter in steady flight above the origin."""
+        """Places the helicopter in steady flight above the origin."""
         half_roll, half_pitch, half_yaw = equilibrium.roll / 2, equilibrium.pitch / 2, heading / 2
         turn = equilibrium.velocity.yaw_rate
         forward, side = equilibrium.velocity.forward, equilibrium.velocity.side
@@ -158,7 +163,7 @@ class Helicopter:
         )
 
     def restore(self, state: HelicopterState) -> None:
-        """Puts the helicopter into a state and starts its clock again."""
+        """Sets the state and resets the clock."""
         mujoco.mj_resetData(self._model, self._data)
         self._data.qpos[:3] = _flip(state.position)
         self._data.qpos[3:] = (state.quaternion[0], *_flip(state.quaternion[1:]))
@@ -171,24 +176,24 @@ class Helicopter:
         self._observe.step()
 
     def state(self) -> HelicopterState:
-        """Returns the state, to be restored later."""
+        """Returns the state for a later `restore`."""
         position, velocity = self._data.qpos.tolist(), self._data.qvel.tolist()
-        pending = self._memory[REMEMBERED:].reshape(-1, 4).tolist()
+        pending = self._memory[ROTOR_STATES:].reshape(-1, 4).tolist()
         return HelicopterState(
             position=_flip(position[:3]),
             quaternion=(position[3], *_flip(position[4:])),
             velocity=_flip(velocity[:3]),
             rates=_flip(velocity[3:]),
-            rotor_state=tuple(self._memory[:REMEMBERED].tolist()),
+            rotor_state=tuple(self._memory[:ROTOR_STATES].tolist()),
             heading=float(self._heading[0]),
             pending=tuple(tuple(command) for command in pending),
         )
 
     def run(self, steps: int) -> None:
-        """Flies a number of plant steps with the controls and the wind of the signals held.
+        """Flies plant steps with the signals' controls and wind held.
 
         Raises:
-            FlightLostError: the motion diverged or met the ground.
+            FlightLostError: the motion diverged or the vehicle hit the ground.
         """
         model, data, height, velocity = self._model, self._data, self._height, self._velocity
         plant, mj_step, why = self._plant.step, mujoco.mj_step, ""
@@ -196,7 +201,7 @@ class Helicopter:
             plant()
             mj_step(model, data)
             self._steps += 1
-            # MuJoCo warns, and would start again, where these are not finite.
+            # MuJoCo would only warn and reset if these are not finite.
             if not isfinite(height[0] + velocity[0] + velocity[3]):
                 why = "the motion diverged"
                 break
@@ -208,16 +213,16 @@ class Helicopter:
             raise FlightLostError(self.time, why or "the motion diverged")
 
     def advance(self, controls: Controls, wind: Wind, *, steps: int) -> None:
-        """Flies a number of plant steps with servo commands and wind held.
+        """Flies plant steps with servo commands and wind held.
 
         Raises:
-            FlightLostError: the motion diverged or met the ground.
+            FlightLostError: the motion diverged or the vehicle hit the ground.
         """
         self.signals.controls[:], self.signals.wind[:] = controls, wind
         self.run(steps)
 
     def servo_positions(self) -> Controls:
-        """Returns where the servos are."""
+        """Returns the servo positions."""
         return Controls._make(self.signals.servos.tolist())
 
     def motion(self) -> Motion:
@@ -226,7 +231,10 @@ class Helicopter:
 
 
 def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
-    """Returns the state after the whole world is moved: `pose_after = displacement @ pose_before`."""
+    """Returns the state after a displacement of the world.
+
+    `pose_after = displacement @ pose_before`.
+    """
     turn, half = displacement.heading, displacement.heading / 2
     moved = displacement @ SE2(state.position[0], state.position[1], 0.0)
     velocity = SE2(0.0, 0.0, turn) @ SE2(state.velocity[0], state.velocity[1], 0.0)
@@ -242,11 +250,16 @@ def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
 
 
 def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
-    """Returns the shape with the parameters' mass, inertia and gravity; step in s."""
+    """Returns the MuJoCo model with the parameters' mass, inertia and gravity.
+
+    Args:
+        parameters: vehicle.
+        step: plant step, s.
+    """
     spec = mujoco.MjSpec.from_file(str(models.FOLDER / "gtmax.xml"))
     body, numbers = spec.body("helicopter"), parameters.body
     body.mass = numbers.mass
-    # Half a turn about the first axis changes the sign of the product of inertia.
+    # A half turn about the first axis changes the sign of the product of inertia.
     body.fullinertia = [
         numbers.inertia_xx,
         numbers.inertia_yy,
@@ -262,17 +275,17 @@ def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
 
 @cache
 def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
-    """Returns a model that all helicopters of a kind fly by; flying does not change it."""
+    """Returns the model of a vehicle, shared and unchanged by flights."""
     return load_model(parameters, step)
 
 
 def _flip(vector: Sequence[float]) -> tuple[float, float, float]:
-    """Leads from MuJoCo's axes to the project's, or back."""
+    """Converts a vector between MuJoCo's and the project's axes."""
     return (float(vector[0]), -float(vector[1]), -float(vector[2]))
 
 
 def _multiply(a: Sequence[float], b: Sequence[float]) -> tuple[float, float, float, float]:
-    """Returns the quaternion that rotates by b first, then by a."""
+    """Returns the quaternion of rotation b followed by a."""
     return (
         a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
         a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],

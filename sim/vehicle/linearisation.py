@@ -1,4 +1,4 @@
-"""The motion near an equilibrium as a linear system, from the same expressions that are flown."""
+"""Linearised motion near an equilibrium."""
 
 from dataclasses import dataclass
 
@@ -13,21 +13,23 @@ from .rotor import Air, RotorState
 
 # Iterations after which the inflow has converged to rounding, for derivatives through it.
 _CONVERGED = 60
-# Velocity and rates of the body, roll, pitch; servos, disc, bar, gyro; then down and heading, which nothing
-# far from the ground depends on.
+# Body velocity and rates, roll, pitch; servos, disc, bar, gyro; then down and heading, which do not affect
+# the motion out of ground effect.
 _BODY_STATES, _ROTOR_STATES = 8, 9
 _STATES = _BODY_STATES + _ROTOR_STATES + 2
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearMotion:
-    """Deviations from an equilibrium: x' = A x + B u, y = C x.
+    """Linear motion about an equilibrium.
+
+    x' = A x + B u, y = C x in deviations.
 
     Attributes:
         state: A; states are u, v, w, p, q, r, roll, pitch, four servos, disc back and right, bar back and
             right, gyro, down, heading.
         control: B; inputs are servo commands in the order of `Controls`.
-        output: C; outputs are those of `Motion`, north and east left at 0.
+        output: C; outputs are those of `Motion`, with north and east at 0.
     """
 
     state: Float[np.ndarray, "19 19"]
@@ -36,7 +38,7 @@ class LinearMotion:
 
 
 def linearise(parameters: Parameters, equilibrium: Equilibrium) -> LinearMotion:
-    """Linearises the motion in still air far from the ground; the inflow follows at once."""
+    """Linearises the motion out of ground effect, with quasi-steady inflow."""
     states, command = ca.SX.sym("states", _STATES), ca.SX.sym("command", 4)
     roll, pitch = states[6], states[7]
     inflow = [ca.SX(value) for value in equilibrium.rotor_state[8:10]]
@@ -67,13 +69,13 @@ def linearise(parameters: Parameters, equilibrium: Equilibrium) -> LinearMotion:
 
 
 def state_matrix(parameters: Parameters, equilibrium: Equilibrium) -> Float[np.ndarray, "17 17"]:
-    """Returns how the motion goes on with the controls held, without height and heading."""
+    """Returns the state matrix without height and heading."""
     inner = _BODY_STATES + _ROTOR_STATES
     return linearise(parameters, equilibrium).state[:inner, :inner]
 
 
 def _rotor_rates(parameters: Parameters, state: RotorState, air: Air, command: ca.SX) -> ca.SX:
-    """Returns the rates of servos, disc, bar and gyro within their limits, shape (9, 1)."""
+    """Returns rates of servos, disc, bar and gyro, shape (9, 1)."""
     target = rotor.flapping_targets(parameters, state, air)
     disc, bar = parameters.main_rotor.flapping_time, parameters.stabiliser_bar.time
     tail = parameters.tail_rotor

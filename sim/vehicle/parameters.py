@@ -1,137 +1,121 @@
-"""The numbers of the vehicle, read once from `models/gtmax.toml` and checked there."""
+"""Vehicle parameters, read from `models/gtmax.toml` and checked."""
 
 import hashlib
 import json
-import tomllib
 from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
-from typing import Annotated, ClassVar
 
-from pydantic import ConfigDict, Field, TypeAdapter, ValidationError
+from pydantic import NonNegativeFloat, PositiveFloat
 
 import models
-from flight.errors import BadFileError
-from flight.schema import first_problem, read_text, refuse_other_schema
+from flight.file_value import FileValue, Share
+from flight.schema import check_schema_name, parse_json, refusing, toml_table
 
 SCHEMA = "maneuver-vehicle/1"
-"""What a vehicle's file may name itself; one that does not is of this version."""
-
-Positive = Annotated[float, Field(gt=0.0, allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=0.0, le=1.0)]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-
-_STRICT = ConfigDict(extra="forbid", strict=True)
+"""Schema name of a vehicle file, assumed for files that name none."""
 
 
 @dataclass(frozen=True, slots=True)
-class Environment:
+class Environment(FileValue):
     """What surrounds the vehicle: gravity in m/s2, air density in kg/m3."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    gravity: Positive
-    air_density: Positive
+    gravity: PositiveFloat
+    air_density: PositiveFloat
 
 
 @dataclass(frozen=True, slots=True)
-class Body:
+class Body(FileValue):
     """Mass in kg and moments of inertia in kg m2 about the centre of mass, axes forward-right-down."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    mass: Positive
-    inertia_xx: Positive
-    inertia_yy: Positive
-    inertia_zz: Positive
-    inertia_xz: Finite
+    mass: PositiveFloat
+    inertia_xx: PositiveFloat
+    inertia_yy: PositiveFloat
+    inertia_zz: PositiveFloat
+    inertia_xz: float
 
 
 @dataclass(frozen=True, slots=True)
-class MainRotor:
+class MainRotor(FileValue):
     """The lifting rotor: lengths in m, speed in rad/s, hub spring in N m/rad, drag shares in 1/s."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    radius: Positive
+    radius: PositiveFloat
     blades: int
-    chord: Positive
-    lift_slope: Positive
-    profile_drag: Positive
-    speed: Positive
-    hub_height: Positive
-    hub_forward: Finite
-    hub_spring: Positive
-    flapping_time: Positive
-    coupling_back_from_right: Finite
-    coupling_right_from_back: Finite
+    chord: PositiveFloat
+    lift_slope: PositiveFloat
+    profile_drag: PositiveFloat
+    speed: PositiveFloat
+    hub_height: PositiveFloat
+    hub_forward: float
+    hub_spring: PositiveFloat
+    flapping_time: PositiveFloat
+    coupling_back_from_right: float
+    coupling_right_from_back: float
     flap_back: Share
-    drag_forward: Positive
-    drag_side: Positive
+    drag_forward: PositiveFloat
+    drag_side: PositiveFloat
 
 
 @dataclass(frozen=True, slots=True)
-class StabiliserBar:
+class StabiliserBar(FileValue):
     """The bar that damps body rates: time in s, gains in rad per rad."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    time: Positive
-    gain_back: Positive
-    gain_right: Positive
-    mixing: Positive
+    time: PositiveFloat
+    gain_back: PositiveFloat
+    gain_right: PositiveFloat
+    mixing: PositiveFloat
 
 
 @dataclass(frozen=True, slots=True)
-class TailRotor:
+class TailRotor(FileValue):
     """The rotor that holds the heading: lengths in m, speed in rad/s; its yaw-rate gyro in s and rad/s."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    radius: Positive
+    radius: PositiveFloat
     blades: int
-    chord: Positive
-    lift_slope: Positive
-    profile_drag: Positive
-    speed: Positive
-    arm: Positive
-    height: Positive
-    gyro_gain: Annotated[float, Field(ge=0.0)]
-    gyro_bandwidth: Positive
+    chord: PositiveFloat
+    lift_slope: PositiveFloat
+    profile_drag: PositiveFloat
+    speed: PositiveFloat
+    arm: PositiveFloat
+    height: PositiveFloat
+    gyro_gain: NonNegativeFloat
+    gyro_bandwidth: PositiveFloat
 
 
 @dataclass(frozen=True, slots=True)
-class Airframe:
+class Airframe(FileValue):
     """Flat plates and surfaces: areas in m2, arms behind the centre of mass in m."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    plate_front: Positive
-    plate_side: Positive
-    plate_top: Positive
-    fin_area: Positive
-    fin_arm: Positive
-    tailplane_area: Positive
-    tailplane_arm: Positive
-    surface_slope: Positive
+    plate_front: PositiveFloat
+    plate_side: PositiveFloat
+    plate_top: PositiveFloat
+    fin_area: PositiveFloat
+    fin_arm: PositiveFloat
+    tailplane_area: PositiveFloat
+    tailplane_arm: PositiveFloat
+    surface_slope: PositiveFloat
     tailplane_wash: Share
 
 
 @dataclass(frozen=True, slots=True)
-class Servos:
+class Servos(FileValue):
     """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s, transport delay in s."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
-    bandwidth: Positive
-    cyclic_limit: Positive
-    collective_low: Finite
-    collective_high: Finite
-    pedal_low: Finite
-    pedal_high: Finite
-    rate: Positive
-    pedal_rate: Positive
-    delay: Annotated[float, Field(ge=0.0)]
+    bandwidth: PositiveFloat
+    cyclic_limit: PositiveFloat
+    collective_low: float
+    collective_high: float
+    pedal_low: float
+    pedal_high: float
+    rate: PositiveFloat
+    pedal_rate: PositiveFloat
+    delay: NonNegativeFloat
 
 
 @dataclass(frozen=True, slots=True)
-class Parameters:
+class Parameters(FileValue):
     """Everything that makes one helicopter differ from another; built by `read_parameters`."""
 
-    __pydantic_config__: ClassVar[ConfigDict] = _STRICT
     name: str
     environment: Environment
     body: Body
@@ -150,7 +134,7 @@ def change_vehicle(
     hub_forward: float = 0.0,
     extra_delay: float = 0.0,
 ) -> Parameters:
-    """Returns a vehicle that is not the one its controller was made for.
+    """Returns a vehicle that differs from the controller's model.
 
     Args:
         parameters: the vehicle to change.
@@ -171,48 +155,33 @@ def change_vehicle(
 
 
 def read_parameters(path: Path | None = None) -> Parameters:
-    """Reads and checks the vehicle's numbers.
+    """Reads and checks the vehicle's parameters.
 
     Args:
-        path: a file in the form of `models/gtmax.toml`, which is the default.
+        path: file in the format of `models/gtmax.toml`, the default.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
     path = path or models.FOLDER / "gtmax.toml"
-    try:
-        content = tomllib.loads(read_text(path))
-        refuse_other_schema(str(content.pop("schema", SCHEMA)), SCHEMA)
-        # A strict model takes a table for a dataclass only from JSON.
-        return _reader().validate_json(json.dumps(content))
-    except tomllib.TOMLDecodeError as error:
-        raise BadFileError(path, f"is not TOML: {error}") from None
-    except ValidationError as error:
-        raise BadFileError(path, first_problem(error)) from None
-    except (ValueError, TypeError) as error:
-        raise BadFileError(path, str(error)) from None
+    content = toml_table(path)
+    with refusing(path):
+        check_schema_name(str(content.pop("schema", SCHEMA)), SCHEMA)
+    return parse_json(json.dumps(content), path, Parameters)
 
 
 def parse_parameters(text: bytes, source: str) -> Parameters:
-    """Reads the vehicle's numbers back from a flight log.
+    """Reads the vehicle's parameters from a flight log.
 
     Raises:
-        BadFileError: a value is missing, unknown or impossible; the message names it.
+        BadFileError: a value is missing, unknown or invalid; the message names it.
     """
-    try:
-        return _reader().validate_json(text)
-    except ValidationError as error:
-        raise BadFileError(source, first_problem(error)) from None
-
-
-@cache
-def _reader() -> TypeAdapter[Parameters]:
-    return TypeAdapter(Parameters)
+    return parse_json(text, source, Parameters)
 
 
 @cache
 def model_hash() -> str:
-    """Returns the SHA-256 of the vehicle's numbers and shape, in hexadecimal."""
+    """Returns the SHA-256 of the vehicle's parameters and shape."""
     files = (models.FOLDER / name for name in ("gtmax.toml", "gtmax.xml"))
     return hashlib.sha256(b"\0".join(file.read_bytes() for file in files)).hexdigest()
 

@@ -1,8 +1,7 @@
-"""What moves between MuJoCo's state and the helicopter's loads and motion, as CasADi functions.
+"""Plant functions between MuJoCo's state and the helicopter's loads.
 
-MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. Turning half a turn about the
-first axis leads from either to the project's axes and back, so vectors change the sign of their last two
-components.
+MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. A half turn about the first axis
+converts either to the project's axes and back, so the last two components of vectors change sign.
 """
 
 from functools import cache
@@ -13,10 +12,10 @@ import casadi as ca
 from . import rotor
 from .parameters import Parameters
 from .rotor import Air, RotorState
-from .rotor_step import Drives, advance, follow_commands, sound_drives
+from .rotor_step import AllServoDynamics, advance, follow_commands, nominal_servo_dynamics
 
-REMEMBERED = len(RotorState._fields)
-# Warm started at every step, this many relaxed iterations follow any gust.
+ROTOR_STATES = len(RotorState._fields)
+# Relaxed iterations a step, warm started; enough to follow any gust.
 _INFLOW_ITERATIONS = 4
 _FLIP = ca.diag(ca.DM([1.0, -1.0, -1.0]))
 
@@ -27,51 +26,61 @@ def delay_steps(parameters: Parameters, step: float) -> int:
 
 
 @cache
-def plant_function(parameters: Parameters, step: float, drives: Drives | None = None) -> ca.Function:
-    """Builds the step of rotors and actuators: the wrench that MuJoCo holds through the coming step.
+def plant_function(
+    parameters: Parameters, step: float, servo_dynamics: AllServoDynamics | None = None
+) -> ca.Function:
+    """Builds the plant step: loads of rotors and actuators.
 
     Args:
-        parameters: the vehicle.
-        step: s.
-        drives: what its servos can do; sound ones where None.
+        parameters: vehicle.
+        step: plant step, s.
+        servo_dynamics: rates and bandwidths of the servos; nominal ones if None.
 
     Returns:
-        (qpos, qvel, controls, wind, memory) -> (wrench, servo positions, memory); the memory is the rotor
-        state and the commands on their way to the servos, the oldest first. With `drives`, before the
-        memory: how much faster sound servos would have moved, rad/s.
+        (qpos, qvel, controls, wind, memory) -> (wrench, servo positions, memory). MuJoCo holds the wrench
+        through the coming step. The memory is the rotor state and the delayed servo commands, oldest first.
+        With `servo_dynamics` also, before the memory, the servo rates lost against nominal servos, rad/s.
     """
     position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
     controls, wind = ca.SX.sym("controls", 4), ca.SX.sym("wind", 6)
-    memory = ca.SX.sym("memory", REMEMBERED + 4 * delay_steps(parameters, step))
+    memory = ca.SX.sym("memory", ROTOR_STATES + 4 * delay_steps(parameters, step))
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - wind[:3])
     rates = _FLIP @ velocity[3:]
     air_rates = rates + rotation.T @ wind[3:]
     u, v, w = ca.vertsplit(air_velocity)
     p, q, r = ca.vertsplit(air_rates)
-    nearness = rotor.ground_nearness(parameters, position[2])
-    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), nearness))
-    before = RotorState(*ca.vertsplit(memory[:REMEMBERED]))
-    on_their_way = ca.vertcat(memory[REMEMBERED:], controls)
-    command, servos = on_their_way[:4], parameters.servos
+    ground_effect = rotor.ground_effect_factor(parameters, position[2])
+    air = Air._make((u, v, w, p, q, r, *ca.vertsplit(rates), ground_effect))
+    before = RotorState(*ca.vertsplit(memory[:ROTOR_STATES]))
+    delayed = ca.vertcat(memory[ROTOR_STATES:], controls)
+    command, servos = delayed[:4], parameters.servos
     state = advance(
-        parameters, before, air, command=command, step=step, iterations=_INFLOW_ITERATIONS, drives=drives
+        parameters,
+        before,
+        air,
+        command=command,
+        step=step,
+        iterations=_INFLOW_ITERATIONS,
+        servo_dynamics=servo_dynamics,
     )
     load = rotor.loads(parameters, state, air)
     wrench = ca.vertcat(_FLIP @ rotation @ load.force, _FLIP @ rotation @ load.moment)
-    after = ca.vertcat(*state, on_their_way[4:])
+    after = ca.vertcat(*state, delayed[4:])
     results = [wrench, after[:4], after]
-    if drives is not None:
-        sound = follow_commands(servos, before, command, step=step, drives=sound_drives(servos))
-        results.insert(2, (ca.vertcat(*sound[:4]) - after[:4]) / step)
+    if servo_dynamics is not None:
+        nominal = follow_commands(
+            servos, before, command, step=step, servo_dynamics=nominal_servo_dynamics(servos)
+        )
+        results.insert(2, (ca.vertcat(*nominal[:4]) - after[:4]) / step)
     return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
 
 
 @cache
 def observation_function() -> ca.Function:
-    """Builds the translation of MuJoCo's state into `Motion`, (qpos, qvel, heading) -> (motion, heading).
+    """Builds `Motion` from MuJoCo's state.
 
-    The heading goes on from the one before, without jumps.
+    (qpos, qvel, heading) -> (motion, heading); the heading is unwrapped from the previous one.
     """
     position, velocity, before = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6), ca.SX.sym("heading")
     rotation = _rotation_world_body(position[3:7])
@@ -89,7 +98,7 @@ def observation_function() -> ca.Function:
 
 
 def _rotation_world_body(quaternion: ca.SX) -> ca.SX:
-    """Returns the matrix, body to world in the project's axes, of a quaternion in MuJoCo's."""
+    """Returns the body-to-world matrix of a MuJoCo quaternion."""
     w, x, y, z = quaternion[0], quaternion[1], -quaternion[2], -quaternion[3]
     return ca.vertcat(
         ca.horzcat(1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),

@@ -1,8 +1,8 @@
-"""Every load on the helicopter as one set of CasADi expressions, for stepping, trim and linearisation.
+"""Loads on the helicopter as CasADi expressions.
 
-Body axes forward-right-down at the centre of mass. Minimum-complexity rotor after Heffley and Mnich (NASA CR
-177476) for thrust and inflow, first-order flapping with stabiliser bar after Mettler, Tischler and Kanade
-(2000). The main rotor turns clockwise seen from above.
+Used for stepping, trim and linearisation. Body axes forward-right-down at the centre of mass.
+Minimum-complexity rotor after Heffley and Mnich (NASA CR 177476) for thrust and inflow, first-order flapping
+with stabiliser bar after Mettler, Tischler and Kanade (2000). The main rotor turns clockwise seen from above.
 """
 
 from math import pi, sqrt
@@ -12,18 +12,19 @@ import casadi as ca
 
 from .parameters import MainRotor, Parameters, TailRotor
 
-# An exact square root has no slope at zero thrust; this floor (m4/s4) is below any flight's value.
+# Keeps the square root differentiable at zero thrust; below any value in flight, m4/s4.
 _ROOT_FLOOR = 1e-12
 # MIL-style profile power factor of a rotor in forward flight, Heffley and Mnich.
 _PROFILE_POWER_GROWTH = 4.6
 
 
 class Air(NamedTuple):
-    """Motion through the air in body axes: velocities in m/s, rates in rad/s, gusts included.
+    """Motion through the air in body axes, gusts included.
 
-    Disc, bar and gyro answer to the body's own rates, `roll_rate`, `pitch_rate` and `yaw_rate` in rad/s. A
-    gust rate reaches the disc through lift only, as an angle of rate over rotor speed, which is neglected.
-    `nearness` is (R / 4 z)^2 with the rotor's height z over the ground; 0 far from it.
+    Velocities in m/s, rates in rad/s. Disc, bar and gyro respond to the body's own rates, `roll_rate`,
+    `pitch_rate` and `yaw_rate` in rad/s. A gust rate affects the disc through lift only, by an angle of rate
+    over rotor speed, which is neglected. `ground_effect` is (R / 4 z)^2 with the rotor's height z above
+    ground; 0 out of ground effect.
     """
 
     u: ca.SX
@@ -35,29 +36,34 @@ class Air(NamedTuple):
     roll_rate: ca.SX
     pitch_rate: ca.SX
     yaw_rate: ca.SX
-    nearness: ca.SX
+    ground_effect: ca.SX
 
 
-def still_air(velocity: ca.SX, rates: ca.SX, *, nearness: ca.SX | float = 0.0) -> Air:
-    """Returns motion through still air from body velocity and body rates, shapes (3, 1)."""
+def still_air(velocity: ca.SX, rates: ca.SX, *, ground_effect: ca.SX | float = 0.0) -> Air:
+    """Returns motion through still air from body velocity and rates."""
     u, v, w = ca.vertsplit(velocity)
     p, q, r = ca.vertsplit(rates)
-    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q, yaw_rate=r, nearness=ca.SX(nearness))
+    return Air(u, v, w, p, q, r, roll_rate=p, pitch_rate=q, yaw_rate=r, ground_effect=ca.SX(ground_effect))
 
 
-def ground_nearness(parameters: Parameters, height: ca.SX) -> ca.SX:
-    """Returns (R / 4 z)^2 of the main rotor (Cheeseman and Bennett 1955).
+def ground_effect_factor(parameters: Parameters, height: ca.SX) -> ca.SX:
+    """Returns the ground effect factor of the main rotor.
+
+    (R / 4 z)^2 (Cheeseman and Bennett 1955).
 
     Args:
-        parameters: the vehicle.
-        height: of the centre of mass above ground, m; the rotor is not taken as nearer than 0.6 radii.
+        parameters: vehicle.
+        height: height of the centre of mass above ground, m; the rotor's height is at least 0.6 radii.
     """
     rotor = parameters.main_rotor
     return (rotor.radius / (4.0 * ca.fmax(height + rotor.hub_height, 0.6 * rotor.radius))) ** 2
 
 
 class RotorState(NamedTuple):
-    """What the actuators and rotors remember: blade pitch, flapping and gyro in rad, inflow in m/s."""
+    """State of actuators and rotors.
+
+    Blade pitch, flapping and gyro in rad, inflow in m/s.
+    """
 
     lateral: ca.SX
     longitudinal: ca.SX
@@ -73,7 +79,7 @@ class RotorState(NamedTuple):
 
 
 class Flapping(NamedTuple):
-    """Where the disc and the bar tend to, in rad."""
+    """Steady-state flapping of disc and bar, rad."""
 
     disc_back: ca.SX
     disc_right: ca.SX
@@ -82,7 +88,10 @@ class Flapping(NamedTuple):
 
 
 class Loads(NamedTuple):
-    """Force in N and moment in N m in body axes at the centre of mass, without weight; shaft power in W."""
+    """Loads at the centre of mass in body axes, without weight.
+
+    Force in N, moment in N m, shaft power in W.
+    """
 
     force: ca.SX
     moment: ca.SX
@@ -90,7 +99,7 @@ class Loads(NamedTuple):
 
 
 def _lift_per_speed(rotor: MainRotor | TailRotor, density: float) -> float:
-    """Returns the thrust per m/s of axial speed at the blades, in N s/m."""
+    """Returns thrust over axial speed at the blades, N s/m."""
     return density * rotor.speed * rotor.radius**2 * rotor.blades * rotor.chord * rotor.lift_slope / 4.0
 
 
@@ -114,7 +123,7 @@ def _momentum_inflow(
     axial: ca.SX,
     inflow: ca.SX,
 ) -> ca.SX:
-    """Returns the inflow that momentum theory gives for a thrust (Heffley and Mnich)."""
+    """Returns the inflow of a thrust by momentum theory (Heffley and Mnich)."""
     half_speed_squared = (in_plane_squared + axial * (axial - 2.0 * inflow)) / 2.0
     hover_squared = thrust / (2.0 * density * pi * rotor.radius**2)
     root = ca.sqrt(half_speed_squared**2 + hover_squared**2) - half_speed_squared
@@ -122,19 +131,19 @@ def _momentum_inflow(
 
 
 def _main_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
-    """Returns the axial speed at the tilted disc and at its blades, in m/s."""
+    """Returns axial speeds at the disc and at its blades, m/s."""
     rotor = parameters.main_rotor
     at_disc = air.w + state.disc_back * air.u - state.disc_right * air.v
     return at_disc, at_disc + (2.0 / 3.0) * rotor.speed * rotor.radius * state.collective
 
 
-def _felt_inflow(state: RotorState, air: Air) -> ca.SX:
-    """Returns the main rotor's inflow that is left by the ground, in m/s.
+def _inflow_in_ground_effect(state: RotorState, air: Air) -> ca.SX:
+    """Returns the main rotor's inflow in ground effect, m/s.
 
-    Cheeseman and Bennett (ARC R&M 3021): the ground's image takes its share in hover, and less with speed.
+    Cheeseman and Bennett (ARC R&M 3021): the image rotor reduces the inflow in hover, and less with speed.
     """
     swept = (air.u**2 + air.v**2) / (state.inflow**2 + _ROOT_FLOOR)
-    return state.inflow * (1.0 - air.nearness / (1.0 + swept))
+    return state.inflow * (1.0 - air.ground_effect / (1.0 + swept))
 
 
 def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
@@ -144,13 +153,13 @@ def _tail_axial(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca
 
 
 def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple[ca.SX, ca.SX]:
-    """Returns the inflow of main and tail rotor, in m/s, that momentum theory answers to the present ones."""
+    """Returns the inflows of main and tail rotor by momentum theory, m/s."""
     density, main, tail = parameters.environment.air_density, parameters.main_rotor, parameters.tail_rotor
     (main_axial, main_blade), (tail_axial, tail_blade) = (
         _main_axial(parameters, state, air),
         _tail_axial(parameters, state, air),
     )
-    main_thrust = _thrust(main, density, main_blade, _felt_inflow(state, air))
+    main_thrust = _thrust(main, density, main_blade, _inflow_in_ground_effect(state, air))
     tail_thrust = _thrust(tail, density, tail_blade, state.tail_inflow)
     targets = []
     for rotor, thrust, axial, in_plane, inflow in (
@@ -166,7 +175,7 @@ def inflow_targets(parameters: Parameters, state: RotorState, air: Air) -> tuple
 
 
 def settle_inflow(parameters: Parameters, state: RotorState, air: Air, *, iterations: int) -> RotorState:
-    """Moves the inflow towards the balance of blade and momentum theory by relaxed iterations."""
+    """Iterates the inflow towards balance of blade and momentum theory."""
     for _ in range(iterations):
         main, tail = inflow_targets(parameters, state, air)
         state = state._replace(
@@ -176,9 +185,10 @@ def settle_inflow(parameters: Parameters, state: RotorState, air: Air, *, iterat
 
 
 def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Flapping:
-    """Returns where disc and bar tend to; each follows as a first-order lag with its own time.
+    """Returns the steady-state flapping of disc and bar.
 
-    Positive cyclic is positive flapping: `longitudinal` tilts the disc back, `lateral` to the right.
+    Disc and bar follow as first-order lags. Positive cyclic gives positive flapping: `longitudinal` tilts the
+    disc back, `lateral` to the right.
     """
     rotor, bar = parameters.main_rotor, parameters.stabiliser_bar
     tip = rotor.speed * rotor.radius
@@ -206,10 +216,10 @@ def flapping_targets(parameters: Parameters, state: RotorState, air: Air) -> Fla
 def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
     rotor, density = parameters.main_rotor, parameters.environment.air_density
     axial, at_blade = _main_axial(parameters, state, air)
-    inflow = _felt_inflow(state, air)
+    inflow = _inflow_in_ground_effect(state, air)
     thrust = _thrust(rotor, density, at_blade, inflow)
     power = thrust * (inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
-    # The wake's share of the force in the disc plane goes with the inflow; the identified one is hover's.
+    # The in-plane wake drag is proportional to the inflow; it was identified in hover.
     weight = parameters.body.mass * parameters.environment.gravity
     hover_inflow = sqrt(weight / (2.0 * density * pi)) / rotor.radius
     fading = parameters.body.mass * state.inflow / hover_inflow
@@ -257,7 +267,7 @@ def _airframe_loads(parameters: Parameters, state: RotorState, air: Air) -> Load
 
 
 def loads(parameters: Parameters, state: RotorState, air: Air) -> Loads:
-    """Returns everything that air and shaft do to the body, without weight."""
+    """Returns the aerodynamic and shaft loads, without weight."""
     parts = [part(parameters, state, air) for part in (_main_rotor_loads, _tail_rotor_loads, _airframe_loads)]
     return Loads(
         parts[0].force + parts[1].force + parts[2].force,

@@ -1,4 +1,4 @@
-"""One step of servos and rotors, each part exactly for what is held through the step."""
+"""Exact discrete step of servos and rotors."""
 
 from dataclasses import dataclass
 
@@ -9,21 +9,21 @@ from .rotor import Air, RotorState, flapping_targets, settle_inflow
 
 
 @dataclass(frozen=True, slots=True)
-class Drive:
-    """What one servo can do: largest rate in rad/s, bandwidth in rad/s."""
+class ServoDynamics:
+    """Largest rate and bandwidth of a servo, rad/s."""
 
     rate: float
     bandwidth: float
 
 
-Drives = tuple[Drive, Drive, Drive, Drive]
-"""Of lateral, longitudinal, collective and pedal servo."""
+AllServoDynamics = tuple[ServoDynamics, ServoDynamics, ServoDynamics, ServoDynamics]
+"""Lateral, longitudinal, collective and pedal servo."""
 
 
-def sound_drives(servos: Servos) -> Drives:
-    """Returns the servos as they should be."""
-    cyclic = Drive(servos.rate, servos.bandwidth)
-    return cyclic, cyclic, cyclic, Drive(servos.pedal_rate, servos.bandwidth)
+def nominal_servo_dynamics(servos: Servos) -> AllServoDynamics:
+    """Returns the servos without faults."""
+    cyclic = ServoDynamics(servos.rate, servos.bandwidth)
+    return cyclic, cyclic, cyclic, ServoDynamics(servos.pedal_rate, servos.bandwidth)
 
 
 def advance(
@@ -34,21 +34,21 @@ def advance(
     command: ca.SX,
     step: float,
     iterations: int,
-    drives: Drives | None = None,
+    servo_dynamics: AllServoDynamics | None = None,
 ) -> RotorState:
     """Steps servos, then flapping, bar and gyro, then inflow.
 
     Args:
-        parameters: the vehicle.
-        state: the rotor state before the step.
+        parameters: vehicle.
+        state: rotor state before the step.
         air: motion through the air, held through the step.
         command: lateral, longitudinal, collective, pedal in rad of blade pitch, shape (4, 1).
-        step: length of the step in s.
+        step: length of the step, s.
         iterations: relaxed inflow iterations, warm started.
-        drives: what the servos can do; sound ones where None.
+        servo_dynamics: rates and bandwidths of the servos; nominal ones if None.
     """
-    drives = drives or sound_drives(parameters.servos)
-    state = follow_commands(parameters.servos, state, command, step=step, drives=drives)
+    servo_dynamics = servo_dynamics or nominal_servo_dynamics(parameters.servos)
+    state = follow_commands(parameters.servos, state, command, step=step, servo_dynamics=servo_dynamics)
     target = flapping_targets(parameters, state, air)
     turned = parameters.tail_rotor.gyro_gain * air.yaw_rate
     disc = ca.exp(-step / parameters.main_rotor.flapping_time)
@@ -64,16 +64,19 @@ def advance(
 
 
 def follow_commands(
-    servos: Servos, state: RotorState, command: ca.SX, *, step: float, drives: Drives
+    servos: Servos, state: RotorState, command: ca.SX, *, step: float, servo_dynamics: AllServoDynamics
 ) -> RotorState:
-    """Steps first-order servos within their rates and travels; the gyro works against the pedal."""
+    """Steps first-order servos within their rates and travels.
 
-    def follow(drive: Drive, position: ca.SX, wanted: ca.SX, low: float, high: float) -> ca.SX:
+    The gyro is subtracted from the pedal command.
+    """
+
+    def follow(drive: ServoDynamics, position: ca.SX, wanted: ca.SX, low: float, high: float) -> ca.SX:
         share, reach = 1.0 - ca.exp(-drive.bandwidth * step), drive.rate * step
         travel = ca.fmin(reach, ca.fmax(-reach, share * (wanted - position)))
         return ca.fmin(high, ca.fmax(low, position + travel))
 
-    lateral, longitudinal, collective, pedal = drives
+    lateral, longitudinal, collective, pedal = servo_dynamics
     cyclic, up = servos.cyclic_limit, (servos.collective_low, servos.collective_high)
     return state._replace(
         lateral=follow(lateral, state.lateral, command[0], -cyclic, cyclic),

@@ -1,8 +1,8 @@
-"""Dryden turbulence of MIL-F-8785C at low altitude, discretised exactly, as one CasADi function.
+"""Dryden turbulence of MIL-F-8785C at low altitude, discretised exactly.
 
-The spectra are those of the standard with the airspeed of the moment; a floor stands in for hover, where a
-frozen field would never pass. The exact step holds for any airspeed and any step, so the airspeed may change
-at every one.
+The spectra are those of the standard at the current airspeed, with a lower bound for hover, where a frozen
+field would not move past the vehicle. The discretisation is exact for any airspeed and step, so the airspeed
+may change at every step.
 """
 
 from collections.abc import Sequence
@@ -16,26 +16,26 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.units import FOOT
-from sim.loop.motion import Seen
+from sim.loop.motion import Estimate
 
-# Below this the frozen field is no model of what a hovering rotor meets; in m/s.
+# Lower bound of the airspeed, because a frozen field is no model for hover, m/s.
 AIRSPEED_FLOOR = 4.0
-# Range of heights that the low-altitude model states, in m.
+# Heights of the low-altitude model, m.
 _LOWEST, _HIGHEST = 10.0 * FOOT, 1000.0 * FOOT
-# What a lateral gust is of the two numbers that it remembers.
+# Lateral gust as a combination of its two states.
 _READOUT = (sqrt(3.0), 1.0 - sqrt(3.0))
 
 
 @dataclass(frozen=True, slots=True)
 class Dryden:
-    """The standard's turbulence at one height: intensities in m/s, length scales in m (MIL-F-8785C, 3.7.3.4).
+    """Turbulence of the standard at one height (MIL-F-8785C, 3.7.3.4).
 
     Attributes:
-        sigma_horizontal: standard deviation of the gusts along x and y.
-        sigma_vertical: standard deviation of the gusts along z.
-        length_horizontal: of the gusts along x and y.
-        length_vertical: of the gusts along z.
-        span: the vehicle's breadth, of which gust rates are made, m.
+        sigma_horizontal: standard deviation of the gusts along x and y, m/s.
+        sigma_vertical: standard deviation of the gusts along z, m/s.
+        length_horizontal: length scale of the gusts along x and y, m.
+        length_vertical: length scale of the gusts along z, m.
+        span: span of the vehicle, for gust rates, m.
     """
 
     sigma_horizontal: float
@@ -46,7 +46,7 @@ class Dryden:
 
     @property
     def sigma_roll_rate(self) -> float:
-        """Standard deviation of the gust roll rate in rad/s; the integral of the standard's spectrum."""
+        """Standard deviation of the gust roll rate, rad/s, from the standard's spectrum."""
         shape = 0.8 * pi**2 / (8.0 * self.span) * (pi / (4.0 * self.span)) ** (1.0 / 3.0)
         return float(self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0))
 
@@ -55,9 +55,9 @@ def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
     """Returns the low-altitude model of MIL-F-8785C.
 
     Args:
-        wind_at_20_ft: m/s.
-        height: above ground, m; held to 10 to 1000 ft.
-        span: breadth of the vehicle, m.
+        wind_at_20_ft: wind at 20 ft, m/s.
+        height: height above ground, m, clamped to 10 to 1000 ft.
+        span: span of the vehicle, m.
     """
     height_ft = max(_LOWEST, min(_HIGHEST, height)) / FOOT
     factor = 0.177 + 0.000823 * height_ft
@@ -72,20 +72,20 @@ def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
 
 
 def step_longitudinal(value: ca.SX, *, ratio: ca.SX, noise: ca.SX) -> ca.SX:
-    """Moves a unit gust with the spectrum of the standard's u on by `ratio` time constants."""
+    """Returns a unit u gust `ratio` time constants later."""
     keep = ca.exp(-ratio)
     return keep * value + ca.sqrt(1.0 - keep * keep) * noise
 
 
 class LateralGust(NamedTuple):
-    """Unit gust with the spectrum of the standard's v and w: the two numbers that it remembers."""
+    """Unit v or w gust of the standard, by its two states."""
 
     x0: ca.SX
     x1: ca.SX
 
     @property
     def value(self) -> ca.SX:
-        """The gust now, in units of its standard deviation."""
+        """Gust in units of its standard deviation."""
         return _READOUT[0] * self.x0 + _READOUT[1] * self.x1
 
     def step(self, *, ratio: ca.SX, noise: tuple[ca.SX, ca.SX]) -> "LateralGust":
@@ -105,10 +105,10 @@ class LateralGust(NamedTuple):
 
 
 class Turbulence(NamedTuple):
-    """What the air remembers: unit gusts, and v and w smoothed over the span, in m/s.
+    """State of the air: unit gusts and smoothed v and w.
 
-    The smoothed ones begin without slope; they remember for a second, which the settling time before a flight
-    covers.
+    The smoothed v and w, in m/s, start without slope; their transient of a second is over before the flight
+    starts.
     """
 
     u: ca.SX
@@ -122,10 +122,15 @@ class Turbulence(NamedTuple):
 
 
 def draw_turbulence(model: Dryden, noise: Sequence[float]) -> Float[np.ndarray, "8"]:
-    """Returns turbulence that has always blown, laid out as `Turbulence`, of 6 standard normal numbers."""
+    """Returns stationary turbulence, laid out as `Turbulence`.
+
+    Args:
+        model: turbulence model.
+        noise: 6 standard normal numbers.
+    """
     gusts = []
     for first, second in (noise[1:3], noise[3:5]):
-        # The stationary law of a lateral gust: variances 1/2 and 1/4, covariance 1/4.
+        # Stationary distribution of a lateral gust: variances 1/2 and 1/4, covariance 1/4.
         x0 = sqrt(0.5) * first
         gusts.append((x0, 0.5 * x0 + sqrt(0.125) * second))
     v, w = (_READOUT[0] * x0 + _READOUT[1] * x1 for x0, x1 in gusts)
@@ -138,12 +143,12 @@ def wind_function(model: Dryden, step: float) -> ca.Function:
     """Builds one period of the air.
 
     Returns:
-        (motion, noise, mean, memory) -> (wind, memory): the motion of the vehicle, 6 standard normal numbers,
-        the mean wind north and east with the cosine and sine of where it comes from, `Turbulence`.
+        (motion, noise, mean, memory) -> (wind, memory): motion of the vehicle, 6 standard normal numbers,
+        mean wind north and east with cosine and sine of its direction of origin, `Turbulence`.
     """
-    motion, noise = ca.SX.sym("motion", len(Seen._fields)), ca.SX.sym("noise", 6)
+    motion, noise = ca.SX.sym("motion", len(Estimate._fields)), ca.SX.sym("noise", 6)
     mean, memory = ca.SX.sym("mean", 4), ca.SX.sym("memory", len(Turbulence._fields))
-    vehicle, before = Seen._make(ca.vertsplit(motion)), Turbulence._make(ca.vertsplit(memory))
+    vehicle, before = Estimate._make(ca.vertsplit(motion)), Turbulence._make(ca.vertsplit(memory))
     ahead, aside = ca.cos(vehicle.heading), ca.sin(vehicle.heading)
     north = ahead * vehicle.forward - aside * vehicle.side - mean[0]
     east = aside * vehicle.forward + ahead * vehicle.side - mean[1]
@@ -158,7 +163,7 @@ def wind_function(model: Dryden, step: float) -> ca.Function:
     # Smoothing lengths of the standard: 4 b / pi for roll and pitch, 3 b / pi for yaw.
     long, short = 4.0 * model.span / pi, 3.0 * model.span / pi
     unit_p = step_longitudinal(before.p, ratio=travelled / long, noise=n[5])
-    # The standard's pitch and yaw gust: the slope along x of a gust, smoothed over the span.
+    # Pitch and yaw gust of the standard: derivative of the gust along x, smoothed over the span.
     w_smooth = w + (before.w_smooth - w) * ca.exp(-travelled / long)
     v_smooth = v + (before.v_smooth - v) * ca.exp(-travelled / short)
     p, q, r = model.sigma_roll_rate * unit_p, (w - w_smooth) / long, -(v - v_smooth) / short

@@ -1,57 +1,61 @@
-"""How hard it blows, as the vehicle itself can tell: from how far its velocity is off the one asked for.
+"""Estimate of the wind from the vehicle's velocity errors.
 
-The controller holds velocities; what is left is the work of gusts, and grows with them. The innovations of
-the filter do not: an inertial unit feels what a gust does to the vehicle as it feels any motion. They tell
-whether the estimate, and so the error against it, can be trusted.
+The controller holds velocities; the remaining errors are caused by gusts and grow with them. The innovations
+of the filter do not depend on gusts, because the inertial unit measures the motion caused by them; they show
+whether the estimate, and so the velocity error, is reliable.
 """
 
 from collections.abc import Sequence
 from math import exp, sqrt
 
-MEMORY = 10.0
-"""Seconds over which squares are averaged: a few lengths of turbulence at the speeds flown."""
+AVERAGING_TIME = 10.0
+"""Averaging time of squared errors in seconds: a few turbulence lengths at the speeds flown."""
 
-FIRST = 5.0
-"""Seconds before anything is said."""
+WARM_UP_TIME = 5.0
+"""Seconds before the first estimate."""
 
-IN_STILL_AIR = 0.017
-"""Velocity error in m/s, root mean square, of trims held in still air; measured."""
+STILL_AIR_ERROR = 0.017
+"""Root mean square velocity error of trims in still air in m/s, measured."""
 
-STRAIGHT = 0.0125
-"""Velocity error in m/s, root mean square, for each m/s of wind at 20 ft, flying straight: between what
-`benchmarks.flight.turbulence` measures where trims are held, 0.011, and what missions need, whose maneuvers
-add to
-it.
+ERROR_PER_WIND = 0.0125
+"""Root mean square velocity error for each m/s of wind at 20 ft in straight flight.
+
+`benchmarks.flight.turbulence` measures 0.011 in trims; maneuvers of missions add errors.
 """
 
-TURNING = 0.016
-"""What is added to that for each rad/s of yaw rate: the mean wind comes from everywhere in turn."""
+ERROR_PER_WIND_AND_YAW_RATE = 0.016
+"""Increase of that for each rad/s of yaw rate, because the mean wind's direction rotates in the body."""
 
 
 class TurbulenceMeter:
-    """Averages velocity errors.
+    """Estimator of the wind at 20 ft from velocity errors.
 
     Args:
-        interval: seconds between two looks.
+        interval: seconds between two updates.
     """
 
     def __init__(self, interval: float) -> None:
-        self._kept = exp(-interval / MEMORY)
+        self._decay = exp(-interval / AVERAGING_TIME)
         self._interval = interval
-        self._looks = 0
+        self._updates = 0
         self._square = 0.0
 
-    def see(self, errors: Sequence[float], *, yaw_rate: float) -> None:
-        """Takes velocity errors, one for each axis, in m/s, at a yaw rate that is asked for, in rad/s."""
-        a_wind = STRAIGHT + TURNING * abs(yaw_rate)
-        square = (sum(error**2 for error in errors) - IN_STILL_AIR**2) / a_wind**2
-        self._square = self._kept * self._square + (1.0 - self._kept) * square
-        self._looks += 1
+    def update(self, errors: Sequence[float], *, yaw_rate: float) -> None:
+        """Adds velocity errors.
+
+        Args:
+            errors: velocity error of each axis, m/s.
+            yaw_rate: commanded yaw rate, rad/s.
+        """
+        per_wind = ERROR_PER_WIND + ERROR_PER_WIND_AND_YAW_RATE * abs(yaw_rate)
+        square = (sum(error**2 for error in errors) - STILL_AIR_ERROR**2) / per_wind**2
+        self._square = self._decay * self._square + (1.0 - self._decay) * square
+        self._updates += 1
 
     @property
     def wind_at_20_ft(self) -> float | None:
-        """How hard it blows, in m/s; None where too little was seen."""
-        if self._looks * self._interval < FIRST:
+        """Estimated wind at 20 ft in m/s; None during warm-up."""
+        if self._updates * self._interval < WARM_UP_TIME:
             return None
-        seen = self._square / (1.0 - self._kept**self._looks)
-        return sqrt(max(seen, 0.0))
+        mean_square = self._square / (1.0 - self._decay**self._updates)
+        return sqrt(max(mean_square, 0.0))

@@ -1,8 +1,8 @@
-"""The air of a flight: one wind, or several of which one fades into the next."""
+"""Air of a flight: winds that fade into each other."""
 
 from sim.loop.backend import Backend
 from sim.loop.signals import Signals
-from sim.loop.specification import CONTROL_PERIOD, FADE, FlightSpecification
+from sim.loop.specification import CONTROL_PERIOD, WIND_FADE_TIME, FlightSpecification
 from sim.loop.streams import Stream, random_stream
 from sim.vehicle.parameters import Parameters
 
@@ -10,19 +10,19 @@ from .wind import DrydenWind, wind_class
 
 
 class Weather:
-    """Moves the air of a flight.
+    """Wind of a flight, with its changes.
 
     Args:
-        specification: the wind, and what changes it.
-        parameters: the vehicle, whose breadth counts.
-        signals: where the air's motion is left.
-        backend: what evaluates gusts.
+        specification: wind and wind changes.
+        parameters: vehicle, for its span.
+        signals: output of the wind.
+        backend: numeric back-end.
 
     Attributes:
-        run: moves the air on by one control period.
+        run: advances the air by one control period.
 
     Raises:
-        UnknownWindError: there is no such wind.
+        UnknownWindError: a wind class does not exist.
     """
 
     def __init__(
@@ -44,31 +44,34 @@ class Weather:
         ]
         self._times = [change.time for change in specification.wind_changes]
         self._wind = signals.wind
-        # Counts from the flight's start, which is not yet.
+        # Control periods since the flight's start; None before it.
         self._period: int | None = None
         for air in self._airs[1:]:
-            air.turn(self._airs[0].direction - air.direction)
+            air.rotate_world(self._airs[0].direction - air.direction)
         self.run = self._change if self._times else self._airs[0].run
 
-    def turn(self, angle: float) -> None:
-        """Follows a turn of the whole world about the vertical, in rad."""
+    def rotate_world(self, angle: float) -> None:
+        """Applies a rotation of the world about the vertical, in rad."""
         for air in self._airs:
-            air.turn(angle)
+            air.rotate_world(angle)
 
     def begin(self) -> None:
-        """Takes now for the flight's start."""
+        """Sets time 0, the flight's start."""
         self._period = 0
 
     def _change(self) -> None:
-        """Moves on the air that blows, and fades it into the next; what does not blow stands still."""
-        time, come = 0.0, 0
+        """Advances the current wind and fades it into the next.
+
+        Other winds do not advance.
+        """
+        time, current = 0.0, 0
         if self._period is not None:
             time = self._period * CONTROL_PERIOD
-            come = sum(start <= time for start in self._times)
+            current = sum(start <= time for start in self._times)
             self._period += 1
-        self._airs[come].run()
-        if not come or (share := (time - self._times[come - 1]) / FADE) >= 1.0:
+        self._airs[current].run()
+        if not current or (share := (time - self._times[current - 1]) / WIND_FADE_TIME) >= 1.0:
             return
         new = self._wind.copy()
-        self._airs[come - 1].run()
+        self._airs[current - 1].run()
         self._wind[:] = share * new + (1.0 - share) * self._wind

@@ -1,7 +1,7 @@
-"""Mean wind and turbulence: how hard it blows in a wind class, and the air of a flight, period by period.
+"""Wind classes, and mean wind with turbulence at the vehicle.
 
-Turbulence axes are fixed to the world: x into the wind (the way the vehicle flies through the air when it
-hovers), y to the right of it, z down.
+Turbulence axes are fixed to the world: x into the wind (the direction of flight through the air in hover), y
+to the right of it, z down.
 """
 
 from dataclasses import dataclass
@@ -24,12 +24,12 @@ _KNOT = 1852.0 / 3600.0
 
 @dataclass(frozen=True, slots=True)
 class WindClass:
-    """How hard it blows.
+    """Wind class: turbulence and mean wind.
 
     Attributes:
-        name: as missions, sequences and libraries call it.
-        wind_at_20_ft: the standard's measure of turbulence, m/s.
-        mean_wind: at the flight's height, m/s.
+        name: name in missions, sequences and libraries.
+        wind_at_20_ft: wind at 20 ft, the standard's measure of turbulence, m/s.
+        mean_wind: mean wind at the flight's height, m/s.
     """
 
     name: str
@@ -37,10 +37,9 @@ class WindClass:
     mean_wind: float
 
 
-# The standard ties turbulence to the wind at 20 ft: 15, 30, 45 kt are light, moderate, severe. The mean wind
-# flown is a third of it, chosen: at 30 m over open ground it would be 1.3 times, and a vehicle held to ground
-# velocities of 1 and 3 m/s would mostly be flying sideways through the air. `gtmax` has the size of the
-# thesis's Table 9.
+# Turbulence depends on the wind at 20 ft: 15, 30, 45 kt are light, moderate, severe. The mean wind is chosen
+# as a third of it: at 30 m over open ground it would be 1.3 times, and a vehicle at ground speeds of 1 and
+# 3 m/s would mostly fly sideways through the air. `gtmax` corresponds to the thesis's Table 9.
 WIND_CLASSES = {
     wind.name: wind
     for wind in (
@@ -54,17 +53,17 @@ WIND_CLASSES = {
 
 
 class UnknownWindError(FlightError):
-    """A wind class was named that does not exist."""
+    """Name of a wind class that does not exist."""
 
     def __init__(self, name: str) -> None:
         super().__init__(f"no wind class {name!r}; there are {list(WIND_CLASSES)}")
 
 
 def wind_class(name: str) -> WindClass:
-    """Returns a wind class by its name.
+    """Returns a wind class by name.
 
     Raises:
-        UnknownWindError: there is none of that name.
+        UnknownWindError: it does not exist.
     """
     try:
         return WIND_CLASSES[name]
@@ -73,17 +72,17 @@ def wind_class(name: str) -> WindClass:
 
 
 class DrydenWind:
-    """The air's motion at the vehicle, period by period.
+    """Wind and turbulence at the vehicle, period by period.
 
     Args:
         wind: wind class.
-        height: above ground, m.
-        span: breadth of the vehicle, m.
-        direction: where the mean wind comes from, rad clockwise from north; drawn where None.
-        step: period in s.
-        rng: source of all its chance.
-        signals: where it finds the vehicle's true motion and leaves the wind; its own where None.
-        backend: what evaluates the gusts.
+        height: height above ground, m.
+        span: span of the vehicle, m.
+        direction: direction of origin of the mean wind, rad clockwise from north; random if None.
+        step: period, s.
+        rng: random generator.
+        signals: input true motion, output wind; its own if None.
+        backend: numeric back-end.
     """
 
     def __init__(
@@ -113,21 +112,21 @@ class DrydenWind:
             backend=backend,
         )
         self._noise = Noise(noise, lambda periods: rng.standard_normal((periods, len(noise))))
-        self.turn(0.0)
+        self.rotate_world(0.0)
 
     @property
     def direction(self) -> float:
-        """Where the mean wind comes from, rad clockwise from north."""
+        """Direction of origin of the mean wind, rad clockwise from north."""
         return self._direction
 
-    def turn(self, angle: float) -> None:
-        """Follows a turn of the whole world about the vertical, in rad."""
+    def rotate_world(self, angle: float) -> None:
+        """Applies a rotation of the world about the vertical, in rad."""
         self._direction += angle
         c, s = cos(self._direction), sin(self._direction)
         self._mean[:] = (-c * self._speed, -s * self._speed, c, s)
 
     def run(self) -> None:
-        """Moves the air on by one period."""
+        """Advances the air by one period."""
         if self._still:
             self.signals.wind[:] = (*self._mean[:2], 0.0, 0.0, 0.0, 0.0)
             return
@@ -135,11 +134,11 @@ class DrydenWind:
         self._gusts.step()
 
     def step(self, *, velocity_north: float, velocity_east: float) -> Wind:
-        """Moves on by one period.
+        """Returns the wind after one period.
 
         Args:
-            velocity_north: velocity of the vehicle over the ground, m/s.
-            velocity_east: likewise.
+            velocity_north: north velocity of the vehicle over the ground, m/s.
+            velocity_east: east velocity of the vehicle over the ground, m/s.
         """
         truth = Motion._make([0.0] * len(Motion._fields))
         self.signals.truth[:] = truth._replace(forward=velocity_north, side=velocity_east)

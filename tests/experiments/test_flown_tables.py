@@ -1,4 +1,4 @@
-"""Tables 12 to 26 in closed loop: the pattern that is printed, and ours."""
+"""Tests of the closed-loop Tables 12 to 26 against the printed ones."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -6,7 +6,7 @@ import pytest
 
 from experiments.thesis import flown_tables
 from experiments.thesis.flown_tables import (
-    LoopCompared,
+    LoopComparison,
     compare_loops,
     loops_csv,
     loops_markdown,
@@ -28,7 +28,7 @@ def test_the_printed_pattern_is_nominal_3_of_15_and_worst_case_14_of_15() -> Non
 
 
 @pytest.fixture(scope="module")
-def table_18() -> list[LoopCompared]:
+def table_18() -> list[LoopComparison]:
     with pytest.MonkeyPatch.context() as patch, ThreadPoolExecutor(1) as executor:
         lines = [line for line in printed_loops() if line.table == 18]
         patch.setattr(flown_tables, "printed_loops", lambda: iter(lines))
@@ -36,7 +36,7 @@ def table_18() -> list[LoopCompared]:
 
 
 def test_the_worst_case_is_faster_in_flight_than_its_plan_at_both_signs(
-    table_18: list[LoopCompared],
+    table_18: list[LoopComparison],
 ) -> None:
     nominal, worst = table_18
     assert (nominal.policy, worst.policy) == ("nominal", "worst-case")
@@ -45,10 +45,10 @@ def test_the_worst_case_is_faster_in_flight_than_its_plan_at_both_signs(
         assert time is not None
         assert time <= 20.6783955
     # The negative control: the nominal plan does not survive the same errors.
-    assert nominal.our_loop_minus is None or nominal.our_loop_minus > 13.808
+    assert nominal.our_loop_minus is None
 
 
-def test_the_tables_are_written_as_markdown_and_csv(table_18: list[LoopCompared]) -> None:
+def test_the_tables_are_written_as_markdown_and_csv(table_18: list[LoopComparison]) -> None:
     text = loops_markdown(table_18)
     assert "gave up at 68.52" in text
     assert len(text.splitlines()) == 2 + len(table_18)

@@ -1,4 +1,4 @@
-"""Validation: every flight counted once, kept, blamed, and nothing called reached that was not."""
+"""Tests of validation: missions, results, scorecards, error attribution."""
 
 import json
 from concurrent.futures import ThreadPoolExecutor
@@ -9,13 +9,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.mission.blame import Blame, Performance, blame, performances
+from experiments.mission.error_attribution import (
+    ErrorAttribution,
+    Performance,
+    attribute_errors,
+    performances,
+)
 from experiments.mission.fly import fly_helicopter
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.random_missions import FARTHEST, NEAREST, NoMissionError, random_missions
 from experiments.mission.recorded_latency import recorded_latency
 from experiments.mission.result import MissionResult
-from experiments.mission.result_store import FLIGHTS, fly_all
-from experiments.mission.task import MissionTask
+from experiments.mission.result_store import FLIGHTS, fly_tasks
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.automaton.maneuver import ManeuverError
@@ -28,17 +33,17 @@ from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from maneuver.app import run
 from maneuver.options.latencies import latency_of
-from planner.closed_loop.flight_record import Flown
+from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
-from planner.policies.worst_case import WorstCase
-from runtime.executor import Means
+from planner.policies.worst_case import worst_case_planner
+from runtime.executor import JobExecutor
 from scenarios.find import find_library, find_mission
 
 LIBRARY = find_library("gtmax-sim")
 
 
-Flight = tuple[MissionTask, Flown, FlightLog]
+Flight = tuple[MissionTask, FlightRecord, FlightLog]
 
 
 def test_random_missions_repeat_and_each_has_a_plan() -> None:
@@ -46,7 +51,7 @@ def test_random_missions_repeat_and_each_has_a_plan() -> None:
     assert missions == random_missions(LIBRARY, count=8, seed=3, gamma=1.0)
     assert missions[:5] == random_missions(LIBRARY, count=5, seed=3, gamma=1.0)
     assert missions != random_missions(LIBRARY, count=8, seed=4, gamma=1.0)
-    planner = WorstCase(LIBRARY, 1.0)
+    planner = worst_case_planner(LIBRARY, 1.0)
     for mission in missions:
         assert planner.plan(mission).found
         assert NEAREST <= mission.start.distance_to(mission.goal) <= FARTHEST
@@ -59,7 +64,7 @@ def test_a_library_that_leads_nowhere_has_no_missions() -> None:
         maneuvers=(),
         conditions=replace(LIBRARY.conditions, maneuver_end=None),
     )
-    with pytest.raises(NoMissionError, match="none has a worst-case plan at gamma 1"):
+    with pytest.raises(NoMissionError, match="expected a worst-case plan at gamma 1"):
         random_missions(lame, count=1, seed=1, gamma=1.0)
 
 
@@ -73,7 +78,9 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 
     def fly(some: list[MissionTask]) -> list[MissionResult]:
         with ThreadPoolExecutor(1) as executor:
-            return fly_all(some, folder=tmp_path / "out", logs=None, means=Means(executor), force=False)
+            return fly_tasks(
+                some, folder=tmp_path / "out", logs=None, job_executor=JobExecutor(executor), force=False
+            )
 
     first = fly(tasks[:2])
     before = {path: path.stat().st_mtime_ns for path in (tmp_path / "out" / FLIGHTS).iterdir()}
@@ -89,7 +96,9 @@ def test_a_validation_that_was_stopped_flies_only_what_is_missing(tmp_path: Path
 def test_a_folder_with_something_else_in_it_is_refused(tmp_path: Path) -> None:
     (tmp_path / "letter.txt").write_text("dear")
     with ThreadPoolExecutor(1) as executor, pytest.raises(FlightError, match="exists"):
-        fly_all([automaton_task(0)], folder=tmp_path, logs=None, means=Means(executor), force=False)
+        fly_tasks(
+            [automaton_task(0)], folder=tmp_path, logs=None, job_executor=JobExecutor(executor), force=False
+        )
 
 
 def test_a_validation_writes_scorecards_and_pictures(
@@ -128,7 +137,7 @@ def test_a_validation_writes_scorecards_and_pictures(
         (("--aim", "2"), "aim must be in"),
     ],
 )
-def test_wrong_orders_are_one_line(
+def test_wrong_options_are_refused_in_one_line(
     words: tuple[str, ...], problem: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(("validate", *words)) == 2
@@ -164,7 +173,7 @@ def test_a_flight_with_measured_latencies_is_repeated_by_its_log(flight: Flight,
     assert json.loads(repeated.attachments[PLANS_ATTACHMENT]) == json.loads(log.attachments[PLANS_ATTACHMENT])
 
 
-def test_the_log_says_what_was_decided(flight: Flight, tmp_path: Path) -> None:
+def test_the_log_records_the_decisions(flight: Flight, tmp_path: Path) -> None:
     _, flown, log = flight
     path = tmp_path / "flight.mcap"
     path.write_bytes(log_bytes(log))
@@ -175,7 +184,7 @@ def test_the_log_says_what_was_decided(flight: Flight, tmp_path: Path) -> None:
 
 
 def smaller(library: Library, factor: float) -> Library:
-    """The same library with smaller errors."""
+    """Returns the library with its errors scaled by a factor."""
     return replace(
         library,
         trims=tuple(
@@ -199,7 +208,7 @@ def smaller(library: Library, factor: float) -> Library:
     )
 
 
-def test_blame_is_in_parts_of_the_error(flight: Flight) -> None:
+def test_deviations_are_shares_of_the_error(flight: Flight) -> None:
     _, _, log = flight
     whole = performances(log)
     cut = performances(replace_library(log, smaller(LIBRARY, 0.5)))
@@ -213,26 +222,26 @@ def replace_library(log: FlightLog, library: Library) -> FlightLog:
     return replace(log, attachments={**log.attachments, LIBRARY_ATTACHMENT: library_text(library).encode()})
 
 
-def test_a_library_that_claims_too_much_is_found_out() -> None:
-    """Flights that leave an error as often as claimed pass; the same with errors cut by 30 % do not."""
+def test_a_library_with_too_small_errors_is_refuted() -> None:
+    """Tests flights as claimed, and with errors cut by 30 %."""
     rng = np.random.default_rng(1)
-    # Largest deviations as flights in the library's own wind have them: one in some hundred is outside.
+    # Largest deviations as in the library's own wind: about one in a hundred is outside.
     shares = np.abs(rng.normal(0.55, 0.17, 200))
 
-    def judged(factor: float) -> Blame:
+    def attributed(factor: float) -> ErrorAttribution:
         flights = [
             (f"flight {n}", [Performance("trim", 2, 1.0, "side", float(share) / factor)])
             for n, share in enumerate(shares)
         ]
-        (row,) = blame(flights, LIBRARY)
+        (row,) = attribute_errors(flights, LIBRARY)
         return row
 
-    honest, boastful = judged(1.0), judged(0.7)
-    assert honest.claimed == LIBRARY.trim(2).statistics.coverage  # type: ignore[union-attr]
-    assert honest.p_value > 0.05  # type: ignore[operator]
-    assert boastful.p_value < 1e-3  # type: ignore[operator]
-    assert boastful.outside > honest.outside
-    assert boastful.worst.share == pytest.approx(honest.worst.share / 0.7)
+    full, reduced = attributed(1.0), attributed(0.7)
+    assert full.claimed == LIBRARY.trim(2).statistics.coverage  # type: ignore[union-attr]
+    assert full.p_value > 0.05  # type: ignore[operator]
+    assert reduced.p_value < 1e-3  # type: ignore[operator]
+    assert reduced.outside > full.outside
+    assert reduced.worst.share == pytest.approx(full.worst.share / 0.7)
 
 
 def test_latencies_of_a_log_are_charged_again(flight: Flight) -> None:

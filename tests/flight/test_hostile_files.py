@@ -1,46 +1,65 @@
-"""Files that somebody else wrote, or broke: each ends in an answer or in one line, never in a traceback."""
+"""Tests of foreign and damaged files: a result or one error line."""
 
 import ast
+from collections import Counter
 from dataclasses import replace
+from itertools import cycle
 from pathlib import Path
 from random import Random
 
 import pytest
 
-import benchmarks.files.hostile_files as hostile
 import models
 from flight.errors import FlightError
 from flightlog.channels import TRUTH
-from flightlog.consistency import refuse_contradictions
+from flightlog.consistency import check_log_consistency
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers.mjcf_check import parse_model
 from maneuver.app import run
+from tests.support.packages import ROOT, SHIPPED
+from tests.support.studies.hostile_files import Kind, kinds_of_files, outcome
+from tests.support.studies.study import Study
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
-ROOT = Path(__file__).parents[2]
-OURS = ("flight", "sim", "identification", "planner", "review", "maneuver", "tools")
+OURS = tuple(path for name in (*SHIPPED, "tools") for path in (ROOT / name).rglob("*.py"))
 
 
 @pytest.fixture(scope="module")
-def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, hostile.Kind]:
-    return {kind.name: kind for kind in hostile.kinds(tmp_path_factory.mktemp("good"))}
+def kinds(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Kind]:
+    return {kind.name: kind for kind in kinds_of_files(tmp_path_factory.mktemp("good"))}
 
 
 @pytest.mark.parametrize(
     "name", ["library", "mission", "plan", "sequence", "vehicle", "model", "campaign", "log", "torn log"]
 )
 def test_a_mutated_file_is_answered_or_refused_in_one_line(
-    kinds: dict[str, hostile.Kind], name: str, tmp_path: Path
+    kinds: dict[str, Kind], name: str, tmp_path: Path
 ) -> None:
     count = 6 if name == "log" else 25
-    found = [hostile.outcome(kinds[name], Random(f"{name} {n}"), tmp_path) for n in range(count)]
-    assert not [outcome for outcome in found if outcome.startswith("wrong")]
+    found = [outcome(kinds[name], Random(f"{name} {n}"), tmp_path) for n in range(count)]
+    assert not [result for result in found if result.startswith("wrong")]
 
 
-def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, hostile.Kind], tmp_path: Path) -> None:
+@pytest.mark.slow
+def test_study_of_mutated_files(kinds: dict[str, Kind], study: Study, tmp_path: Path) -> None:
+    mutations, seed = study.size("mutations", 1000), study.size("seed", 1)
+    outcomes = Counter[tuple[str, str]]()
+    for number, kind in zip(range(mutations), cycle(kinds.values()), strict=False):
+        result = outcome(kind, Random(f"{seed} {number}"), tmp_path)
+        outcomes[kind.name, result] += 1
+        if result.startswith("wrong"):
+            study.show(f"mutation {number} of seed {seed}: {kind.name}: {result}")
+    for (name, result), count in sorted(outcomes.items()):
+        study.show(f"{name:10s} {count:6d}  {result}")
+    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
+    study.show_share(wrong, mutations, "mutations")
+    assert wrong == 0
+
+
+def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, Kind], tmp_path: Path) -> None:
     for name in ("library", "plan", "sequence", "vehicle", "model", "campaign"):
         path = tmp_path / f"good{kinds[name].suffix}"
         path.write_bytes(kinds[name].content)
@@ -53,19 +72,19 @@ def changed(log: FlightLog, series: Series) -> FlightLog:
 
 def test_a_log_whose_checksums_are_right_may_still_contradict_itself() -> None:
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
-    refuse_contradictions(log)
+    check_log_consistency(log)
     truth = log[TRUTH]
     backwards, broken = truth.time.copy(), truth.values.copy()
     backwards[10] = 0.0
     broken[7, 2] = float("nan")
     for wrong, words in (
-        (Series(TRUTH, backwards, truth.values), "time goes back"),
+        (Series(TRUTH, backwards, truth.values), "expected increasing times"),
         (Series(TRUTH, truth.time, broken), "got nan"),
-        (Series(TRUTH, truth.time + 500.0, truth.values), "has no state in the primitive"),
-        (Series(TRUTH, truth.time[:0], truth.values[:0]), "has no message"),
+        (Series(TRUTH, truth.time + 500.0, truth.values), "expected a state in the primitive"),
+        (Series(TRUTH, truth.time[:0], truth.values[:0]), "expected at least one message"),
     ):
         with pytest.raises(ValueError, match=words):
-            refuse_contradictions(changed(log, wrong))
+            check_log_consistency(changed(log, wrong))
 
 
 RUNNING = {"eval", "exec", "compile", "__import__"}
@@ -91,7 +110,8 @@ def dangers(tree: ast.AST) -> set[str]:
 
 
 def test_nothing_of_ours_runs_what_a_file_says() -> None:
-    for path in (path for folder in OURS for path in (ROOT / folder).rglob("*.py")):
+    assert len(OURS) > 300
+    for path in OURS:
         assert not dangers(ast.parse(path.read_text())), path
 
 
@@ -99,7 +119,7 @@ READERS = {"SeekingReader", "NonSeekingReader", "make_reader", "get_chunk_data_s
 
 
 def unchecked(tree: ast.AST) -> list[str]:
-    """Returns the readers of logs that are not told to verify checksums; their default does not."""
+    """Returns the log readers without an explicit checksum check."""
     return [
         call.func.id
         for call in ast.walk(tree)
@@ -112,7 +132,7 @@ def unchecked(tree: ast.AST) -> list[str]:
 
 
 def test_every_reader_of_logs_verifies_checksums() -> None:
-    trees = {path: ast.parse(path.read_text()) for folder in OURS for path in (ROOT / folder).rglob("*.py")}
+    trees = {path: ast.parse(path.read_text()) for path in OURS}
     assert not [path for path, tree in trees.items() if unchecked(tree)]
     assert unchecked(ast.parse("SeekingReader(stream)")) == ["SeekingReader"]
     assert unchecked(ast.parse("make_reader(stream, validate_crcs=False)")) == ["make_reader"]
@@ -169,7 +189,7 @@ def test_a_log_with_a_harmful_shape_ends_in_one_line_and_exit_code_2(
     # Our own writer would draw the shape for viewers, and refuse.
     monkeypatch.setattr("flightlog.file.writer.viewer_channels", lambda log: ())
     path = tmp_path / "harmful.mcap"
-    publish_log(replace(log, attachments={**log.attachments, "model.xml": HARMFUL[harm].encode()}), path)
+    write_log(replace(log, attachments={**log.attachments, "model.xml": HARMFUL[harm].encode()}), path)
     assert run(["review", str(path), "--still", str(tmp_path / "still.png")]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("maneuver: ")
@@ -180,7 +200,7 @@ def test_a_log_that_would_unpack_to_more_than_is_allowed_is_refused(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "bomb.mcap"
-    publish_log(synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1), path)
+    write_log(synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1), path)
     read_log(path)
     monkeypatch.setattr("flightlog.file.reader.LARGEST_LOG", path.stat().st_size)
     with pytest.raises(FlightError, match="bytes of content, got more"):

@@ -1,4 +1,4 @@
-"""Libraries: consistent by construction, exact on disk, refused in one line when they are not."""
+"""Tests of libraries: consistency, exact files, one-line refusals."""
 
 import json
 from collections.abc import Callable

@@ -10,7 +10,7 @@ from flight.errors import BadFileError
 from flight.mission.campaign import NoRuleForWindError, read_campaign
 from flight.mission.mission import read_mission
 from flight.mission.sequence import read_sequence
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from scenarios.find import CAMPAIGNS, MISSIONS, SEQUENCES, find_mission
 
 MISSION = """
@@ -125,7 +125,7 @@ def test_the_farthest_mission_that_a_file_may_say_has_a_plan_that_passes_its_che
         .replace("position = [9.144, 0]", f"position = [{position}, {-position}]")
         .replace("tolerance = 0.9144", "tolerance = 0.0")
     )
-    assert Nominal(thesis_gtmax()).plan(read_mission(path)).verified
+    assert nominal_planner(thesis_gtmax()).plan(read_mission(path)).verified
 
 
 def test_a_mission_names_the_place_of_a_trim_that_the_library_lacks(tmp_path: Path) -> None:

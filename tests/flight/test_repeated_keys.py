@@ -1,4 +1,4 @@
-"""A key that stands twice means two things: such files are refused, whatever they are."""
+"""Tests of repeated keys: refused in every file format."""
 
 import json
 from pathlib import Path
@@ -8,7 +8,7 @@ import pytest
 from flight.automaton.library_file import library_text, read_library
 from flight.errors import BadFileError
 from flight.plan.plan import plan_text, read_plan
-from tests.planner.check.test_plan_check import case
+from tests.support.planning.planned_case import case
 from tests.support.synthetic_log import synthetic_library
 
 
@@ -35,7 +35,8 @@ def test_a_file_of_another_kind_is_told_from_a_newer_one(tmp_path: Path) -> None
     path = tmp_path / "library.json"
     path.write_text(library_text(synthetic_library()))
     with pytest.raises(
-        BadFileError, match=r"this program reads maneuver-plan/1, the file is maneuver-library/1$"
+        BadFileError,
+        match=r"this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-library/1$",
     ):
         read_plan(path)
     path.write_text("{}")

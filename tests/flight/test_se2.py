@@ -1,4 +1,4 @@
-"""The group of planar motions, and the flow of a constant body velocity."""
+"""Tests of planar motions: group laws and constant-velocity flow."""
 
 from math import cos, pi, sin
 
@@ -57,7 +57,7 @@ def test_flying_backwards_in_time_returns(twist: Twist, time: float) -> None:
 @example(4.0, -1.0, 1e-8, 10.0)
 @example(4.0, -1.0, 5e-324, 10.0)
 def test_the_flow_agrees_with_forty_digits(forward: float, side: float, rate: float, time: float) -> None:
-    """Thesis, eq. 17-18, in arithmetic that has digits to lose."""
+    """Thesis, eq. 17-18, compared in 40-digit arithmetic."""
     with mp.workdps(700):
         r, t = mpf(rate), mpf(time)
         along = mp.sin(r * t) / r if rate else t

@@ -1,4 +1,4 @@
-"""Tables of other programs: what their columns say comes back, and nothing else."""
+"""Tests of the import of CSV tables."""
 
 import json
 from math import pi
@@ -9,11 +9,11 @@ import pytest
 
 from flightlog.channels import ACTUATORS, ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
-from identification.segmentation.segmentation import Entry, Walk, cut
+from identification.segmentation.segmentation import ObservedWalk, TrimEntry, cut_into_segments
 from maneuver.app import run
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
-# Beside the project, not part of it.
+# Data beside the project, not part of it.
 DATA = Path(__file__).parents[3] / "shared" / "data"
 
 
@@ -25,7 +25,7 @@ def written(folder: Path, columns: dict[str, np.ndarray]) -> Path:
 
 
 def eastward() -> dict[str, np.ndarray]:
-    """Returns a straight climb to the east, in axes east, north, up, nose to the east."""
+    """Returns a straight climb to the east in axes east-north-up."""
     time = 0.05 * np.arange(200)
     zeros = np.zeros(200)
     columns = {"t": 1e6 + 1e3 * time, "px": 2.0 * time, "y": zeros, "z": 5.0 + 0.5 * time}
@@ -44,7 +44,7 @@ def test_columns_are_taken_by_their_names_in_the_axes_stated(tmp_path: Path) -> 
     ):
         np.testing.assert_allclose(truth[field], value, atol=1e-6, err_msg=field)
     assert log[ACTUATORS].topic.field_names == ("control_1",)
-    assert not truth.holds("roll_rate")
+    assert not truth.has_fields("roll_rate")
 
 
 def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Path) -> None:
@@ -66,7 +66,7 @@ def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Pa
     [
         ((), "expected --columns time=COLUMN"),
         (("--columns", "time=tt"), "no column 'tt'; it has t, px"),
-        (("--columns", "date=t"), "no column can be 'date'"),
+        (("--columns", "date=t"), "unknown column name 'date'"),
         (("--columns", "time"), "expected NAME=HEADING, got 'time'"),
         (("--columns", "time=t", "time=px"), "time is given twice"),
         (("--columns", "time=t", "--pose", "/odom"), "--pose cannot be given here"),
@@ -96,13 +96,13 @@ def test_without_positions_maneuvers_are_as_long_as_their_velocities_make_them()
     log = synthetic_log(library, (1, 3, 7, 3), (4.0,) * 4, seed=1, noise=STILL)
     starts = log.series["/primitive"]
     entries = [
-        Entry(time, int(left), int(reached))
+        TrimEntry(time, int(left), int(reached))
         for time, kind, left, reached in zip(
             starts.time, starts["kind"], starts["from_trim"], starts["to_trim"], strict=True
         )
         if kind == 1
     ]
-    walk = Walk(1, tuple(entries))
+    walk = ObservedWalk(1, tuple(entries))
     truth = log[TRUTH]
     fields = [name for name in truth.topic.field_names if name not in {"north", "east"}]
     blind_topic = TRUTH.only(fields)
@@ -110,13 +110,16 @@ def test_without_positions_maneuvers_are_as_long_as_their_velocities_make_them()
     blind = type(log)(
         log.header, {TRUTH.name: type(truth)(blind_topic, truth.time, blind_values)}, log.attachments
     )
-    seen, unseen = cut(log, walk, library).maneuvers, cut(blind, walk, library).maneuvers
-    assert len(seen) == len(unseen) == 3
-    for one, other in zip(seen, unseen, strict=True):
-        assert other.duration == one.duration
-        # The synthetic vehicle holds each velocity for a sample: half a sample's way apart.
-        assert other.displacement.x == pytest.approx(one.displacement.x, abs=0.05)
-        assert other.displacement.y == pytest.approx(one.displacement.y, abs=0.05)
+    with_positions, without = (
+        cut_into_segments(log, walk, library).maneuvers,
+        cut_into_segments(blind, walk, library).maneuvers,
+    )
+    assert len(with_positions) == len(without) == 3
+    for measured, reckoned in zip(with_positions, without, strict=True):
+        assert reckoned.duration == measured.duration
+        # The synthetic vehicle holds each velocity for a sample, so they differ by half a sample's distance.
+        assert reckoned.displacement.x == pytest.approx(measured.displacement.x, abs=0.05)
+        assert reckoned.displacement.y == pytest.approx(measured.displacement.y, abs=0.05)
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="no logs of others beside the project")
@@ -129,11 +132,11 @@ def test_a_real_table_is_imported_reviewed_and_identified_from(
     columns = ["time=timestamp", *quaternion, *rates]
     order = ["import", str(DATA / "quadrotor_model.csv"), "--columns", *columns, "--time-unit", "us"]
     assert run([*order, "--out", str(out), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["absent_of_the_state"] == ["north", "east", "down"]
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["absent_of_the_state"] == ["north", "east", "down"]
     estimate = read_log(out)[ESTIMATE]
     assert estimate.time[-1] == pytest.approx(55.63)
-    # The slope of its heading is the rate that its body rates make.
+    # The derivative of its heading equals the yaw rate of its body rates.
     slope = np.gradient(estimate["heading"], estimate.time)
     assert np.sqrt(np.mean((slope - estimate["yaw_rate"]) ** 2)) < 0.05
     assert run(["review", str(out), "--html", "--out", str(tmp_path / "review"), "--json"]) == 0

@@ -1,4 +1,4 @@
-"""MCAP files of other programs: what was flown comes back, whatever wrote it, in our axes."""
+"""Tests of the import of MCAP files from other programs."""
 
 import json
 from dataclasses import replace
@@ -16,19 +16,19 @@ from flight.automaton.library_file import library_text, read_library
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
-from flightlog.imports.axes import Axes, quaternions_of
+from flightlog.file.writer import write_log
+from flightlog.imports.axes import Axes, quaternions_from_euler
 from flightlog.imports.measured_motion import attitude_source
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers.z_up_frames import attitudes
 from maneuver.app import run
-from tests.support.foreign_bags import plain_bag, ros2_bag
+from tests.support.external_bags import plain_bag, ros2_bag
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 
 def tilted() -> Series:
-    """Returns a motion in which no axis is idle: turns, bank, pitch, climb and sideways drift."""
+    """Returns a motion that excites all axes."""
     time = 0.02 * np.arange(400)
     heading, roll, pitch = 2.0 + 0.5 * time, 0.3 + 0.2 * np.sin(time), -0.2 + 0.1 * np.cos(1.3 * time)
     forward, side, descent = 3.0 + np.sin(time), 0.5 * np.cos(time), 0.2 * np.sin(0.7 * time)
@@ -82,37 +82,35 @@ def test_every_number_of_the_motion_comes_back(
         if field in {"heading", "yaw_rate"}:
             continue
         np.testing.assert_allclose(estimate[field], FLOWN[field], atol=tolerance, err_msg=field)
-    # The heading may differ by whole turns, and its rate by how the test makes it: by differences.
+    # The heading may differ by whole turns; its rate was differentiated numerically.
     turns = (estimate["heading"] - FLOWN["heading"]) / (2 * np.pi)
     np.testing.assert_allclose(turns, np.rint(turns), atol=tolerance)
     np.testing.assert_allclose(estimate["yaw_rate"], FLOWN["yaw_rate"], atol=1e-4)
 
 
-def test_json_says_where_and_how_fast_and_what_it_does_not_say_is_absent(
+def test_json_gives_pose_and_velocity_and_the_rest_is_absent(
     bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     options = ("--pose", "/json_pose", "--velocity", "/json_velocity", "--as", "truth")
     log = imported(bags["plain"], tmp_path, *options)
-    said = json.loads(capsys.readouterr().out)
+    summary = json.loads(capsys.readouterr().out)
     truth = log[TRUTH]
     np.testing.assert_allclose(truth["side"], FLOWN["side"], atol=1e-9)
-    assert not truth.holds("roll_rate")
-    assert said["absent_of_the_state"] == ["roll_rate", "pitch_rate", "body_yaw_rate"]
-    assert {"/estimate", "/wind", "/command"} <= set(said["absent"])
+    assert not truth.has_fields("roll_rate")
+    assert summary["absent_of_the_state"] == ["roll_rate", "pitch_rate", "body_yaw_rate"]
+    assert {"/estimate", "/wind", "/command"} <= set(summary["absent"])
     # Without body rates the rate of the heading is its slope.
     np.testing.assert_allclose(truth["yaw_rate"], 0.5, atol=1e-6)
 
 
-def test_a_pose_alone_gives_the_velocity_that_its_slope_shows_and_says_so(
-    bags: dict[str, Path], tmp_path: Path
-) -> None:
+def test_a_pose_alone_is_differentiated_and_this_is_recorded(bags: dict[str, Path], tmp_path: Path) -> None:
     log = imported(bags["ros"], tmp_path, "--pose", "/pose")
     assert json.loads(log.attachments[IMPORT_ATTACHMENT])["velocity"] == "the slope of the position"
     inner = slice(1, -1)
     np.testing.assert_allclose(log[ESTIMATE]["forward"][inner], FLOWN["forward"][inner], atol=0.03)
 
 
-def test_axes_that_are_stated_are_believed_and_wrong_ones_are_noticed(
+def test_stated_axes_are_used_and_wrong_ones_are_detected(
     bags: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     right = ("--pose", "/odom", "--world", "enu", "--body", "flu", "--velocity-in", "body")
@@ -166,14 +164,14 @@ def test_damaged_bags_are_refused_in_one_line(
             broken[place] ^= 1 << int(rng.integers(8))
         path.write_bytes(bytes(broken))
         code = run(["import", str(path), "--pose", "/odom", "--out", str(tmp_path / "out.mcap"), "--force"])
-        said = capsys.readouterr().err
+        message = capsys.readouterr().err
         assert code in {0, 2}
         if code == 2:
-            assert said.count("\n") == 1
+            assert message.count("\n") == 1
 
 
 def along(library: Library, walk: tuple[int, ...]) -> Library:
-    """Returns a library of the trims and maneuvers of a walk, and no others."""
+    """Returns a library of the trims and maneuvers of a walk."""
     trims, edges = set(walk), set(pairwise(walk))
     joined = [one for one in library.maneuvers if (one.from_trim, one.to_trim) in edges]
     rule = library.conditions.maneuver_end
@@ -188,7 +186,10 @@ def along(library: Library, walk: tuple[int, ...]) -> Library:
 
 
 def with_rates_of_the_turn(states: Series) -> Series:
-    """Returns states whose body rates are those of their rate of heading, which a synthetic log's are not."""
+    """Returns states whose body rates agree with their yaw rate.
+
+    Those of a synthetic log do not.
+    """
     values = states.values.copy()
     turning = np.cos(states["pitch"]) * states["yaw_rate"]
     for field, share in (("pitch_rate", np.sin(states["roll"])), ("body_yaw_rate", np.cos(states["roll"]))):
@@ -205,7 +206,7 @@ def test_an_imported_flight_gives_the_library_that_its_original_gives(tmp_path: 
     truth = with_rates_of_the_turn(flown[TRUTH])
     bag.write_bytes(ros2_bag(truth, topics=["/odom"]))
     named.write_text(library_text(library))
-    publish_log(replace(flown, series={TRUTH.name: truth}), logs["original"])
+    write_log(replace(flown, series={TRUTH.name: truth}), logs["original"])
     assert run(["import", str(bag), "--pose", "/odom", "--as", "truth", "--out", str(logs["imported"])]) == 0
     found = {}
     for name, log in logs.items():
@@ -228,17 +229,17 @@ def test_axes_turn_as_matrices_do(quaternion: tuple[float, ...]) -> None:
     w, x, y, z = np.array(quaternion) / np.linalg.norm(quaternion)
     theirs = Rotation.from_quat([x, y, z, w]).as_matrix()
     swap, flip = np.array([[0.0, 1, 0], [1, 0, 0], [0, 0, -1]]), np.diag([1.0, -1, -1])
-    ours = Axes("enu", "flu").turned(np.array([[w, x, y, z]]))[0]
+    ours = Axes("enu", "flu").in_ned_frd(np.array([[w, x, y, z]]))[0]
     np.testing.assert_allclose(
         Rotation.from_quat(ours[[1, 2, 3, 0]]).as_matrix(), swap @ theirs @ flip, atol=1e-12
     )
-    same = Axes("ned", "frd").turned(np.array([[w, x, y, z]]))
+    same = Axes("ned", "frd").in_ned_frd(np.array([[w, x, y, z]]))
     np.testing.assert_array_equal(same, [[w, x, y, z]])
 
 
 @given(roll=st.floats(-3.1, 3.1), pitch=st.floats(-1.5, 1.5), yaw=st.floats(-3.1, 3.1))
 def test_angles_of_a_quaternion_of_angles_are_these_angles(roll: float, pitch: float, yaw: float) -> None:
-    one = quaternions_of(*(np.array([angle]) for angle in (roll, pitch, yaw)))
+    one = quaternions_from_euler(*(np.array([angle]) for angle in (roll, pitch, yaw)))
     angles = attitude_source(np.zeros(1), one).columns
     np.testing.assert_allclose(
         [angles[name][0] for name in ("roll", "pitch", "heading")], [roll, pitch, yaw], atol=1e-7
@@ -246,10 +247,10 @@ def test_angles_of_a_quaternion_of_angles_are_these_angles(roll: float, pitch: f
 
 
 def test_the_viewers_channels_of_a_ros_bag_are_its_own_poses_again() -> None:
-    """Ours to viewers is the way back from theirs to ours: two files that know nothing of one another."""
-    from tests.support.foreign_bags import Motion
+    """Checks that export to viewers inverts the import."""
+    from tests.support.external_bags import MatrixMotion
 
     there = attitudes(replace(FLOWN))
-    theirs = Motion(FLOWN).quaternions
+    theirs = MatrixMotion(FLOWN).quaternions
     same = np.minimum(np.abs(there - theirs).max(axis=1), np.abs(there + theirs).max(axis=1))
     assert same.max() < 1e-12

@@ -1,4 +1,4 @@
-"""Flight logs on disk: nothing lost, nothing changed unseen, half a file never read as a whole one."""
+"""Tests of flight logs on disk: complete and unchanged, or refused."""
 
 import io
 from pathlib import Path
@@ -13,10 +13,10 @@ from mcap.reader import make_reader
 from flight.errors import AlreadyExistsError, BadFileError, CannotWriteError
 from flightlog.channels import CONTROLS, TOPICS, TRUTH
 from flightlog.file.reader import read_log
-from flightlog.file.writer import log_bytes, publish_log
+from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog, MissingTopicError
-from flightlog.primitives import primitives_flown
-from runtime.atomic_write import publish_bytes
+from flightlog.primitives import flown_primitives
+from runtime.atomic_write import write_atomically
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 
@@ -32,7 +32,7 @@ def content(log: FlightLog) -> bytes:
 
 def test_a_log_is_read_as_it_was_written(log: FlightLog, tmp_path: Path) -> None:
     path = tmp_path / "flight.mcap"
-    publish_log(log, path)
+    write_log(log, path)
     read = read_log(path)
     assert read.header == log.header
     assert read.attachments == log.attachments
@@ -41,7 +41,7 @@ def test_a_log_is_read_as_it_was_written(log: FlightLog, tmp_path: Path) -> None
         np.testing.assert_array_equal(read.series[name].values, series.values)
         # Times are whole nanoseconds in the file.
         np.testing.assert_allclose(read.series[name].time, series.time, rtol=0, atol=0.51e-9)
-    assert primitives_flown(read) == primitives_flown(log)
+    assert flown_primitives(read) == flown_primitives(log)
 
 
 def test_equal_logs_give_equal_bytes(log: FlightLog, content: bytes) -> None:
@@ -49,7 +49,7 @@ def test_equal_logs_give_equal_bytes(log: FlightLog, content: bytes) -> None:
 
 
 def test_the_stock_decoder_reads_the_same_numbers(log: FlightLog, content: bytes) -> None:
-    """Messages are written in blocks past the library's own writer; its reader must not notice."""
+    """Compares blocks, written past the MCAP library's writer, with its reader."""
     reader = make_reader(io.BytesIO(content), validate_crcs=True)
     classes = {}
     rows: dict[str, list[list[float]]] = {name: [] for name in log.series}
@@ -115,10 +115,10 @@ def test_a_topic_that_is_absent_is_absent_not_zero(log: FlightLog) -> None:
 
 def test_a_log_is_not_overwritten_unless_forced(log: FlightLog, tmp_path: Path) -> None:
     path = tmp_path / "flight.mcap"
-    publish_log(log, path)
+    write_log(log, path)
     with pytest.raises(AlreadyExistsError, match="--force"):
-        publish_log(log, path)
-    publish_log(log, path, force=True)
+        write_log(log, path)
+    write_log(log, path, force=True)
 
 
 def test_a_write_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,7 +129,7 @@ def test_a_write_that_fails_leaves_nothing(tmp_path: Path, monkeypatch: pytest.M
 
     monkeypatch.setattr("os.fsync", full)
     with pytest.raises(CannotWriteError, match="cannot be written: No space left"):
-        publish_bytes(b"content", path)
+        write_atomically(b"content", path)
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,4 +1,4 @@
-"""Logs of PX4: a circle in closed form comes back as it was flown, and real ones are reviewed."""
+"""Tests of the import of PX4 logs."""
 
 import json
 from pathlib import Path
@@ -9,19 +9,22 @@ import pytest
 from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, TRUTH, WIND
-from flightlog.events import Level, events_of_flight
+from flightlog.events import Level, flight_events
 from flightlog.file.reader import read_log
 from flightlog.imports.px4_log import Messages, series_of
 from flightlog.topic import Series
 from maneuver.app import run
 
-# Beside the project, not part of it.
+# Data beside the project, not part of it.
 DATA = Path(__file__).parents[3] / "shared" / "data"
 SPEED, RATE, BANK = 5.0, 0.4, 0.2
 
 
 def circle() -> dict[str, Messages]:
-    """Returns PX4's topics of a right-hand circle at a constant bank, positions not valid for a second."""
+    """Returns PX4's topics of a right-hand circle in closed form.
+
+    The bank is constant; positions are invalid for the first second.
+    """
     slow, fast = 100.0 + np.arange(0.0, 20.0, 0.1), 100.0 + np.arange(0.0, 20.0, 0.004)
 
     def turned(time: np.ndarray) -> np.ndarray:
@@ -53,13 +56,13 @@ def circle() -> dict[str, Messages]:
         "xyz[1]": RATE * np.sin(BANK) * ones,
         "xyz[2]": RATE * np.cos(BANK) * ones,
     }
-    asked = {"timestamp": slow * 1e6, "vx": place["vx"], "vy": place["vy"], "z": place["z"]}
-    asked["yawspeed"] = np.where(slow < 110.0, np.nan, RATE)
+    setpoint = {"timestamp": slow * 1e6, "vx": place["vx"], "vy": place["vy"], "z": place["z"]}
+    setpoint["yawspeed"] = np.where(slow < 110.0, np.nan, RATE)
     return {
         "vehicle_local_position": place,
         "vehicle_attitude": attitude,
         "vehicle_angular_velocity": rates,
-        "vehicle_local_position_setpoint": asked,
+        "vehicle_local_position_setpoint": setpoint,
     }
 
 
@@ -96,17 +99,17 @@ def test_what_is_not_valid_or_not_logged_is_absent_and_the_rest_is_there() -> No
     place = topics["vehicle_local_position"]
     never = {**place, "xy_valid": np.zeros(len(place["x"]))}
     estimate = series_of({**topics, "vehicle_local_position": never})[ESTIMATE.name]
-    assert not estimate.holds("north")
-    assert not estimate.holds("east")
+    assert not estimate.has_fields("north")
+    assert not estimate.has_fields("east")
     np.testing.assert_allclose(estimate["forward"], SPEED, atol=2e-5)
     np.testing.assert_allclose(estimate["down"], -12.0)
-    lying = {name: part for name, part in topics.items() if name != "vehicle_attitude"}
-    without_attitude = series_of(lying)[ESTIMATE.name]
+    partial = {name: part for name, part in topics.items() if name != "vehicle_attitude"}
+    without_attitude = series_of(partial)[ESTIMATE.name]
     assert set(without_attitude.topic.field_names) == {
         *("north", "east", "down", "descent", "roll_rate", "pitch_rate", "body_yaw_rate")
     }
-    assert COMMAND.name not in series_of(lying)
-    with pytest.raises(FlightError, match="expected two messages or more of one of"):
+    assert COMMAND.name not in series_of(partial)
+    with pytest.raises(FlightError, match="expected at least two messages of one of"):
         series_of({"vehicle_local_position_setpoint": topics["vehicle_local_position_setpoint"]})
 
 
@@ -123,9 +126,9 @@ def test_wind_without_a_variance_is_no_wind() -> None:
 
 def test_controls_that_never_move_are_absent() -> None:
     time = 100e6 + 1e4 * np.arange(1000.0)
-    told = {"timestamp": time, "control[0]": np.sin(1e-6 * time), "control[1]": np.zeros(1000)}
-    told["control[2]"] = np.full(1000, np.nan)
-    found = series_of({**circle(), "actuator_motors": told})[ACTUATORS.name]
+    motors = {"timestamp": time, "control[0]": np.sin(1e-6 * time), "control[1]": np.zeros(1000)}
+    motors["control[2]"] = np.full(1000, np.nan)
+    found = series_of({**circle(), "actuator_motors": motors})[ACTUATORS.name]
     assert found.topic.field_names == ("control_1",)
 
 
@@ -147,14 +150,14 @@ def test_a_real_log_is_imported_and_reviewed(tmp_path: Path, capsys: pytest.Capt
     pytest.importorskip("pyulog", reason="pyulog is an extra")
     log = tmp_path / "px4.mcap"
     assert run(["import", str(DATA / "sample_px4_events.ulg"), "--out", str(log), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert "/estimate" in said["held"]
-    assert "/truth" in said["absent"]
+    summary = json.loads(capsys.readouterr().out)
+    assert "/estimate" in summary["held"]
+    assert "/truth" in summary["absent"]
     flight = read_log(log)
     assert json.loads(flight.attachments[IMPORT_ATTACHMENT])["information"]["ver_hw"] == "PX4_SITL"
-    told = [event for event in events_of_flight(flight) if event.source == "autopilot"]
-    assert any(event.text.endswith("Preflight: GPS fix too low") for event in told)
-    assert {event.level for event in told} >= {Level.INFO, Level.WARNING}
+    messages = [event for event in flight_events(flight) if event.source == "autopilot"]
+    assert any(event.text.endswith("Preflight: GPS fix too low") for event in messages)
+    assert {event.level for event in messages} >= {Level.INFO, Level.WARNING}
     # It hopped to about two metres.
     assert 1.5 < -flight[ESTIMATE]["down"].min() < 4.0
     assert run(["review", str(log), "--html", "--out", str(tmp_path / "review")]) == 0
@@ -167,12 +170,12 @@ def test_a_real_log_without_positions_is_reviewed_by_what_it_has(
     pytest.importorskip("pyulog", reason="pyulog is an extra")
     log = tmp_path / "bench.mcap"
     assert run(["import", str(DATA / "sample_log_small.ulg"), "--out", str(log), "--json"]) == 0
-    said = json.loads(capsys.readouterr().out)
-    assert said["absent_of_the_state"] == ["north", "east", "forward", "side"]
+    summary = json.loads(capsys.readouterr().out)
+    assert summary["absent_of_the_state"] == ["north", "east", "forward", "side"]
     flight = read_log(log)
-    assert flight[ESTIMATE].holds("down", "roll", "pitch", "heading", "roll_rate")
-    assert flight[ACTUATORS].holds("control_1", "control_4")
-    # Its estimator of the wind never ran: the zeros that it logged are no calm.
+    assert flight[ESTIMATE].has_fields("down", "roll", "pitch", "heading", "roll_rate")
+    assert flight[ACTUATORS].has_fields("control_1", "control_4")
+    # Its wind estimator never ran; the logged zeros are no estimate.
     assert WIND.name not in flight.series
     assert run(["review", str(log), "--html", "--png", "--json", "--out", str(tmp_path / "review")]) == 0
     summary = json.loads(capsys.readouterr().out)
@@ -183,7 +186,7 @@ def test_a_real_log_without_positions_is_reviewed_by_what_it_has(
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="no logs of others beside the project")
-def test_of_a_damaged_log_what_is_whole_is_imported_with_exit_code_3(
+def test_the_intact_part_of_a_damaged_log_is_imported_with_exit_code_3(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("pyulog", reason="pyulog is an extra")
@@ -199,7 +202,7 @@ def test_of_a_damaged_log_what_is_whole_is_imported_with_exit_code_3(
         path = tmp_path / f"{name}.ulg"
         path.write_bytes(part)
         found = series_of_file(path, tmp_path, capsys, code=3)
-        # What is there is as it was; behind the damage more of it where the log goes on.
+        # Recovered samples are unchanged, those after the damage included.
         both = np.isin(np.rint(found.time * 1e3), np.rint(whole.time * 1e3))
         kept = np.isin(np.rint(whole.time * 1e3), np.rint(found.time * 1e3))
         assert both.mean() > 0.98
@@ -211,8 +214,8 @@ def test_of_a_damaged_log_what_is_whole_is_imported_with_exit_code_3(
 def series_of_file(path: Path, folder: Path, capsys: pytest.CaptureFixture[str], *, code: int) -> Series:
     out = folder / f"{path.stem}.mcap"
     assert run(["import", str(path), "--out", str(out), "--force"]) == code
-    complaint = capsys.readouterr().err
-    assert complaint.count("\n") == (1 if code else 0)
+    message = capsys.readouterr().err
+    assert message.count("\n") == (1 if code else 0)
     log = read_log(out)
     assert ("recovered with loss" in log.header.outcome) == bool(code)
     return log[ESTIMATE]

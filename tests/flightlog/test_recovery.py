@@ -1,4 +1,4 @@
-"""Damaged logs: what is whole of them is saved, and nothing else is said to be."""
+"""Tests of the recovery of damaged logs."""
 
 import io
 import struct
@@ -13,7 +13,7 @@ from mcap.reader import SeekingReader
 from mcap.writer import CompressionType, Writer
 
 from flightlog.file.reader import read_log
-from flightlog.file.recovery import holds, recovered_bytes, salvage
+from flightlog.file.recovery import contains_salvage, recovered_bytes, salvage
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from maneuver.app import run
@@ -67,7 +67,7 @@ def test_a_log_that_lacks_only_its_summary_is_recovered_without_loss(
         np.testing.assert_array_equal(recovered.series[name].values, series.values)
 
 
-def test_a_log_cut_in_flight_keeps_its_whole_chunks_and_says_that_it_did_not_complete(
+def test_a_truncated_log_keeps_its_intact_chunks_and_is_marked_as_incomplete(
     log: FlightLog, content: bytes, tmp_path: Path
 ) -> None:
     damaged, out = tmp_path / "cut.mcap", tmp_path / "whole.mcap"
@@ -88,7 +88,7 @@ def test_a_chunk_damaged_in_the_middle_is_left_out_and_the_rest_kept(content: by
     assert not found.lossless
     assert found.announced is not None
     assert 0 < len(found.messages) < found.announced
-    assert holds(recovered_bytes(found), found)
+    assert contains_salvage(recovered_bytes(found), found)
 
 
 def test_altered_words_beside_the_messages_are_no_lossless_recovery(content: bytes) -> None:
@@ -116,7 +116,7 @@ def test_another_writers_log_is_recovered_too(compression: CompressionType) -> N
     share=st.floats(0, 1),
     flips=st.lists(st.floats(0, 1), max_size=3),
 )
-def test_whatever_was_done_to_a_log_what_is_recovered_is_a_part_of_it(
+def test_recovered_messages_are_a_subset_of_the_original_ones(
     compression: CompressionType, share: float, flips: list[float]
 ) -> None:
     content = another_writers_log(compression)
@@ -128,12 +128,12 @@ def test_whatever_was_done_to_a_log_what_is_recovered_is_a_part_of_it(
     true = {(m.channel_id, m.log_time, m.data) for m in original.messages}
     assert {(m.channel_id, m.log_time, m.data) for m in found.messages} <= true
     if found.messages:
-        assert holds(recovered_bytes(found), found)
+        assert contains_salvage(recovered_bytes(found), found)
     if found.lossless:
         assert len(found.messages) == len(original.messages)
 
 
-def test_a_chunk_that_unpacks_to_more_than_it_says_is_damaged(content: bytes) -> None:
+def test_a_chunk_that_unpacks_to_more_than_its_stated_size_is_damaged(content: bytes) -> None:
     place = content.index(ZSTD) - 12
     (size,) = struct.unpack_from("<Q", content, place)
     bomb = content[:place] + struct.pack("<Q", 2**40) + content[place + 8 :]

@@ -1,7 +1,6 @@
-"""What viewers draw is what was flown, in their own frames."""
+"""Tests of the viewer channels against the flight."""
 
 import io
-import json
 from collections.abc import Iterator
 from dataclasses import replace
 from xml.etree import ElementTree
@@ -20,15 +19,16 @@ from mcap.reader import make_reader
 import models
 from flight.plan.planned_track import planned_tube
 from flight.se2 import SE2
-from flightlog.attachment_names import MISSION_ATTACHMENT, MODEL_ATTACHMENT, PLANS_ATTACHMENT
+from flightlog.attachment_names import MODEL_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH
-from flightlog.events import Level, events_of_flight
+from flightlog.events import Level, flight_events
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from flightlog.topic import Series
-from flightlog.viewers.channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
-from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill
-from flightlog.viewers.z_up_frames import BELIEVED_VEHICLE, VEHICLE, WORLD, attitudes, positions
+from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill_template
+from flightlog.viewers.viewer_channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
+from flightlog.viewers.z_up_frames import ESTIMATED_VEHICLE, VEHICLE, WORLD, attitudes, positions
+from tests.support.altered_logs import bound_for, planned, planning
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -36,28 +36,26 @@ WALK = (1, 2, 3, 7)
 COASTS = (2.0,) * 4
 
 
-def planned(log: FlightLog) -> FlightLog:
-    """Returns the log as one of a mission with a plan, a planning that failed, and the vehicle's model."""
-    scenarios = [{"gamma": gamma, "cost": 20.0 - gamma, "coasting_times": COASTS} for gamma in (0.0, -1.0)]
+def of_a_mission(log: FlightLog) -> FlightLog:
+    """Returns the log as a mission log with plan, failure and model."""
     plans = [
-        {"time": 0.0, "sequence": WALK, "gamma": 1.0, "policy": "worst-case", "scenarios": scenarios},
-        {"time": 3.0, "sequence": [], "scenarios": [], "reason": "nothing reaches the goal"},
+        planning(0.0, WALK, COASTS, gammas=(0.0, -1.0)),
+        planning(3.0, reason="nothing reaches the goal"),
     ]
-    files = {
-        MISSION_ATTACHMENT: json.dumps({"goal": [20.0, 10.0], "tolerance": 2.0}).encode(),
-        PLANS_ATTACHMENT: json.dumps(plans).encode(),
-        MODEL_ATTACHMENT: (models.FOLDER / "gtmax.xml").read_bytes(),
-    }
-    return replace(log, attachments={**log.attachments, **files})
+    log = bound_for(planned(log, plans), (20.0, 10.0), 2.0)
+    model = (models.FOLDER / "gtmax.xml").read_bytes()
+    return replace(log, attachments={**log.attachments, MODEL_ATTACHMENT: model})
 
 
 @pytest.fixture(scope="module")
 def flight() -> FlightLog:
-    return planned(synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission"))
+    return of_a_mission(
+        synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission")
+    )
 
 
 def messages(log: FlightLog, topic: ViewerTopic) -> Iterator[tuple[float, Message]]:
-    """Yields times in seconds and messages of a topic, read from the file by the stock reader."""
+    """Yields times and messages of a topic by the MCAP library."""
     reader = make_reader(io.BytesIO(log_bytes(log)), validate_crcs=True)
     for _, _, message in reader.iter_messages(topics=[topic.name]):
         yield message.log_time * 1e-9, topic.message.FromString(message.data)
@@ -75,7 +73,7 @@ def test_a_transform_puts_the_vehicle_where_it_was(flight: FlightLog) -> None:
             assert transform.translation.y == states["north"][row]
             assert transform.translation.z == -states["down"][row]
             assert transform.timestamp.ToNanoseconds() == round(time * 1e9)
-        assert [part.child_frame_id for part in message.transforms] == [VEHICLE, BELIEVED_VEHICLE]
+        assert [part.child_frame_id for part in message.transforms] == [VEHICLE, ESTIMATED_VEHICLE]
     times = np.array([time for time, _ in found])
     assert times[0] == 0.0
     assert times[-1] == pytest.approx(truth.time[-1], abs=1e-9)
@@ -91,7 +89,7 @@ def test_a_transform_puts_the_vehicle_where_it_was(flight: FlightLog) -> None:
 def test_the_attitude_of_viewers_turns_the_body_as_ours_does(
     roll: float, pitch: float, heading: float, axis: int
 ) -> None:
-    """Forward, right and down of the body, by Euler's rotations, against the quaternion."""
+    """Compares body axes by Euler rotations with the quaternion."""
     state = np.zeros((1, len(TRUTH.fields)))
     for name, value in (("roll", roll), ("pitch", pitch), ("heading", heading)):
         state[0, TRUTH.field_names.index(name)] = value
@@ -146,19 +144,19 @@ def test_without_a_model_the_vehicle_is_an_arrow_and_without_a_mission_there_is_
 
 def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None:
     lost = replace(flight, header=replace(flight.header, outcome="flight lost at 9.00 s: met the ground"))
-    told = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
-    assert told[0] == (0.0, "primitive", "hold 1 hover")
-    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case)" in [text for _, _, text in told]
-    assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in told
-    assert told[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
+    events = [(time, message.name, message.message) for time, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
+    assert events[0] == (0.0, "primitive", "hold 1 hover")
+    assert "plan 1: 21.00 s through trims 1 2 3 7 (worst-case, feasible)" in [text for _, _, text in events]
+    assert (3.0, "plan", "plan 2: none; nothing reaches the goal") in events
+    assert events[-1][1:] == ("flight", "flight lost at 9.00 s: met the ground")
     levels = [message.level for _, message in messages(lost, EVENTS)]  # type: ignore[attr-defined]
     assert levels[-1] == Log.ERROR
-    assert sum(source == "primitive" for _, source, _ in told) == 2 * len(WALK) - 1
+    assert sum(source == "primitive" for _, source, _ in events) == 2 * len(WALK) - 1
 
 
 def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: FlightLog) -> None:
     broken = replace(flight, attachments={**flight.attachments, PLANS_ATTACHMENT: b"[{]"})
-    errors = [event.text for event in events_of_flight(broken) if event.level is Level.ERROR]
+    errors = [event.text for event in flight_events(broken) if event.level is Level.ERROR]
     assert errors == [text for text in errors if text.startswith("plans.json: is not JSON")]
     assert errors
     assert {channel.topic.name for channel in viewer_channels(broken)} == {
@@ -168,7 +166,9 @@ def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: F
 
 def test_a_log_with_an_estimate_alone_is_drawn_from_it(flight: FlightLog) -> None:
     series = {name: part for name, part in flight.series.items() if name not in {TRUTH.name, PRIMITIVE.name}}
-    for _, message in messages(replace(flight, series=series), TRANSFORMS):
+    drawn = [message for _, message in messages(replace(flight, series=series), TRANSFORMS)]
+    assert len(drawn) > 100
+    for message in drawn:
         assert isinstance(message, FrameTransforms)
         assert [part.child_frame_id for part in message.transforms] == [VEHICLE]
 
@@ -188,7 +188,7 @@ def test_a_filled_template_is_the_message_that_the_runtime_reads(times: list[int
     part.timestamp.seconds, part.timestamp.nanos = SECONDS, NANOSECONDS
     part.translation.x, part.translation.z = 1e300, 2e300
     columns = {1e300: np.full(len(times), value), 2e300: np.arange(len(times), dtype=np.float64)}
-    filled = fill(template, times=np.array(times), columns=columns)
+    filled = fill_template(template, times=np.array(times), columns=columns)
     for row, time in enumerate(times):
         read = FrameTransforms.FromString(filled[row].tobytes()).transforms[0]
         assert (read.timestamp.ToNanoseconds(), read.child_frame_id) == (time, "vehicle")

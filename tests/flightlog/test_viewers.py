@@ -1,4 +1,4 @@
-"""Logs as other programs see them: the layout shipped, Rerun's converter, an independent doctor."""
+"""Tests of logs in other programs: layout, Rerun and doctor."""
 
 import json
 import os
@@ -15,7 +15,7 @@ import pytest
 from mcap.reader import NonSeekingReader, make_reader
 
 from experiments.mission.fly import fly_helicopter
-from experiments.mission.task import MissionTask
+from experiments.mission.mission_task import MissionTask
 from flight.mission.fault import parse_fault
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
@@ -25,12 +25,12 @@ from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from flightlog.viewers import z_up_frames as z_up
-from flightlog.viewers.channels import VIEWER_TOPICS
+from flightlog.viewers.viewer_channels import VIEWER_TOPICS
 from maneuver.app import run
 from scenarios.find import find_library, find_mission
 from sim.campaign_flight import fly_specification
-from sim.loop.specification import Departure, specify_sequence
-from tests.support.foreign_bags import ros2_bag
+from sim.loop.specification import FlightOptions, specify_sequence
+from tests.support.external_bags import ros2_bag
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LAYOUT = Path(__file__).parents[2] / "review" / "viewers" / "foxglove-layout.json"
@@ -40,7 +40,7 @@ RERUN, DOCTOR = shutil.which("rerun", path=SEARCHED), shutil.which("pymcap-cli",
 
 
 def values_of(content: Any, key: str) -> Iterator[Any]:
-    """Yields what stands under a key, anywhere in nested JSON."""
+    """Yields the values of a key anywhere in nested JSON."""
     if isinstance(content, dict):
         if key in content:
             yield content[key]
@@ -74,14 +74,16 @@ def _leaves(node: Any) -> Iterator[str]:
 
 @pytest.fixture(scope="module", params=["sequence", "mission", "fault", "imported", "bare"])
 def path(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Each kind of log on disk: flown sequences, a mission, another program's, and one with little in it."""
+    """Returns each kind of log on disk."""
     library = find_library("gtmax-sim")
     path = tmp_path_factory.mktemp(request.param) / "flight.mcap"
     log: FlightLog
     if request.param in {"sequence", "fault"}:
         walk = Sequence("short", SE2.identity(), (1, 2), (2.0, 2.0), "gtmax")
         faults = (parse_fault("gps dropout 1 2"),) if request.param == "fault" else ()
-        log = fly_specification(specify_sequence(walk, seed=1).depart(Departure(faults=faults)), library)
+        log = fly_specification(
+            specify_sequence(walk, seed=1).with_options(FlightOptions(faults=faults)), library
+        )
     elif request.param == "imported":
         bag = path.with_name("bag.mcap")
         bag.write_bytes(ros2_bag(synthetic_log(synthetic_library(), (1, 2), (2.0, 2.0), seed=1)[TRUTH]))
@@ -105,6 +107,7 @@ def topics_in(path: Path) -> set[str]:
     return {channel.topic for channel in summary.channels.values()}
 
 
+@pytest.mark.viewer
 @pytest.mark.skipif(RERUN is None, reason="no rerun-sdk (half a gigabyte) in this environment")
 def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path, tmp_path: Path) -> None:
     check = subprocess.run([str(RERUN), "mcap", "check", path], check=True, capture_output=True, text=True)
@@ -123,18 +126,19 @@ def test_rerun_finds_no_fault_and_keeps_every_field_of_every_channel(path: Path,
                 assert f'"{field}": non-null Float64' in kept[0], (topic.name, field)
 
 
+@pytest.mark.viewer
 @pytest.mark.skipif(DOCTOR is None, reason="no pymcap-cli in this environment")
-def test_an_independent_doctor_has_nothing_to_say(path: Path) -> None:
-    said = subprocess.run([str(DOCTOR), "doctor", path], check=True, capture_output=True, text=True)
-    words = " ".join((said.stdout + said.stderr).split())
-    # Of a log without attachments it remarks that there are none.
+def test_an_independent_doctor_finds_no_defect(path: Path) -> None:
+    done = subprocess.run([str(DOCTOR), "doctor", path], check=True, capture_output=True, text=True)
+    words = " ".join((done.stdout + done.stderr).split())
+    # It reports missing attachments as information.
     bare = not read_log(path).attachments
     assert ("passed MCAP doctor checks with 2 info (" if bare else "passed MCAP doctor checks (") in words
     assert not {"warning", "error"} & set(words.lower().split())
 
 
 def test_messages_of_a_chunk_stand_in_the_order_of_their_times(tmp_path: Path) -> None:
-    """What the doctor would say otherwise, without one: read in the file's order, times never fall."""
+    """Checks increasing times in file order, as the doctor does."""
     log = synthetic_log(synthetic_library(), (1, 2), (8.0, 8.0), seed=1)
     times = log[TRUTH].time
     more = {

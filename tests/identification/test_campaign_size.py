@@ -1,4 +1,4 @@
-"""Campaigns before they are flown: how many flights, in what air."""
+"""Tests of campaigns before flight: size, wind and forecast."""
 
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
@@ -8,7 +8,8 @@ from time import perf_counter
 import pytest
 from scipy.stats import kstest, uniform
 
-from experiments.campaign.campaign import (
+from experiments.campaign.campaign_size import campaign_size
+from experiments.campaign.fly_campaign import (
     BOUNDING,
     CENTRING,
     MEASURING,
@@ -16,8 +17,7 @@ from experiments.campaign.campaign import (
     campaign_library,
     specify_campaign,
 )
-from experiments.campaign.forecast import forecast_by
-from experiments.campaign.size import campaign_size
+from experiments.campaign.forecast import forecast_with_executor
 from flight.errors import FlightError
 from identification.statistics.coverage import joint_coverage
 from scenarios.find import find_campaign
@@ -44,11 +44,11 @@ def test_the_shipped_campaign_flies_what_95_95_takes() -> None:
     own = campaign_size(CAMPAIGN, coverage=None, confidence=0.95, flights=None, nominal_flights=None)
     asked = campaign_size(CAMPAIGN, coverage=0.95, confidence=0.95, flights=None, nominal_flights=None)
     assert own == asked
-    assert "153 flights give the bounds, 30 others give their values" in own.said()
+    assert "153 flights for the bounds, 30 others for the values" in own.describe()
 
 
 def test_a_coverage_and_a_number_of_flights_are_not_both_taken() -> None:
-    with pytest.raises(FlightError, match="give it or --flights, not both"):
+    with pytest.raises(FlightError, match="expected one of them, got both"):
         campaign_size(CAMPAIGN, coverage=0.9, confidence=0.95, flights=9, nominal_flights=None)
     with pytest.raises(FlightError, match=r"--coverage must be between 0 and 1, got 95\.0"):
         campaign_size(CAMPAIGN, coverage=95.0, confidence=0.95, flights=None, nominal_flights=None)
@@ -81,23 +81,25 @@ def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
 
 
 def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> None:
-    """The worker here is this thread; each flight of the campaign lasts about as long as the one measured."""
+    """Uses this thread as the worker and flights of equal length."""
     few = replace(CAMPAIGN, coasting_range=(2.0, 2.1))
     with ThreadPoolExecutor(1) as executor:
-        ahead = forecast_by(executor, few, wind="gtmax", seed=1, flights=20, workers=1, began=perf_counter())
+        ahead = forecast_with_executor(
+            executor, few, wind="gtmax", seed=1, flights=20, workers=1, began=perf_counter()
+        )
         (flight,) = specify_campaign(few, LIBRARY, seed=2, flights=1, wind="gtmax")
         lasts = fly_specification(flight, LIBRARY).duration
     assert ahead.measured == 1
     assert ahead.flight_hours == pytest.approx(20 * lasts / 3600, rel=0.1)
     assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed
-    assert f"{ahead.minutes:.1f} minutes here (1 flights like these" in ahead.said()
+    assert f"{ahead.minutes:.1f} minutes on this machine (1 test flights" in ahead.describe()
 
 
-def test_a_long_campaign_is_judged_from_more_flights() -> None:
+def test_a_long_campaign_is_forecast_from_more_flights() -> None:
     with ThreadPoolExecutor(1) as executor:
-        ahead = forecast_by(
+        ahead = forecast_with_executor(
             executor, CAMPAIGN, wind="gtmax", seed=1, flights=60, workers=1, began=perf_counter() - 6.0
         )
     assert ahead.measured == 3
-    # What was spent on getting workers is spent again.
+    # The time to start workers is part of the forecast.
     assert ahead.minutes > 60 * ahead.flight_hours / ahead.speed + 0.1

@@ -1,4 +1,4 @@
-"""What a box of largest deviations promises, held to the binomial law and to samples drawn."""
+"""Tests of box coverage against the binomial law and drawn samples."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def test_the_coverage_inverts_the_binomial_tail(samples: int, support: int, conf
 
 @pytest.mark.parametrize(("support", "samples"), [(1, 59), (3, 124), (4, 153), (6, 208), (8, 260), (12, 361)])
 def test_the_sample_sizes_of_the_scenario_bound(support: int, samples: int) -> None:
-    """Samples needed for 95 % coverage with 95 % confidence, and one fewer is not enough."""
+    """Tests the samples for 95 % coverage, and one fewer."""
     assert samples_needed(0.95, support=support, confidence=0.95) == samples
     assert joint_coverage(samples, support=support, confidence=0.95) >= 0.95
     assert joint_coverage(samples - 1, support=support, confidence=0.95) < 0.95
@@ -57,11 +57,11 @@ def test_every_discarded_sample_weakens_the_claim(samples: int, support: int, di
     assert claims[1] < claims[0]
 
 
-def doubt(samples: int, support: int, unsettled: float, *, claim: str) -> float:
+def failure_probability(samples: int, support: int, unsettled: float, *, claim: str) -> float:
     """Returns the exact probability that a claim of 95 % confidence fails.
 
-    A sample is discarded with the probability `unsettled`; of the others the box leaves out a share with the
-    law Beta(support, kept - support + 1), which is that of independent scalars.
+    A sample is discarded with the probability `unsettled`; of the others the share outside the box follows a
+    Beta(support, kept - support + 1) distribution, as for independent scalars.
     """
     failed = 0.0
     for count in range(samples - support + 1):
@@ -79,9 +79,11 @@ def doubt(samples: int, support: int, unsettled: float, *, claim: str) -> float:
 @pytest.mark.parametrize(("support", "samples"), [(3, 124), (4, 153), (8, 260)])
 def test_the_claim_holds_however_often_maneuvers_do_not_settle(support: int, samples: int) -> None:
     chances = [0.0, *np.geomspace(1e-4, 0.5, 25)]
-    assert max(doubt(samples, support, chance, claim="exact") for chance in chances) <= 0.05 + 1e-9
-    # Without the combinatorial factor it would not.
-    assert max(doubt(samples, support, chance, claim="naive") for chance in chances) > 0.055
+    assert (
+        max(failure_probability(samples, support, chance, claim="exact") for chance in chances) <= 0.05 + 1e-9
+    )
+    # Without the combinatorial factor it does not hold.
+    assert max(failure_probability(samples, support, chance, claim="naive") for chance in chances) > 0.055
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(2, 40), st.integers(1, 5))
@@ -91,7 +93,7 @@ def test_both_boxes_hold_all_samples_and_touch_them(seed: int, count: int, scala
     low = rng.standard_normal((count, scalars)) * 10.0 ** rng.integers(-6, 6, scalars)
     high = low + rng.exponential(size=low.shape)
     for box in (box_around(low.mean(axis=0), low, high), smallest_box(low, high)):
-        assert box.holds(low, high).all()
+        assert box.contains(low, high).all()
         shrunken = type(box)(box.centre, box.size * (1 - 1e-9), box.support)
-        assert not shrunken.holds(low, high).all()
+        assert not shrunken.contains(low, high).all()
     assert smallest_box(low, high).support == 2 * scalars

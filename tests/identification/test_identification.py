@@ -1,4 +1,4 @@
-"""Identification from logs alone, held to flights whose truth is known in closed form."""
+"""Tests of identification with flights of known closed-form truth."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -16,12 +16,12 @@ from flightlog.log import FlightLog
 from identification.data_sheet import data_sheet
 from identification.design.schedule import schedule
 from identification.identify import InconsistentLogsError, identify
-from identification.segmentation.flight_evidence import FlightEvidence, evidence
+from identification.segmentation.flight_evidence import FlightEvidence, extract_evidence
 from identification.segmentation.segmentation import CoastSegment, segment
 from identification.statistics.coast_errors import running_average
 from identification.statistics.coverage import joint_coverage
 from identification.statistics.samples import NeverFlownError
-from tests.support.synthetic_log import BREEZE, STILL, Noise, synthetic_library, synthetic_log
+from tests.support.synthetic_log import BREEZE, STILL, FlightNoise, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
 
@@ -31,7 +31,7 @@ def tours(flights: int, seed: int = 5) -> tuple[Sequence, ...]:
     return schedule(LIBRARY, flights=flights, rng=rng, coasting_range=(1.0, 3.0), wind="calm")
 
 
-def flown(flights: int, noise: Noise = BREEZE, library: Library = LIBRARY) -> list[FlightLog]:
+def flown(flights: int, noise: FlightNoise = BREEZE, library: Library = LIBRARY) -> list[FlightLog]:
     return [
         synthetic_log(library, tour.trims, tour.coasting_times, seed=seed, noise=noise, start=tour.start)
         for seed, tour in enumerate(tours(flights))
@@ -39,7 +39,9 @@ def flown(flights: int, noise: Noise = BREEZE, library: Library = LIBRARY) -> li
 
 
 def gathered(logs: list[FlightLog]) -> list[FlightEvidence]:
-    return [evidence(log, name=f"log {place}", sha256=f"{place:064x}") for place, log in enumerate(logs)]
+    return [
+        extract_evidence(log, name=f"log {place}", sha256=f"{place:064x}") for place, log in enumerate(logs)
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -91,7 +93,7 @@ def test_the_order_of_the_logs_does_not_matter(logs: list[FlightLog], identified
 
 
 def test_the_reference_model_is_found_again_in_still_air() -> None:
-    """Velocity steps of a second-order model, whose settling times a fine grid of the closed form gives."""
+    """Compares second-order steps with the closed form on a fine grid."""
     rule = LIBRARY.conditions.maneuver_end
     assert rule is not None
     walk = (1, 2, 3, 1, 3, 2, 1)
@@ -118,7 +120,7 @@ def _step_error(times: np.ndarray) -> np.ndarray:
 
 
 def impatient_library() -> Library:
-    """Returns a library whose rule gives some maneuvers, in some flights, too little time to settle."""
+    """Returns a library with a time-out too short for some maneuvers."""
     rule = LIBRARY.conditions.maneuver_end
     assert rule is not None
     narrow = {trim: replace(band, forward=0.13) for trim, band in rule.bands.items()}
@@ -143,7 +145,7 @@ def test_a_maneuver_that_never_settles_is_named() -> None:
     assert rule is not None
     hopeless = ManeuverEnd(rule.bands, dwell=rule.dwell, timeout=0.6)
     library = replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=hopeless))
-    with pytest.raises(NeverFlownError, match="is held in none of the logs"):
+    with pytest.raises(NeverFlownError, match=r"expected trim \d in at least one log, got none"):
         identify(gathered(flown(2, library=library)), name="hopeless")
 
 
@@ -212,7 +214,10 @@ def test_the_averages_of_a_coast_are_those_of_its_beginnings() -> None:
 
 
 def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) -> None:
-    heard = [evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate") for n, log in enumerate(logs)]
+    heard = [
+        extract_evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate")
+        for n, log in enumerate(logs)
+    ]
     library = identify(heard, name="believed")
     assert "believed motion" in library.description
     blind = [
@@ -222,25 +227,28 @@ def test_the_estimate_may_be_judged_instead_of_the_truth(logs: list[FlightLog]) 
         truth = log.series["/truth"]
         truth_free = replace(truth, values=np.zeros_like(truth.values))
         log.series["/truth"] = truth_free  # type: ignore[index]
-    again = [evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate") for n, log in enumerate(blind)]
+    again = [
+        extract_evidence(log, name=f"log {n}", sha256=f"{n:064x}", of="estimate")
+        for n, log in enumerate(blind)
+    ]
     assert library_text(identify(again, name="believed")) == library_text(library)
     assert library_text(identify(gathered(logs), name="believed")) != library_text(library)
 
 
 def test_a_maneuver_never_flown_is_named() -> None:
     log = synthetic_log(LIBRARY, [1, 2, 1], [2.0, 2.0, 2.0], seed=1)
-    with pytest.raises(NeverFlownError, match="trim 3 is held in none of the logs"):
+    with pytest.raises(NeverFlownError, match="expected trim 3 in at least one log, got none"):
         identify(gathered([log]), name="short")
 
 
 def test_logs_of_different_winds_make_no_library(logs: list[FlightLog]) -> None:
     other = FlightLog(replace(logs[1].header, wind="severe"), logs[1].series, logs[1].attachments)
-    with pytest.raises(InconsistentLogsError, match="log 1: wind is severe, in log 0 it is"):
+    with pytest.raises(InconsistentLogsError, match="log 1: expected wind calm as in log 0, got severe"):
         identify(gathered([logs[0], other]), name="mixed")
 
 
 def test_the_same_flight_twice_is_refused(logs: list[FlightLog]) -> None:
-    twice = [evidence(logs[0], name=name, sha256="ab") for name in ("a", "b")]
+    twice = [extract_evidence(logs[0], name=name, sha256="ab") for name in ("a", "b")]
     with pytest.raises(InconsistentLogsError, match="b is the same flight as a"):
         identify(twice, name="twice")
 

@@ -1,4 +1,4 @@
-"""Growing a library: the interpolation's laws, and grown primitives beside the vehicle that they are of."""
+"""Tests of interpolated libraries: splines, bounds, claims."""
 
 from dataclasses import replace
 
@@ -12,95 +12,107 @@ from scipy.interpolate import RBFInterpolator
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text, parse_library
 from flight.units import FOOT
-from identification.data_sheet import claim_said, data_sheet
+from identification.data_sheet import data_sheet, describe_claim
 from identification.design.trend_automaton import turns_automaton
-from identification.interpolation.interpolate import CannotGrowError, Growth, grow
-from identification.interpolation.interpolated_maneuvers import GROWN
+from identification.interpolation.interpolate import (
+    CannotInterpolateError,
+    InterpolatedLibrary,
+    interpolate_library,
+)
+from identification.interpolation.interpolated_maneuvers import INTERPOLATED_NOTE
 from identification.interpolation.spline import Spline
 from identification.trends import trends
-from tests.support.synthetic_growth import TRUTH, flown_library, scatter, true_step
+from tests.support.synthetic_growth import TRUTH, flown_library, scatter, true_velocity_step
 
 Table = Float[np.ndarray, "n k"]
 Column = Float[np.ndarray, "n"]
 
 
 @pytest.fixture(scope="module")
-def grown() -> Growth:
-    return grow(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown")
+def interpolated() -> InterpolatedLibrary:
+    return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="interpolated")
 
 
 def held(library: Library) -> float:
-    """Returns the share of grown maneuvers whose true values, with true scatter, are inside the bounds."""
+    """Returns the share of interpolated maneuvers with true values inside bounds."""
     inside = []
     for row in library.maneuvers:
-        if row.notes != GROWN:
+        if row.notes != INTERPOLATED_NOTE:
             continue
-        edge = true_step(library, row)
+        edge = true_velocity_step(library, row)
         truth = TRUTH.maneuver(edge)
-        spread = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
+        true_scatter = np.array([0.2, 0.3, 0.3, 0.05]) * scatter(edge.reached)
         own = (row.duration, row.displacement.x, row.displacement.y, row.displacement.heading)
         error = (row.error.duration, row.error.forward, row.error.side, row.error.heading_change)
-        inside.append((np.abs(np.subtract(own, truth)) + spread <= np.abs(error)).all())
+        inside.append((np.abs(np.subtract(own, truth)) + true_scatter <= np.abs(error)).all())
     return float(np.mean(inside))
 
 
-def test_a_grown_library_has_many_trims_and_maneuvers(grown: Growth) -> None:
-    assert len(grown.library.trims) >= 70
-    assert len(grown.library.maneuvers) >= 500
+def test_an_interpolated_library_has_many_trims_and_maneuvers(interpolated: InterpolatedLibrary) -> None:
+    assert len(interpolated.library.trims) >= 70
+    assert len(interpolated.library.maneuvers) >= 500
 
 
-def test_grown_bounds_hold_the_true_vehicle(grown: Growth) -> None:
-    assert held(grown.library) >= 0.95
+def test_interpolated_bounds_hold_the_true_vehicle(interpolated: InterpolatedLibrary) -> None:
+    assert held(interpolated.library) >= 0.95
 
 
-def test_bounds_grown_from_shrunken_ones_do_not(grown: Growth) -> None:
-    """The negative control."""
-    small = grow(flown_library(shrunken=0.5), speed_step=4 * FOOT, yaw_rate_step=0.1, name="small")
+def test_bounds_interpolated_from_shrunken_ones_do_not(interpolated: InterpolatedLibrary) -> None:
+    """Tests shrunken bounds as the negative control."""
+    small = interpolate_library(
+        flown_library(shrunken=0.5), speed_step=4 * FOOT, yaw_rate_step=0.1, name="small"
+    )
     assert held(small.library) < 0.5
 
 
-def test_flown_maneuvers_and_what_is_known_of_flown_trims_stay_as_they_are(grown: Growth) -> None:
-    flown = flown_library()
-    for trim, own in zip(grown.library.trims, flown.trims, strict=False):
-        assert replace(trim, error=own.error, interpolated=None) == own
-    assert grown.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
-
-
-def test_a_flown_trim_that_grown_maneuvers_lead_to_is_widened_and_claims_what_grown_ones_do(
-    grown: Growth,
+def test_flown_maneuvers_and_the_statistics_of_flown_trims_are_unchanged(
+    interpolated: InterpolatedLibrary,
 ) -> None:
-    entered = {row.to_trim for row in grown.library.maneuvers if row.interpolated}
-    for trim, own in zip(grown.library.trims, flown_library().trims, strict=False):
+    flown = flown_library()
+    for trim, own in zip(interpolated.library.trims, flown.trims, strict=False):
+        assert replace(trim, error=own.error, interpolated=None) == own
+    assert interpolated.library.maneuvers[: len(flown.maneuvers)] == flown.maneuvers
+
+
+def test_a_flown_trim_entered_by_interpolated_maneuvers_gets_their_kind_of_bounds_and_claim(
+    interpolated: InterpolatedLibrary,
+) -> None:
+    entered = {row.to_trim for row in interpolated.library.maneuvers if row.interpolated}
+    for trim, own in zip(interpolated.library.trims, flown_library().trims, strict=False):
         assert trim.id in entered
-        assert trim.interpolated == grown.trim_claim
+        assert trim.interpolated == interpolated.trim_claim
         for name in ("forward", "side", "yaw_rate"):
             assert abs(getattr(trim.error, name)) >= abs(getattr(own.error, name))
 
 
-def test_grown_primitives_have_no_statistics_and_the_claim_of_their_kind(grown: Growth) -> None:
-    new = [row for row in grown.library.maneuvers if row.notes == GROWN]
-    assert len(new) == grown.maneuvers > 0
-    assert all(row.statistics is None and row.interpolated == grown.maneuver_claim for row in new)
-    assert (grown.maneuver_claim.left_out, grown.maneuver_claim.exceeding) == (262, 7)
-    assert grown.maneuver_claim.coverage >= 0.95
-    assert grown.maneuver_claim.flights == 12
+def test_interpolated_primitives_have_no_statistics_and_the_claim_of_their_kind(
+    interpolated: InterpolatedLibrary,
+) -> None:
+    new = [row for row in interpolated.library.maneuvers if row.notes == INTERPOLATED_NOTE]
+    assert len(new) == interpolated.maneuvers > 0
+    assert all(row.statistics is None and row.interpolated == interpolated.maneuver_claim for row in new)
+    assert (interpolated.maneuver_claim.left_out, interpolated.maneuver_claim.exceeding) == (262, 7)
+    assert interpolated.maneuver_claim.coverage >= 0.95
+    assert interpolated.maneuver_claim.flights == 12
 
 
-def test_what_a_grown_library_claims_survives_its_file_and_stands_on_its_sheet(grown: Growth) -> None:
-    assert parse_library(library_text(grown.library), "text") == grown.library
-    sheet = data_sheet(grown.library)
-    for claim in (grown.trim_claim, grown.maneuver_claim):
-        assert claim_said(claim) in sheet
+def test_the_claims_of_an_interpolated_library_are_in_its_file_and_its_data_sheet(
+    interpolated: InterpolatedLibrary,
+) -> None:
+    assert parse_library(library_text(interpolated.library), "text") == interpolated.library
+    sheet = data_sheet(interpolated.library)
+    for claim in (interpolated.trim_claim, interpolated.maneuver_claim):
+        assert describe_claim(claim) in sheet
 
 
-def test_a_grown_library_does_not_grow_again(grown: Growth) -> None:
-    with pytest.raises(CannotGrowError, match="grown is grown already"):
-        grow(grown.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
+def test_an_interpolated_library_is_not_interpolated_again(interpolated: InterpolatedLibrary) -> None:
+    with pytest.raises(CannotInterpolateError, match="expected a flown library, got interpolated"):
+        interpolate_library(interpolated.library, speed_step=1.0, yaw_rate_step=0.1, name="twice")
 
 
-def test_no_grown_trim_is_outside_the_flown_range(grown: Growth) -> None:
+def test_no_interpolated_trim_is_outside_the_flown_range(interpolated: InterpolatedLibrary) -> None:
     flown = flown_library().trims
-    for trim in grown.library.trims:
+    for trim in interpolated.library.trims:
         assert trim.velocity.forward <= max(one.velocity.forward for one in flown)
         nearest = min(
             abs(trim.velocity.forward - one.velocity.forward) / (8 * FOOT)
@@ -110,13 +122,15 @@ def test_no_grown_trim_is_outside_the_flown_range(grown: Growth) -> None:
         assert nearest <= 1.1
 
 
-def test_a_library_without_evidence_does_not_grow() -> None:
-    with pytest.raises(CannotGrowError, match="statistics of at least 8 trims"):
-        grow(turns_automaton(wind="calm", altitude=30.0), speed_step=1.0, yaw_rate_step=0.1, name="none")
+def test_a_library_without_evidence_is_not_interpolated() -> None:
+    with pytest.raises(CannotInterpolateError, match="statistics of at least 8 trims"):
+        interpolate_library(
+            turns_automaton(wind="calm", altitude=30.0), speed_step=1.0, yaw_rate_step=0.1, name="none"
+        )
 
 
 def left_out(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
-    """Returns value less prediction at rows, from a spline that never saw them; by scipy."""
+    """Returns value minus prediction of scipy's spline fitted without the rows."""
     rest = [place for place in range(len(points)) if place not in rows]
     without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smoothing)
     return np.asarray(values[rows] - without(points[rows]))
@@ -134,12 +148,12 @@ def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimens
     assert spline.at(at) == pytest.approx(again(at), abs=1e-8)
     assert spline.left_out[3] == pytest.approx(left_out(points, values, [3], smooth)[0], abs=1e-8)
     groups = [sorted({place, (place + 1) % 25, (7 * place) % 25}) for place in range(25)]
-    spline = Spline.fit(points, values, together=groups)
+    spline = Spline.fit(points, values, groups=groups)
     errors = left_out(points, values, groups[4], spline.smoothing)
     assert spline.left_out[4] == pytest.approx(errors[groups[4].index(4)], abs=1e-8)
 
 
-def test_trends_are_read_off_the_primitives_flown() -> None:
+def test_trends_come_from_the_primitives_flown() -> None:
     library = flown_library()
     seen = trends(library, speed_step=8 * FOOT, rate_step=0.1)
     assert [round(row.speed / FOOT) for row in seen.speed_errors] == [0, 8, 16, 24]
@@ -157,4 +171,4 @@ def test_a_spline_needs_points_that_span_without_those_left_out_together() -> No
     values = np.sin(points).sum(axis=1)
     assert len(Spline.fit(points, values).left_out) == 10
     with pytest.raises(ValueError, match="span all their coordinates"):
-        Spline.fit(points, values, together=groups)
+        Spline.fit(points, values, groups=groups)

@@ -1,4 +1,4 @@
-"""What grown primitives claim: kept where the truth is known, refuted where bounds were shrunken."""
+"""Tests of claims of interpolated primitives with known truth and shrunken bounds."""
 
 import json
 from dataclasses import replace
@@ -19,18 +19,18 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from flight.se2 import Twist
 from flight.units import FOOT
-from flightlog.file.writer import publish_log
-from identification.design.interpolation_schedule import Drawn, draw, sampled_schedule
+from flightlog.file.writer import write_log
+from identification.design.interpolation_schedule import PrimitiveSample, draw_sample, sampled_schedule
 from identification.design.trend_automaton import turns_automaton
-from identification.interpolation.interpolate import grow
-from identification.interpolation.interpolated_trims import grown_trims
-from identification.interpolation.interpolation_claim import calibrated
+from identification.interpolation.interpolate import interpolate_library
+from identification.interpolation.interpolated_trims import interpolate_trims
+from identification.interpolation.interpolation_claim import calibrate_claim
 from identification.interpolation.trim_scatter import TrimScatter, trim_scatter
-from identification.interpolation_trial import grown_trials
-from identification.segmentation.flight_evidence import FlightEvidence, evidence
-from identification.statistics.coverage import held_share, most_exceeding
+from identification.interpolation_trial import interpolation_trials
+from identification.segmentation.flight_evidence import FlightEvidence, extract_evidence
+from identification.statistics.coverage import most_exceedances, order_statistic_coverage
 from maneuver.app import run
-from tests.support.planted_flights import Planted, planted_log
+from tests.support.planted_flights import PlantedDeviations, planted_log
 from tests.support.synthetic_growth import flown_library
 from tests.support.synthetic_growth import scatter as spread
 
@@ -39,29 +39,37 @@ SCALES = np.array([0.05, 0.05, 0.015])
 
 
 def test_the_share_held_is_exact_for_any_continuous_law() -> None:
-    """59 draws without one above the limit are the shortest proof of 95 % with 95 % confidence."""
-    assert held_share(59, exceeding=0, confidence=0.95) >= 0.95 > held_share(58, exceeding=0, confidence=0.95)
-    assert held_share(262, exceeding=7, confidence=0.95) == pytest.approx(beta.ppf(0.05, 255, 8))
-    assert held_share(3, exceeding=3, confidence=0.95) == 0.0
+    """Tests that 59 draws are the fewest for 95 % coverage."""
+    assert (
+        order_statistic_coverage(59, exceeding=0, confidence=0.95)
+        >= 0.95
+        > order_statistic_coverage(58, exceeding=0, confidence=0.95)
+    )
+    assert order_statistic_coverage(262, exceeding=7, confidence=0.95) == pytest.approx(
+        beta.ppf(0.05, 255, 8)
+    )
+    assert order_statistic_coverage(3, exceeding=3, confidence=0.95) == 0.0
 
 
 @given(st.integers(1, 500), st.floats(0.5, 0.99), st.floats(0.5, 0.99))
 @settings(deadline=None)
-def test_no_more_exceed_than_the_coverage_bears(count: int, coverage: float, confidence: float) -> None:
-    most = most_exceeding(count, coverage=coverage, confidence=confidence)
+def test_the_number_exceeding_is_the_largest_for_the_coverage(
+    count: int, coverage: float, confidence: float
+) -> None:
+    most = most_exceedances(count, coverage=coverage, confidence=confidence)
     if most:
-        assert held_share(count, exceeding=most, confidence=confidence) >= coverage
-    assert held_share(count, exceeding=most + 1, confidence=confidence) < coverage
+        assert order_statistic_coverage(count, exceeding=most, confidence=confidence) >= coverage
+    assert order_statistic_coverage(count, exceeding=most + 1, confidence=confidence) < coverage
 
 
 @pytest.mark.parametrize("count", [44, 262])
 def test_of_claims_at_95_percent_confidence_one_in_twenty_is_too_large(count: int) -> None:
-    """Scores are uniform, so the share truly held is the factor itself."""
+    """Uses uniform scores, so the true share is the factor minus 1."""
     rng = np.random.default_rng(3)
     wrong = 0
     for _ in range(2000):
         scores = rng.uniform(1.0, 2.0, count)
-        claim = calibrated(scores, flights=12, coverage=0.95, confidence=0.95)
+        claim = calibrate_claim(scores, flights=12, coverage=0.95, confidence=0.95)
         wrong += claim.factor - 1.0 < claim.coverage
     assert binom.sf(wrong - 1, 2000, 0.05) > 0.001
     assert binom.cdf(wrong, 2000, 0.05) > 0.001
@@ -70,17 +78,17 @@ def test_of_claims_at_95_percent_confidence_one_in_twenty_is_too_large(count: in
 def scattering(
     rng: np.random.Generator, *, tails: float = 1.0
 ) -> tuple[list[Trim], TrimScatter, dict[int, np.ndarray]]:
-    """Returns trims that grown maneuvers lead to, their bounds, and the tail of each.
+    """Returns trims entered by interpolated maneuvers, their bounds and tails.
 
-    The wind's part is normal, of sizes that vary smoothly and a little by chance; tails are anything, and
-    larger where grown maneuvers lead.
+    The wind's part is normal, with sizes that vary smoothly and a little at random; tails are arbitrary, and
+    larger for interpolated maneuvers.
     """
     automaton = turns_automaton(wind="calm", altitude=30.0)
     rule = automaton.conditions.maneuver_end
     assert rule is not None
     left = {trim.id: tail(rng) for trim in automaton.trims}
     flown = [flown_trim(trim, left[trim.id], rng) for trim in automaton.trims]
-    new, _ = grown_trims(flown, rule, speed_step=4 * FOOT, yaw_rate_step=0.1)
+    new, _ = interpolate_trims(flown, rule, speed_step=4 * FOOT, yaw_rate_step=0.1)
     wanted = [*flown, *new]
     longer = {trim.id: 1.5 * left.get(trim.id, tail(rng)) for trim in wanted}
     scatter = trim_scatter(
@@ -118,7 +126,7 @@ def share_that_holds(
     *,
     shrunken: float = 1.0,
 ) -> float:
-    """Returns the expected share of trims that hold 12 flights with all numbers inside at once."""
+    """Returns the expected share of trims with 12 flights inside."""
     inside = []
     for trim in trims:
         bound = shrunken * scatter.sizes[trim.id]
@@ -128,7 +136,7 @@ def share_that_holds(
     return float(np.mean(inside))
 
 
-def test_the_claim_of_grown_trims_keeps_and_a_shrunken_one_does_not() -> None:
+def test_the_claim_of_interpolated_trims_holds_and_shrunken_bounds_do_not() -> None:
     rng = np.random.default_rng(7)
     less = shrunken = forgotten = 0
     for _ in range(60):
@@ -143,14 +151,14 @@ def test_the_claim_of_grown_trims_keeps_and_a_shrunken_one_does_not() -> None:
 
 
 @cache
-def grown_library() -> Library:
-    return grow(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown").library
+def interpolated_library() -> Library:
+    return interpolate_library(flown_library(), speed_step=4 * FOOT, yaw_rate_step=0.1, name="grown").library
 
 
-def planted(library: Library, drawn: Drawn, *, flights: int, share: float) -> list[FlightEvidence]:
-    """Returns flights in which every number deviates by at most a share of the grown library's bounds."""
+def planted(library: Library, drawn: PrimitiveSample, *, flights: int, share: float) -> list[FlightEvidence]:
+    """Returns flights with deviations up to a share of the bounds."""
     rng = np.random.default_rng(11)
-    truth = grown_library()
+    truth = interpolated_library()
     tours = sampled_schedule(truth, drawn, flights=flights, rng=rng, coasting_range=(2.0, 8.0), wind="calm")
     text, found = library_text(truth).encode(), []
     for number, tour in enumerate(tours):
@@ -164,8 +172,8 @@ def planted(library: Library, drawn: Drawn, *, flights: int, share: float) -> li
         # A planted maneuver lasts longer than its dwell.
         for row in truth.maneuvers:
             rows[row.id][0] = max(0.0, 1.01 - row.duration)
-        log = planted_log(truth, text, tour, Planted(trims, rows), seed=number)
-        found.append(evidence(log, name=f"flight {number}", sha256=f"flight {number}"))
+        log = planted_log(truth, text, tour, PlantedDeviations(trims, rows), seed=number)
+        found.append(extract_evidence(log, name=f"flight {number}", sha256=f"flight {number}"))
     assert library.conditions.maneuver_end == truth.conditions.maneuver_end
     return found
 
@@ -187,24 +195,24 @@ def shrink(library: Library, by: float) -> Library:
     return replace(library, trims=tuple(trims), maneuvers=tuple(rows))
 
 
-def test_a_random_sample_flown_inside_the_bounds_keeps_the_claim_and_shrunken_bounds_are_refuted() -> None:
-    library = grown_library()
-    drawn = draw(library, most=20, rng=np.random.default_rng(1))
+def test_a_random_sample_inside_the_bounds_passes_and_shrunken_bounds_are_refuted() -> None:
+    library = interpolated_library()
+    drawn = draw_sample(library, most=20, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=3, share=0.99)
-    primitives, trials = grown_trials(library, drawn, flights)
+    primitives, trials = interpolation_trials(library, drawn, flights)
     assert [(trial.kind, trial.drawn, trial.kept) for trial in trials] == [
         ("trim", 20, 20),
         ("maneuver", 20, 20),
     ]
     assert all(one.flights == 3 and one.kept for one in primitives)
     assert not any(trial.refuted for trial in trials)
-    _, trials = grown_trials(shrink(library, 0.7), drawn, flights)
+    _, trials = interpolation_trials(shrink(library, 0.7), drawn, flights)
     assert all(trial.refuted for trial in trials)
 
 
-def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_as_flown_ones_are() -> None:
-    library = grown_library()
-    drawn = draw(library, most=15, rng=np.random.default_rng(2))
+def test_every_test_flight_has_every_primitive_drawn_and_enters_trims_as_flown_ones_are() -> None:
+    library = interpolated_library()
+    drawn = draw_sample(library, most=15, rng=np.random.default_rng(2))
     rng = np.random.default_rng(3)
     edges = {(row.from_trim, row.to_trim): row for row in library.maneuvers}
     ways_in = {trim: set[int]() for trim in drawn.trims}
@@ -221,27 +229,29 @@ def test_every_flight_of_the_test_shows_every_primitive_drawn_and_enters_trims_a
 
 
 def test_only_what_is_interpolated_is_drawn_and_the_seed_decides() -> None:
-    library = grown_library()
-    drawn = draw(library, most=10_000, rng=np.random.default_rng(1))
+    library = interpolated_library()
+    drawn = draw_sample(library, most=10_000, rng=np.random.default_rng(1))
     assert set(drawn.maneuvers) == {row.id for row in library.maneuvers if row.interpolated}
     assert set(drawn.trims) == {trim.id for trim in library.trims if trim.interpolated}
-    some = [draw(library, most=9, rng=np.random.default_rng(seed)) for seed in (4, 4, 5)]
+    some = [draw_sample(library, most=9, rng=np.random.default_rng(seed)) for seed in (4, 4, 5)]
     assert some[0] == some[1] != some[2]
 
 
 def test_a_claim_for_twelve_flights_is_not_tested_with_more() -> None:
-    library = grown_library()
-    drawn = draw(library, most=2, rng=np.random.default_rng(1))
+    library = interpolated_library()
+    drawn = draw_sample(library, most=2, rng=np.random.default_rng(1))
     flights = planted(library, drawn, flights=13, share=0.5)
-    with pytest.raises(FlightError, match="the claim of grown trims is for 12 flights each, got 13"):
-        grown_trials(library, drawn, flights)
+    with pytest.raises(
+        FlightError, match="claim of interpolated trims: expected at most 12 flights each, got 13"
+    ):
+        interpolation_trials(library, drawn, flights)
 
 
-def test_the_command_judges_logs_of_a_grown_library(
+def test_the_command_tests_an_interpolated_library_with_logs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    library = grown_library()
-    drawn = draw(library, most=12, rng=np.random.default_rng(1))
+    library = interpolated_library()
+    drawn = draw_sample(library, most=12, rng=np.random.default_rng(1))
     tours = sampled_schedule(
         library,
         drawn,
@@ -250,13 +260,13 @@ def test_the_command_judges_logs_of_a_grown_library(
         coasting_range=(2.0, 8.0),
         wind="calm",
     )
-    nothing = Planted(
+    nothing = PlantedDeviations(
         {trim.id: np.zeros(3) for trim in library.trims},
         {row.id: np.array([max(0.0, 1.01 - row.duration), 0, 0, 0]) for row in library.maneuvers},
     )
     for number, tour in enumerate(tours):
         log = planted_log(library, library_text(library).encode(), tour, nothing, seed=number)
-        publish_log(log, tmp_path / f"{number}.mcap", force=False)
+        write_log(log, tmp_path / f"{number}.mcap", force=False)
     path = tmp_path / "grown.json"
     path.write_text(library_text(library))
     assert run(("library", "test", str(path), "--flights", "13")) == 2

@@ -1,4 +1,4 @@
-"""Maneuvers found in the motion alone, held against commands; logs that have no commands at all."""
+"""Tests of segmentation by motion, against commands and without any."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -13,16 +13,16 @@ from flight.automaton.library_file import read_library
 from flight.errors import FlightError
 from flightlog.channels import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog, MissingTopicError
 from identification.design.schedule import schedule
-from identification.segmentation.motion_matching import Levels, MotionModel, matched_walk
+from identification.segmentation.motion_matching import MotionModel, TrimGraph, match_walk
 from identification.segmentation.motion_model import TooSlowLogError, sampled_motion
-from identification.segmentation.motion_walk import levels_of, walks_of
-from identification.segmentation.segmentation import commanded_walk, cut
-from identification.segmentation.segmentation_score import Boundaries, boundaries, scores
-from identification.segmentation.step_response import StepResponse, fitted_response
-from identification.segmentation.trim_discovery import NoTrimsError, discovered_automaton
+from identification.segmentation.motion_walk import trim_graph_of, walks_of
+from identification.segmentation.second_order_response import StepResponse, fit_response
+from identification.segmentation.segmentation import commanded_walk, cut_into_segments
+from identification.segmentation.segmentation_score import Boundaries, boundaries_of, score_boundaries
+from identification.segmentation.trim_discovery import NoTrimsError, discover_automaton
 from maneuver.app import run
 from tests.support.motion_log import motion_log
 from tests.support.synthetic_log import synthetic_library, synthetic_log
@@ -42,7 +42,7 @@ def logs() -> list[FlightLog]:
 
 
 def without_commands(log: FlightLog) -> FlightLog:
-    """Leaves nothing but what the vehicle believes of its motion."""
+    """Returns the log with the estimated motion alone."""
     gone = {topic.name for topic in (COMMAND, PRIMITIVE, TRUTH, WIND)}
     kept = {name: series for name, series in log.series.items() if name not in gone}
     return replace(log, series=kept, attachments={})
@@ -53,13 +53,13 @@ def scored(logs: list[FlightLog], library: Library) -> list[tuple[Boundaries, Bo
     pairs = []
     for log, walk in zip(logs, walks, strict=True):
         commanded = commanded_walk(log)
-        one = boundaries(commanded, cut(log, commanded, LIBRARY))
-        pairs.append((one, boundaries(walk, cut(log, walk, library))))
+        one = boundaries_of(commanded, cut_into_segments(log, commanded, LIBRARY))
+        pairs.append((one, boundaries_of(walk, cut_into_segments(log, walk, library))))
     return pairs
 
 
 def test_the_motion_shows_every_maneuver_that_was_commanded(logs: list[FlightLog]) -> None:
-    entries, ends, edges = scores(scored(logs, LIBRARY))
+    entries, ends, edges = score_boundaries(scored(logs, LIBRARY))
     assert entries.commanded == ends.commanded == 66
     assert entries.found >= 0.98 * 66
     assert ends.found >= 0.98 * 66
@@ -71,19 +71,19 @@ def test_the_motion_shows_every_maneuver_that_was_commanded(logs: list[FlightLog
 def test_a_segmentation_that_is_late_by_more_than_a_second_is_refused_by_the_score(
     logs: list[FlightLog],
 ) -> None:
-    """The negative control: the same boundaries, moved."""
+    """Tests shifted boundaries as the negative control."""
     late = [
         (one, Boundaries(tuple((time + 1.1, edge) for time, edge in shown.entries), shown.ends))
         for one, shown in scored(logs, LIBRARY)
     ]
-    entries, _, _ = scores(late)
+    entries, _, _ = score_boundaries(late)
     assert entries.found < 0.1 * entries.commanded
     assert entries.spurious > 0.9 * entries.commanded
 
 
 def test_trims_and_maneuvers_are_found_where_nobody_names_them(logs: list[FlightLog]) -> None:
     motions = [sampled_motion(without_commands(log)) for log in logs]
-    found = discovered_automaton(motions, vehicle="unknown")
+    found = discover_automaton(motions, vehicle="unknown")
     assert len(found.trims) == len(LIBRARY.trims)
     for trim in LIBRARY.trims:
         off = [
@@ -95,15 +95,15 @@ def test_trims_and_maneuvers_are_found_where_nobody_names_them(logs: list[Flight
             for one in found.trims
         ]
         assert min(off) < 0.1
-    # Hardly more: now and then a step of two parts is seen as two steps.
+    # A step of two parts may be found as two steps.
     assert len(LIBRARY.maneuvers) <= len(found.maneuvers) <= len(LIBRARY.maneuvers) + 2
 
 
-def test_logs_with_nothing_but_belief_are_identified_by_the_same_command(
+def test_logs_with_an_estimate_alone_are_identified_by_the_same_command(
     logs: list[FlightLog], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     for place, log in enumerate(logs):
-        publish_log(without_commands(log), tmp_path / "logs" / f"{place}.mcap")
+        write_log(without_commands(log), tmp_path / "logs" / f"{place}.mcap")
     out = tmp_path / "found.json"
     assert run(["identify", str(tmp_path / "logs"), "--out", str(out), "--workers", "1"]) == 0
     assert "7 trims, 2" in capsys.readouterr().out
@@ -113,12 +113,12 @@ def test_logs_with_nothing_but_belief_are_identified_by_the_same_command(
 
 
 def test_another_simulators_vehicle_is_cut_into_its_trims(tmp_path: Path) -> None:
-    """Uses RotorPy's quadrotor under its own controller: pose alone, seed 5."""
+    """Uses a flight of RotorPy's quadrotor: pose alone, seed 5."""
     time, north, east, heading = np.loadtxt(ROTORPY, delimiter=",", skiprows=1).T
     log = motion_log(vehicle="hummingbird", time=time, north=north, east=east, heading=heading)
-    publish_log(log, tmp_path / "flight.mcap")
+    write_log(log, tmp_path / "flight.mcap")
     motion = sampled_motion(read_log(tmp_path / "flight.mcap"))
-    found = discovered_automaton([motion], vehicle="hummingbird")
+    found = discover_automaton([motion], vehicle="hummingbird")
     flown = {(0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (2.0, 0.0, 0.0), (1.0, 0.0, 0.5), (1.0, 0.0, -0.5)}
     flown |= {(0.0, 1.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 0.8)}
     for trim in found.trims:
@@ -127,7 +127,7 @@ def test_another_simulators_vehicle_is_cut_into_its_trims(tmp_path: Path) -> Non
         assert velocity == pytest.approx(nearest, abs=0.1)
     assert len(found.trims) >= 4
     (walk,) = walks_of([motion], found)
-    # A change every 4 to 8 s; entries apart by less cannot be.
+    # The trim changes every 4 to 8 s.
     entries = np.array([entry.time for entry in walk.entries])
     assert 150 / 8 - 2 <= len(entries) <= 150 / 4
     assert np.diff(entries).min() > 3.5
@@ -144,7 +144,7 @@ def test_a_vehicle_that_holds_one_velocity_has_no_automaton() -> None:
     time = np.arange(0.0, 60.0, 0.02)
     log = motion_log(vehicle="steady", time=time, north=2 * time, east=0 * time, heading=0 * time)
     with pytest.raises(NoTrimsError, match="expected two trims or more"):
-        discovered_automaton([sampled_motion(log)], vehicle="steady")
+        discover_automaton([sampled_motion(log)], vehicle="steady")
 
 
 def test_a_log_without_motion_says_what_it_lacks(logs: list[FlightLog]) -> None:
@@ -172,8 +172,8 @@ def test_a_foreign_log_with_columns_of_different_length_is_refused() -> None:
 def test_a_response_is_found_again_in_its_own_steps(frequency: float, damping: float) -> None:
     truth = StepResponse(frequency, damping)
     period = 0.1 / frequency
-    step = truth.left_over(np.arange(60) * period)
-    found = fitted_response([step], period=period, memory=0.9, guess=StepResponse(1.0, 0.8))
+    step = truth.remaining_share(np.arange(60) * period)
+    found = fit_response([step], period=period, memory=0.9, guess=StepResponse(1.0, 0.8))
     assert found.frequency == pytest.approx(frequency, rel=1e-3)
     assert found.damping == pytest.approx(damping, abs=1e-3)
 
@@ -184,10 +184,10 @@ def test_one_step_in_noise_is_found_where_it_is(entry: int, seed: int) -> None:
     levels, model = _two_levels()
     rng = np.random.default_rng(seed)
     motion = np.zeros((140, 3))
-    share = model.responses[0].left_over((np.arange(140) - entry) * model.period)
+    share = model.responses[0].remaining_share((np.arange(140) - entry) * model.period)
     motion[:, 0] = 1.0 - share
     motion += 0.02 * rng.standard_normal(motion.shape)
-    walk = matched_walk(motion, levels, model)
+    walk = match_walk(motion, levels, model)
     assert [(step.left, step.reached) for step in walk.steps] == [(0, 1)]
     assert walk.steps[0].time == pytest.approx(entry * model.period, abs=0.3)
 
@@ -195,19 +195,19 @@ def test_one_step_in_noise_is_found_where_it_is(entry: int, seed: int) -> None:
 def test_noise_without_a_step_shows_none() -> None:
     levels, model = _two_levels()
     motion = 0.05 * np.random.default_rng(3).standard_normal((400, 3))
-    assert matched_walk(motion, levels, model).steps == ()
+    assert match_walk(motion, levels, model).steps == ()
 
 
-def _two_levels() -> tuple[Levels, MotionModel]:
+def _two_levels() -> tuple[TrimGraph, MotionModel]:
     velocity = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0]])
     response = StepResponse(1.0, 0.8)
     model = MotionModel((response, response, response), np.full(3, 0.1), 0.1, float(np.exp(-0.1)))
-    return Levels(velocity, np.full((2, 3), 0.3), np.array([[0, 1], [1, 0]]), dwell=0.5), model
+    return TrimGraph(velocity, np.full((2, 3), 0.3), np.array([[0, 1], [1, 0]]), dwell=0.5), model
 
 
 def test_the_rule_of_a_library_is_what_trims_are_reached_by() -> None:
-    levels = levels_of(LIBRARY)
+    levels = trim_graph_of(LIBRARY)
     assert levels.velocity.shape == levels.band.shape == (7, 3)
     assert len(levels.edges) == 22
     with pytest.raises(FlightError, match=r"no conditions\.maneuver_end"):
-        levels_of(replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=None)))
+        trim_graph_of(replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=None)))

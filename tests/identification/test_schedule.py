@@ -1,4 +1,4 @@
-"""What is flown: every maneuver in every flight, everything else by chance."""
+"""Tests of the schedule: every maneuver in every flight, the rest random."""
 
 from collections import Counter
 from dataclasses import replace
@@ -43,7 +43,7 @@ def test_an_automaton_with_a_trim_of_no_return_is_refused() -> None:
 
 
 def test_where_edges_do_not_balance_the_fewest_are_flown_again() -> None:
-    """Without the maneuver from slow forward flight to hover, the way there is by fast forward flight."""
+    """Removes slow forward to hover; the tour repeats fast forward edges."""
     lacking = replace(LIBRARY, maneuvers=LIBRARY.maneuvers[1:])
     rng = np.random.default_rng(1)
     for tour in schedule(lacking, flights=20, rng=rng, coasting_range=(1.0, 3.0), wind="calm"):
@@ -65,7 +65,7 @@ def test_every_automaton_that_hangs_together_has_a_tour_of_all_its_edges(trims: 
     assert set(toured) == set(edges)
     leaving, entering = Counter(left for left, _ in toured), Counter(to for _, to in toured)
     assert leaving == entering
-    # No closed tour is shorter than what the trims with too many entries must send on.
+    # A lower bound of any closed tour: the surplus of entries over all trims.
     surplus = Counter(to for _, to in edges)
     surplus.subtract(Counter(left for left, _ in edges))
     assert len(toured) - len(edges) >= sum(count for count in surplus.values() if count > 0)

@@ -1,4 +1,4 @@
-"""The shipped libraries and missions are the thesis's."""
+"""Tests of the thesis's shipped libraries and missions."""
 
 from collections.abc import Callable
 from math import pi

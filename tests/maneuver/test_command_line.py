@@ -1,4 +1,4 @@
-"""The command line as a user meets it: answers, the honest no, and one line for every bad input."""
+"""Tests of the command line: results, exit codes, one-line errors."""
 
 import json
 import subprocess
@@ -8,40 +8,27 @@ from pathlib import Path
 import pytest
 
 from flight.automaton.library_file import library_text
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from maneuver.app import run
+from tests.support.refusal import refusal
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 
 @pytest.fixture
 def log_path(tmp_path: Path) -> Path:
     path = tmp_path / "flight.mcap"
-    publish_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), path)
+    write_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), path)
     return path
-
-
-def refusal(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
-    """Returns the one line that a refused command prints."""
-    try:
-        code: object = run(arguments)
-    except SystemExit as stop:  # raised by the parser of the command line
-        code = stop.code
-    printed = capsys.readouterr()
-    assert code == 2, printed
-    assert printed.out == ""
-    assert printed.err.count("\n") == 1, printed.err
-    assert printed.err.startswith("maneuver: ")
-    return printed.err
 
 
 def test_a_truncated_log_is_one_line_and_code_2(
     capsys: pytest.CaptureFixture[str], log_path: Path, tmp_path: Path
 ) -> None:
     log_path.write_bytes(log_path.read_bytes()[:5000])
-    assert "is cut short after 5000 bytes" in refusal(
+    assert "is truncated after 5000 bytes" in refusal(
         capsys, "review", str(log_path), "--png", "--out", str(tmp_path / "r")
     )
-    assert "is cut short after 5000 bytes" in refusal(
+    assert "is truncated after 5000 bytes" in refusal(
         capsys, "identify", str(log_path), "--out", str(tmp_path / "library.json")
     )
     assert not (tmp_path / "library.json").exists()
@@ -99,7 +86,7 @@ def test_a_mission_with_an_unknown_trim_is_one_line_and_code_2(
         ),
         (("fly", "--sequence", "figure-eight", "--mission", "gtmax-1"), "got 2"),
         (("validate", "--tolerance-share", "inf"), "tolerance_share must be in"),
-        (("validate", "--activation-interval", "1e9"), "activation_interval must be"),
+        (("validate", "--replan-interval", "1e9"), "activation_interval must be"),
         (("validate", "--plant", "automaton", "--wind", "severe"), "flies in no wind"),
         (("validate", "--true-gamma", "0.5"), "give --plant automaton"),
         (("identify", "--out", "x.json"), "LOGS"),
@@ -130,7 +117,8 @@ def test_a_plan_is_one_json_document(capsys: pytest.CaptureFixture[str]) -> None
     code = run(("plan", "kinematic-1", "--library", "thesis-kinematic", "--policy", "nominal", "--json"))
     plan = json.loads(capsys.readouterr().out)
     assert code == 0
-    assert plan["schema"] == "maneuver-plan/1"
+    assert plan["schema"] == "maneuver-plan/2"
+    assert plan["stated_mission"]["name"] == plan["mission"] == "kinematic-1"
     assert plan["sequence"] == [1, 2, 5, 2]
     assert plan["cost"] == pytest.approx(19.868357, abs=1e-4)
     assert plan["verified"] is True

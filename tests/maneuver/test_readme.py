@@ -1,4 +1,4 @@
-"""The README does what it says: every command of its tour is run, in its order, in an empty folder."""
+"""Tests of the README: every command of its tour runs."""
 
 import re
 import shlex

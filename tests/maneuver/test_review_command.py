@@ -1,4 +1,4 @@
-"""`maneuver review` of one log: what it prints and writes, what it refuses, by which library it judges."""
+"""Tests of `maneuver review` on one log: output, files, errors, bounds."""
 
 import json
 from dataclasses import replace
@@ -10,14 +10,14 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
 from flight.errors import FlightError
 from flight.se2 import Twist
-from flightlog.attachment_names import LIBRARY_ATTACHMENT, MISSION_ATTACHMENT
+from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.channels import ESTIMATE, TRUTH, WIND
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
-from review.summary.bound_check import bounds_kept, judged_by
+from review.summary.bound_check import check_bounds, with_bounds_of
 from review.summary.summary import summarise
-from tests.support.altered_logs import added, attached, without
+from tests.support.altered_logs import bound_for, with_added_offset, without_topics
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -28,7 +28,7 @@ def still_flight(*, kind: str = "sequence") -> FlightLog:
 
 
 def narrower(library: Library, share: float) -> Library:
-    """Returns a library whose trims' errors are a share of what they were."""
+    """Returns a library with scaled trim errors."""
 
     def less(error: Twist) -> Twist:
         return Twist(share * error.forward, share * error.side, share * error.yaw_rate)
@@ -41,7 +41,7 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
-    publish_log(without(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), WIND, ESTIMATE), log)
+    write_log(without_topics(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), WIND, ESTIMATE), log)
     order = ["review", str(log), "--png", "--html", "--out", str(pictures), "--json"]
     assert run(order) == 0
     content = json.loads(capsys.readouterr().out)
@@ -58,15 +58,8 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
 
 def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "flight.mcap"
-    flight = attached(
-        synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1),
-        MISSION_ATTACHMENT,
-        {
-            "goal": [90, 0],
-            "tolerance": 1,
-        },
-    )
-    publish_log(added(flight, TRUTH, "forward", 1.0), log)
+    flight = bound_for(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), (90.0, 0.0), 1.0)
+    write_log(with_added_offset(flight, TRUTH, "forward", 1.0), log)
     assert run(["review", str(log), "--png", "--out", str(tmp_path / "pictures")]) == 0
     said = capsys.readouterr().out
     assert "not reached" in said
@@ -76,7 +69,7 @@ def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFi
 
 def test_a_truncated_log_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     log = tmp_path / "flight.mcap"
-    publish_log(still_flight(), log)
+    write_log(still_flight(), log)
     log.write_bytes(log.read_bytes()[:-100])
     assert run(["review", str(log)]) == 2
     refusal = capsys.readouterr().err
@@ -88,7 +81,7 @@ def test_a_broken_library_is_refused_before_anything_is_drawn(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log, pictures = tmp_path / "flight.mcap", tmp_path / "pictures"
-    publish_log(replace(still_flight(), attachments={LIBRARY_ATTACHMENT: b"{}"}), log)
+    write_log(replace(still_flight(), attachments={LIBRARY_ATTACHMENT: b"{}"}), log)
     assert run(["review", str(log), "--png", "--out", str(pictures)]) == 2
     assert "library.json" in capsys.readouterr().err
     assert not pictures.exists()
@@ -97,13 +90,13 @@ def test_a_broken_library_is_refused_before_anything_is_drawn(
 def test_a_flight_that_is_flown_to_find_bounds_is_judged_by_none_until_a_library_is_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    flight = added(still_flight(kind="campaign"), TRUTH, "forward", 0.2)
-    assert bounds_kept(flight) is None
+    flight = with_added_offset(still_flight(kind="campaign"), TRUTH, "forward", 0.2)
+    assert check_bounds(flight) is None
     log, named = tmp_path / "flight.mcap", tmp_path / "narrower.json"
-    publish_log(flight, log)
+    write_log(flight, log)
     named.write_text(library_text(narrower(LIBRARY, 0.5)))
     assert run(["review", str(log)]) == 0
-    assert "not judged: flown to find bounds" in " ".join(capsys.readouterr().out.split())
+    assert "a campaign has no bounds of its own" in " ".join(capsys.readouterr().out.split())
     assert run(["review", str(log), "--library", str(named)]) == 0
     assert "5 of 5 coasts" in capsys.readouterr().out
     assert run(["review", str(tmp_path), "--library", str(named), "--json", "--workers", "1"]) == 0
@@ -112,28 +105,28 @@ def test_a_flight_that_is_flown_to_find_bounds_is_judged_by_none_until_a_library
 
 
 def test_the_library_named_judges_and_the_one_flown_with_still_names() -> None:
-    flight = added(still_flight(), TRUTH, "forward", 0.2)
-    own, other = bounds_kept(flight), bounds_kept(judged_by(flight, narrower(LIBRARY, 0.5)))
+    flight = with_added_offset(still_flight(), TRUTH, "forward", 0.2)
+    own, other = check_bounds(flight), check_bounds(with_bounds_of(flight, narrower(LIBRARY, 0.5)))
     assert own is not None
     assert other is not None
     assert (own.library, other.library) == ("synthetic", "narrower")
     # The last coast is held shortly after a maneuver; it leaves both.
-    assert len(own.departures) == 1
-    assert len(other.departures) == 5
-    assert summarise(judged_by(flight, narrower(LIBRARY, 0.5))).trims == summarise(flight).trims
+    assert len(own.violations) == 1
+    assert len(other.violations) == 5
+    assert summarise(with_bounds_of(flight, narrower(LIBRARY, 0.5))).trims == summarise(flight).trims
 
 
 def test_a_library_of_another_automaton_judges_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = tmp_path / "flight.mcap"
-    publish_log(still_flight(), log)
+    write_log(still_flight(), log)
     assert run(["review", str(log), "--library", "thesis-kinematic"]) == 2
     refusal = capsys.readouterr().err
     assert refusal.count("\n") == 1
-    assert "another automaton" in refusal
+    assert "is of another automaton: expected trim" in refusal
     fewer = replace(
         LIBRARY, maneuvers=tuple(one for one in LIBRARY.maneuvers if (one.from_trim, one.to_trim) != (2, 3))
     )
     with pytest.raises(FlightError, match="no maneuver from trim 2 to trim 3"):
-        judged_by(still_flight(), fewer)
+        with_bounds_of(still_flight(), fewer)

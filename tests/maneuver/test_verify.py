@@ -1,4 +1,4 @@
-"""`maneuver verify`: every figure beside its bar, and bars that fail when something is broken."""
+"""Tests of `maneuver verify`: figures, limits and failures after damage."""
 
 import json
 from dataclasses import replace
@@ -8,7 +8,7 @@ import pytest
 
 from flight.se2 import Twist
 from maneuver.app import run
-from sim.checks.check import Figure
+from sim.checks.check_result import CheckResult
 from sim.checks.vehicle_check import check_modes, check_shape, check_vehicle
 from sim.vehicle.equilibrium import EquilibriumFinder
 from sim.vehicle.parameters import read_parameters
@@ -17,21 +17,21 @@ PARAMETERS = read_parameters()
 
 
 def test_the_vehicle_holds_every_bar() -> None:
-    assert [figure for figure in check_vehicle(PARAMETERS) if not figure.holds] == []
+    assert [figure for figure in check_vehicle(PARAMETERS) if not figure.passed] == []
 
 
 def test_a_corrupt_parameter_is_found() -> None:
-    """The negative control: a vehicle 1 % heavier than its shape, and one with a limp hub."""
+    """Negative control: 1 % more mass, or a soft hub."""
     heavy = replace(PARAMETERS, body=replace(PARAMETERS.body, mass=1.01 * PARAMETERS.body.mass))
-    assert [figure.name for figure in check_shape(heavy) if not figure.holds] == ["mass, off by"]
+    assert [figure.name for figure in check_shape(heavy) if not figure.passed] == ["mass, difference"]
     limp = replace(PARAMETERS, main_rotor=replace(PARAMETERS.main_rotor, hub_spring=0.01))
-    missed = {figure.name for figure in check_modes(limp) if not figure.holds}
+    missed = {figure.name for figure in check_modes(limp) if not figure.passed}
     assert {"roll, frequency", "pitch, damping"} <= missed
 
 
 def test_a_figure_without_a_number_never_holds() -> None:
-    assert not Figure("trim", "residual", float("nan"), "-", high=1.0).holds
-    assert Figure("trim", "slow mode", 0.3, "1/s").holds
+    assert not CheckResult("trim", "residual", float("nan"), "-", high=1.0).passed
+    assert CheckResult("trim", "slow mode", 0.3, "1/s").passed
 
 
 def test_the_command_says_each_figure_with_its_bar(capsys: pytest.CaptureFixture[str]) -> None:

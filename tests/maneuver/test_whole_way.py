@@ -1,4 +1,4 @@
-"""Fly, identify, plan, fly the plan: the stages joined, on real flights."""
+"""Tests of the whole chain: fly, identify, plan, fly the plan."""
 
 import json
 import subprocess
@@ -129,11 +129,11 @@ def test_the_scorecard_counts_every_flight(capsys: pytest.CaptureFixture[str]) -
     assert len({row["seed"] for row in flown}) == 2
 
 
-def test_a_flight_that_runs_out_of_plannings_counts_as_not_reached(
+def test_a_flight_that_runs_out_of_replans_counts_as_not_reached(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    """The negative control: one planning and one second are not enough for any mission."""
-    arguments = ("--missions", "gtmax-1", "--flights", "1", "--max-activations", "1", "--json")
+    """Negative control: one replan and one second are insufficient."""
+    arguments = ("--missions", "gtmax-1", "--flights", "1", "--max-replans", "1", "--json")
     assert run(("validate", *arguments)) == 1
     cells = json.loads(capsys.readouterr().out)["cells"]
     assert [cell["reached"] for cell in cells] == [0, 0]

@@ -1,8 +1,8 @@
-"""The price of robustness of one walk, stated in CasADi and solved by IPOPT: what the planner is held to.
+"""Price of robustness of one walk, as a CasADi statement for IPOPT.
 
 The largest level that a limit of seconds allows (thesis, Problem 4.2): the level is a variable itself, with
 coasting times for 0, minus and plus that level, each of which reaches the goal within the limit. Whether the
-levels below are bearable, too, is no part of the statement.
+levels below meet the limit, too, is no part of the statement.
 """
 
 from collections.abc import Sequence
@@ -14,7 +14,7 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.mission.mission import Mission
-from planner.walks.kinematics import motion
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import Walk
 
 from .statements import OPTIONS, Statement, ends_of, miss_of, numbers_of, numbers_of_mission
@@ -27,7 +27,7 @@ PROBE = 0.25
 
 
 def state_price(trims: int) -> Statement:
-    """States the largest level for one walk: the variables are the times, sign after sign, and the level.
+    """States the largest level of a walk over times and level.
 
     The constraints are a miss and the seconds to spare for each sign.
     """
@@ -56,7 +56,7 @@ def largest_level(
     limit: float,
     start: tuple[Sequence[Sequence[float]], float],
 ) -> float:
-    """Returns the largest level from 0 to 1 that IPOPT finds; minus infinity where it finds none.
+    """Returns the largest level IPOPT finds, or minus infinity.
 
     Args:
         library: the primitives.
@@ -65,7 +65,7 @@ def largest_level(
         limit: seconds that a plan may take.
         start: coasting times in seconds for the level's signs 0, - and +, and the level.
     """
-    nominal, probe = motion(library, walk, 0.0), motion(library, walk, PROBE)
+    nominal, probe = walk_motion(library, walk, 0.0), walk_motion(library, walk, PROBE)
     numbers = np.array(numbers_of(nominal))
     error = (np.array(numbers_of(probe)) - numbers) / PROBE
     fixed = nominal.fixed_time, (probe.fixed_time - nominal.fixed_time) / PROBE

@@ -1,7 +1,7 @@
-"""The problem of each policy for one walk, stated in CasADi and solved by IPOPT: what planners are held to.
+"""Policy problems of one walk, as CasADi statements for IPOPT.
 
-The nominal problem is that of one level in `coasting`. The worst case has coasting times for each level and
-the largest cost as one more variable (thesis, Problem 6.2); the committed one has the same times at every
+The worst case has coasting times for each level and the largest cost as one more variable (thesis, Problem
+6.2; with level 0 alone it is the nominal problem, 6.1); the committed one has the same times at every
 level (Problem 8.1), or these and the tolerance, which is then least. A whole interval of levels is met by
 exchange: the level of a fine grid that misses most joins the statement until none misses. The price of
 robustness is stated in `price_statement`.
@@ -17,16 +17,18 @@ import casadi
 import numpy as np
 
 from flight.automaton.library import Library
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
 from flight.se2 import wrap_angle
-from planner.walks.answer import Times
-from planner.walks.goal import EQUALITY_TOLERANCE, wants_heading
-from planner.walks.kinematics import Motion, motion
-from planner.walks.symbolic_motion import symbolic_motion
+from planner.walks.goal_condition import wants_heading
+from planner.walks.kinematics import WalkMotion, walk_motion
+from planner.walks.search_result import Times
 from planner.walks.walk import Walk
 
+from .symbolic_motion import symbolic_motion
+
 FINE = 2001
-"""Levels of the grid on which a committed solution is looked at."""
+"""Levels of the grid on which a committed solution is evaluated."""
 
 ROUNDS = 10
 """Levels that may join."""
@@ -49,7 +51,7 @@ class Statement:
     Attributes:
         problem: variables `x`, parameters `p` (numbers of the walk at every level, then start, goal and
             tolerance), objective `f`, constraints `g`.
-        rows: which kind each constraint is: a miss over its tolerance squared, a heading, a cost or a time.
+        rows: kind of each constraint: a miss over its tolerance squared, a heading, a cost or a time.
     """
 
     problem: dict[str, casadi.SX]
@@ -57,7 +59,7 @@ class Statement:
 
 
 def state_worst_case(trims: int, levels: int) -> Statement:
-    """States Problem 6.2 for one walk: least worst cost, coasting times for each level, within the tolerance.
+    """States Problem 6.2 for one walk: least worst-case cost.
 
     The variables are the times, level after level, and the worst cost; each level's constraints are its miss
     and how far its cost is below the worst.
@@ -77,7 +79,7 @@ def state_worst_case(trims: int, levels: int) -> Statement:
 
 
 def state_committed(trims: int, levels: int, *, heading: bool) -> Statement:
-    """States Problem 8.1 for one walk: least time, the same times at every level, within the tolerance.
+    """States Problem 8.1 for one walk: least committed time.
 
     The last constraint is the sum of the times.
     """
@@ -96,7 +98,7 @@ def state_committed(trims: int, levels: int, *, heading: bool) -> Statement:
 
 
 def state_smallest_tolerance(trims: int, levels: int, *, heading: bool) -> Statement:
-    """States the least tolerance that one walk meets with the same times at every level.
+    """States the least tolerance of one walk with committed times.
 
     The variables are the times and the tolerance in units of the one given; the last constraint is the sum of
     the times.
@@ -119,7 +121,7 @@ def state_smallest_tolerance(trims: int, levels: int, *, heading: bool) -> State
 def worst_case(
     library: Library, walk: Walk, mission: Mission, gammas: Sequence[float], start: Sequence[float]
 ) -> float:
-    """Returns the worst cost in seconds that IPOPT finds from some times; infinite without.
+    """Returns the worst cost IPOPT finds in seconds, or infinity.
 
     Args:
         library: the primitives.
@@ -128,7 +130,7 @@ def worst_case(
         gammas: the levels.
         start: seconds, one for each trim, for every level.
     """
-    motions = [motion(library, walk, gamma) for gamma in gammas]
+    motions = [walk_motion(library, walk, gamma) for gamma in gammas]
     numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(
         mission, mission.tolerance
     )
@@ -165,17 +167,17 @@ class Question:
     budget: float
 
     def committed(self, start: Times) -> Times | None:
-        """Returns times that IPOPT finds from some, within the tolerance on a fine grid of levels."""
+        """Returns IPOPT's times within the tolerance on a fine grid."""
         found = self._exchanged("committed", start)
         return None if found is None else found[0]
 
     def smallest_tolerance(self, start: Times) -> tuple[Times, float] | None:
-        """Returns times and their largest miss in metres, as small as IPOPT finds from some times."""
+        """Returns IPOPT's times of least largest miss, and the miss."""
         return self._exchanged("tolerance", start)
 
     def _exchanged(self, kind: str, times: Times) -> tuple[Times, float] | None:
         grid = np.linspace(-self.gamma, self.gamma, FINE).tolist()
-        every = [motion(self.library, self.walk, level) for level in grid]
+        every = [walk_motion(self.library, self.walk, level) for level in grid]
         chosen = [0, FINE // 2, FINE - 1]
         for _ in range(ROUNDS):
             solved = self._at_levels(kind, [every[place] for place in chosen], times)
@@ -192,17 +194,17 @@ class Question:
             chosen.append(most)
         return None
 
-    def _at_levels(self, kind: str, motions: list[Motion], start: Times) -> tuple[Times, float] | None:
+    def _at_levels(self, kind: str, motions: list[WalkMotion], start: Times) -> tuple[Times, float] | None:
         mission, levels = self.mission, len(motions)
         heading, ends = wants_heading(mission), [one.end(mission.start, start) for one in motions]
         miss = max(end.distance_to(mission.goal) for end in ends)
-        unit = max(miss, EQUALITY_TOLERANCE) if kind == "tolerance" else mission.tolerance
+        unit = max(miss, SLACK) if kind == "tolerance" else mission.tolerance
         numbers = [value for one in motions for value in numbers_of(one)] + numbers_of_mission(mission, unit)
         low, high, guess = [-inf] * levels, [0.0] * levels, list(start)
         if heading:
             assert mission.goal_heading is not None
             wanted = ends[1].heading + wrap_angle(mission.goal_heading - ends[1].heading)
-            width = max(mission.heading_tolerance, EQUALITY_TOLERANCE)
+            width = mission.destination.heading_reach
             low += [wanted - width] * levels
             high += [wanted + width] * levels
         if kind == "tolerance":
@@ -227,7 +229,7 @@ def _solver(kind: str, trims: int, levels: int, *, heading: bool) -> casadi.Func
 
 
 def ends_of(trims: int, levels: int) -> tuple[casadi.Function, list[casadi.SX]]:
-    """Returns the end as a function of times, numbers of the walk and start; and numbers for every level."""
+    """Returns the end function, and the symbols of every level."""
     walk = symbolic_motion(trims)
     numbers = casadi.vertcat(casadi.vec(walk.velocities), casadi.vec(walk.displacements))
     end = casadi.Function("end", [walk.coasting_times, numbers, walk.start], [walk.end])
@@ -240,7 +242,7 @@ def miss_of(end: casadi.SX, mission: casadi.SX) -> casadi.SX:
     return casadi.dot(off, off) / mission[5] ** 2 - 1
 
 
-def numbers_of(one: Motion) -> list[float]:
+def numbers_of(one: WalkMotion) -> list[float]:
     """Returns the numbers of a walk in the order of `ends_of`."""
     return [
         *(value for v in one.velocities for value in (v.forward, v.side, v.yaw_rate)),

@@ -1,4 +1,4 @@
-"""Films of logged flights: as long as the flight, moving, true to the log, and refused in one line."""
+"""Tests of films of logged flights."""
 
 import subprocess
 from functools import cache
@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from experiments.mission.fly import fly_helicopter
-from experiments.mission.task import MissionTask
+from experiments.mission.mission_task import MissionTask
 from flight.automaton.library import Library
 from flight.errors import AlreadyExistsError, BadFileError
 from flightlog.attachment_names import MODEL_ATTACHMENT
 from flightlog.channels import TRUTH
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
 from review.film import film as filming
@@ -58,7 +58,7 @@ def flown() -> FlightLog:
 
 
 def pictures_of(path: Path) -> tuple[np.ndarray, str]:
-    """Returns the pictures of a small film, and what ffmpeg says of it."""
+    """Returns the pictures of a small film and ffmpeg's messages."""
     command = [imageio_ffmpeg.get_ffmpeg_exe(), "-i", str(path), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
     done = subprocess.run(command, capture_output=True, check=True)
     shape = (-1, SMALL.height, SMALL.width, 3)
@@ -100,7 +100,7 @@ def test_the_filmed_attitude_is_the_flown_one() -> None:
     helicopter.coast(1.0)
     state = helicopter._helicopter.state()
     truth = helicopter.log()[TRUTH].values[-1]
-    placed = np.array(filming._placed(truth[[0, 1, 2, 6, 7, 8, 3, 4]]))
+    placed = np.array(filming._mujoco_pose(truth[[0, 1, 2, 6, 7, 8, 3, 4]]))
     north, east, down = state.position
     w, x, y, z = state.quaternion
     assert abs(truth[6]) > 0.05
@@ -117,7 +117,7 @@ def test_the_film_has_rotors_that_turn_and_the_weight_of_none() -> None:
     )
     other = film_model(FlightLog(flown().header, flown().series, {MODEL_ATTACHMENT: bare}))
     assert other.nq == 7
-    with pytest.raises(BadFileError, match=r"model\.xml: is no model that can be drawn"):
+    with pytest.raises(BadFileError, match=r"model\.xml: expected a drawable model"):
         film_model(FlightLog(flown().header, flown().series, {MODEL_ATTACHMENT: b"<nonsense>"}))
 
 
@@ -184,7 +184,7 @@ def test_without_opengl_there_is_one_line_and_no_flight(
     monkeypatch.chdir(tmp_path)
     assert run(["fly", "--sequence", "figure-eight", "--video", "eight.mp4"]) == 2
     said = capsys.readouterr().err
-    assert "expected OpenGL without a screen" in said
+    assert "expected off-screen OpenGL" in said
     assert len(said.splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
 
@@ -216,7 +216,7 @@ def test_films_that_cannot_be_are_refused_before_flying(
 def test_review_films_a_log(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(filming, "FilmSettings", lambda: SMALL)
-    publish_log(flown(), tmp_path / "flight.mcap")
+    write_log(flown(), tmp_path / "flight.mcap")
     assert run(["review", "flight.mcap", "--video", "film.mp4", "--still", "still.png", "--at", "1"]) == 0
     assert len(pictures_of(Path("film.mp4"))[0]) == 16
     with Image.open("still.png") as picture:

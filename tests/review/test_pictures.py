@@ -1,6 +1,5 @@
-"""What pictures show, held against what they show it of."""
+"""Tests of pictures against the data that they show."""
 
-import json
 from dataclasses import replace
 from itertools import pairwise
 from math import pi
@@ -12,30 +11,26 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.colors import to_rgba
 from matplotlib.lines import Line2D
-from matplotlib.patches import FancyArrowPatch, Rectangle
+from matplotlib.patches import Rectangle
 
 from flight.errors import AlreadyExistsError
-from flight.mission.goal import Destination
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.channels import CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.primitives import stretches_flown
+from flightlog.primitives import merged_primitives
 from flightlog.topic import Series
 from flightlog.trim_labels import trim_colors
 from review.pictures import palette
-from review.pictures.automaton_picture import draw_automaton
-from review.pictures.demo_picture import PlanFlown, caption, demo_picture
-from review.pictures.flight_picture import publish_picture, track_picture, write_pictures
-from review.pictures.library_picture import library_picture
+from review.pictures.flight_picture import track_picture, write_picture, write_pictures
 from review.pictures.plan_picture import plan_picture
 from review.pictures.primitive_lane import draw_primitive_lane
 from review.pictures.time_histories import draw_control, draw_velocity, draw_wind
 from review.pictures.track_picture import draw_track
-from review.summary.summary import arrival
+from tests.support.altered_logs import bound_for, planned, planning
+from tests.support.reviewed_flights import plan_of
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -45,30 +40,18 @@ COASTS = (2.0,) * 4
 
 @pytest.fixture(scope="module")
 def flight() -> FlightLog:
-    """A mission's log with every topic and attachment."""
+    """Returns a mission's log with every topic and attachment."""
     log = synthetic_log(LIBRARY, WALK, COASTS, seed=1, start=SE2(5.0, -3.0, 0.7), kind="mission")
     controls = Series(CONTROLS, log[TRUTH].time, 0.1 * log[TRUTH].values[:, :8])
-    scenario = {"gamma": 0.0, "cost": 20.0, "coasting_times": COASTS}
-    plans = [{"time": time, "sequence": WALK, "scenarios": [scenario]} for time in (0.0, 3.0)]
-    attachments = {
-        **log.attachments,
-        MISSION_ATTACHMENT: json.dumps({"goal": [20.0, 10.0], "tolerance": 2.0}).encode(),
-        PLANS_ATTACHMENT: json.dumps(plans).encode(),
-    }
-    return replace(log, series={**log.series, CONTROLS.name: controls}, attachments=attachments)
+    log = replace(log, series={**log.series, CONTROLS.name: controls})
+    plans = [planning(time, WALK, COASTS, gammas=(0.0,)) for time in (0.0, 3.0)]
+    return bound_for(planned(log, plans), (20.0, 10.0), 2.0)
 
 
 def poor(log: FlightLog) -> FlightLog:
-    """Returns the log with nothing but truth and primitives."""
+    """Returns the log with truth and primitives alone."""
     gone = {WIND.name, ESTIMATE.name, CONTROLS.name, "/command"}
     return FlightLog(log.header, {k: v for k, v in log.series.items() if k not in gone}, {})
-
-
-def outcome_of(log: FlightLog, *, gammas: tuple[float, ...] = (0.0,)) -> PlanFlown:
-    scenarios = tuple(Scenario(gamma, 20.0 - gamma, COASTS, SE2.identity()) for gamma in gammas)
-    ids = tuple(maneuver.id for maneuver in LIBRARY.maneuvers_along(WALK))
-    plan = Plan("feasible", "", "", "there", "worst-case", 1.0, 2.0, WALK, ids, scenarios)
-    return PlanFlown(plan, (log,))
 
 
 def test_every_picture_is_drawn_that_the_log_has_topics_for(flight: FlightLog, tmp_path: Path) -> None:
@@ -84,7 +67,7 @@ def test_every_picture_is_drawn_that_the_log_has_topics_for(flight: FlightLog, t
 def test_equal_logs_give_equal_pictures(flight: FlightLog, tmp_path: Path) -> None:
     paths = [tmp_path / "first.png", tmp_path / "second.png"]
     for path in paths:
-        publish_picture(track_picture(flight), path)
+        write_picture(track_picture(flight), path)
     assert paths[0].read_bytes() == paths[1].read_bytes()
 
 
@@ -96,11 +79,11 @@ def test_where_one_picture_would_be_overwritten_none_is_written(flight: FlightLo
 
 
 def test_the_plan_view_is_true_to_scale_with_north_up(flight: FlightLog) -> None:
-    axes = palette.page(6.0, 6.0).subplots()
+    axes = palette.new_figure(6.0, 6.0).subplots()
     draw_track(axes, poor(flight))
     assert axes.get_aspect() == 1.0
     lines = [line for line in axes.lines if line.get_zorder() == 4.0]
-    assert len(lines) == len(stretches_flown(flight)) == 7
+    assert len(lines) == len(merged_primitives(flight)) == 7
     points = np.concatenate([np.asarray(line.get_xydata()) for line in lines])
     truth = np.column_stack([flight[TRUTH]["east"], flight[TRUTH]["north"]])
     np.testing.assert_allclose(np.unique(points, axis=0), np.unique(truth, axis=0), atol=1e-9)
@@ -108,7 +91,7 @@ def test_the_plan_view_is_true_to_scale_with_north_up(flight: FlightLog) -> None
 
 def test_goal_plans_and_wind_are_drawn_where_the_log_has_them(flight: FlightLog) -> None:
     def legend_and_words(log: FlightLog) -> tuple[set[str], int]:
-        axes = palette.page(6.0, 6.0).subplots()
+        axes = palette.new_figure(6.0, 6.0).subplots()
         draw_track(axes, log)
         legend = axes.get_legend()
         assert legend is not None
@@ -146,7 +129,7 @@ def test_a_planned_track_leads_where_the_automaton_leads(
 
 def test_the_lane_underlines_what_left_its_bounds_and_nothing_else() -> None:
     def underlined(log: FlightLog) -> int:
-        axes = palette.page(8.0, 1.0).subplots()
+        axes = palette.new_figure(8.0, 1.0).subplots()
         draw_primitive_lane(axes, log, width=8.0)
         blocks = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
         return sum(block.get_y() < 0 for block in blocks)
@@ -160,19 +143,19 @@ def test_the_lane_underlines_what_left_its_bounds_and_nothing_else() -> None:
 
 
 def test_a_velocity_panel_shows_command_estimate_truth_and_bounds(flight: FlightLog) -> None:
-    axes = palette.page(8.0, 2.0).subplots()
+    axes = palette.new_figure(8.0, 2.0).subplots()
     draw_velocity(axes, flight, "yaw_rate")
     shown = {to_rgba(line.get_color()): line for line in axes.lines}
-    truth = np.asarray(shown[to_rgba(palette.TRUE)].get_ydata())
+    truth = np.asarray(shown[to_rgba(palette.TRUE_COLOR)].get_ydata())
     np.testing.assert_allclose(truth, np.degrees(flight[TRUTH]["yaw_rate"]))
-    assert {to_rgba(palette.BELIEVED), to_rgba(palette.INK)} <= set(shown)
+    assert {to_rgba(palette.ESTIMATE_COLOR), to_rgba(palette.INK)} <= set(shown)
     bands = [band for band in axes.collections if band.get_alpha() == 0.25]
     assert len(bands) == len(WALK)
 
 
 def test_a_limit_is_drawn_where_the_control_comes_near_and_said_anyway(flight: FlightLog) -> None:
     def panel(limit: float) -> tuple[str, bool]:
-        axes = palette.page(8.0, 2.0).subplots()
+        axes = palette.new_figure(8.0, 2.0).subplots()
         draw_control(axes, flight, "pedal", {"pedal": (-limit, limit)})
         low, high = axes.get_ylim()
         lines = [line for line in axes.lines if to_rgba(line.get_color()) == to_rgba(palette.ALARM)]
@@ -187,56 +170,13 @@ def test_a_limit_is_drawn_where_the_control_comes_near_and_said_anyway(flight: F
     assert not far[1]
 
 
-def test_the_automaton_has_a_circle_for_each_trim_and_an_arrow_for_each_maneuver() -> None:
-    axes = palette.page(6.0, 6.0).subplots()
-    draw_automaton(axes, LIBRARY)
-    circles = [line for line in axes.lines if isinstance(line, Line2D) and line.get_marker() == "o"]
-    arrows = [artist for artist in axes.get_children() if isinstance(artist, FancyArrowPatch)]
-    words = {text.get_text() for text in axes.texts}
-    assert len(circles) == 7
-    assert len(arrows) == 22
-    assert {str(number) for number in range(1, 23)} <= words
-
-
-def test_a_library_of_one_trim_is_drawn(tmp_path: Path) -> None:
-    alone = replace(
-        LIBRARY,
-        trims=LIBRARY.trims[:1],
-        maneuvers=(),
-        conditions=replace(LIBRARY.conditions, maneuver_end=None),
-    )
-    library_picture(alone).savefig(tmp_path / "alone.png")
-    library_picture(LIBRARY).savefig(tmp_path / "library.png")
-
-
-def test_the_whole_way_is_drawn_with_and_without_a_plan(flight: FlightLog, tmp_path: Path) -> None:
-    mission = Mission("there", SE2(5.0, -3.0, 0.7), 1, (20.0, 10.0), 2.0)
-    found = outcome_of(flight, gammas=(0.0, -1.0, 1.0))
-    none = PlanFlown(
-        Plan("infeasible", "", "", "there", "nominal", 0.0, 2.0, reason="every walk ends elsewhere"), ()
-    )
-    demo_picture(LIBRARY, mission, [none, found]).savefig(tmp_path / "demo.png")
-
-
-def test_the_caption_says_what_was_promised_and_what_came_of_it(flight: FlightLog) -> None:
-    end = Destination((float(flight[TRUTH]["north"][-1]), float(flight[TRUTH]["east"][-1])), 1.0)
-    met, missed = arrival(flight, end), arrival(flight, Destination((-500.0, 0.0), 1.0))
-    plan = outcome_of(flight, gammas=(0.0, -1.0)).plan
-    assert caption(plan, [flight], [missed]).endswith("goal reached in 0 of 1 flight")
-    promised, came = caption(plan, [flight, flight], [met, missed]).split("\n")
-    assert promised == "predicted 21.0 s, the slowest of gamma 0 and \N{PLUS-MINUS SIGN}1"
-    assert came == f"goal reached in 1 of 2 flights, in {met.time:.1f} s"
-    nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
-    assert caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"
-
-
 def test_trims_differ_in_colour() -> None:
     colors = trim_colors(range(14))
     assert len(set(colors.values())) == 14
 
 
 def test_rates_of_the_air_are_shown_in_degrees(flight: FlightLog) -> None:
-    axes = palette.page(8.0, 2.0).subplots()
+    axes = palette.new_figure(8.0, 2.0).subplots()
     values = np.tile(np.array([1.0, 2.0, 3.0, 0.1, 0.2, 0.3]), (len(flight[WIND]), 1))
     windy = replace(flight, series={WIND.name: replace(flight[WIND], values=values), **poor(flight).series})
     draw_wind(axes, windy, WIND.field_names[3:], "rotation")
@@ -253,11 +193,11 @@ def legend(plan: Plan) -> dict[str, Line2D]:
 def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
     walk, times = (1, 2, 1, 3), (1.25, 0.0, 2.5, 0.004)
     scenarios = [Scenario(gamma, 10 - gamma, times, SE2.identity()) for gamma in (0.0, -1.0, 1.0)]
-    plan = Plan("optimal", "l", "", "out", "worst-case", 1.0, 2.0, walk, (4, 5, 6), tuple(scenarios))
+    plan = plan_of(walk, (4, 5, 6), tuple(scenarios))
     entries = legend(plan)
     name = LIBRARY.trim(1).name
     assert list(entries) == [
-        "gamma -1, decides: 11.00 s; maneuvers 4, 5, 6",
+        "gamma -1, slowest: 11.00 s; maneuvers 4, 5, 6",
         f"trim 1, {name}: 1.25 + 2.50 s",
         "gamma 0: 10.00 s",
         "gamma 1: 9.00 s",
@@ -271,5 +211,5 @@ def test_the_legend_of_a_plan_has_every_level_and_each_trim_held_once() -> None:
 
 def test_the_legend_of_a_nominal_plan_has_no_level() -> None:
     only = Scenario(0.0, 3.0, (3.0,), SE2.identity())
-    plan = Plan("optimal", "l", "", "out", "nominal", 0.0, 2.0, (1,), (), (only,))
+    plan = plan_of((1,), (), (only,), policy="nominal")
     assert list(legend(plan)) == [f"trim 1, {LIBRARY.trim(1).name}: 3.00 s", "goal, within 2 m"]

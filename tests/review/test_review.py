@@ -1,4 +1,4 @@
-"""A flight in a few numbers."""
+"""Tests of the summary of a flight."""
 
 from dataclasses import replace
 from math import pi
@@ -11,16 +11,24 @@ from numpy.typing import NDArray
 
 from flight.automaton.library import Library
 from flight.errors import BadFileError, FlightError
-from flight.mission.goal import Destination
-from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
-from flightlog.attachments import goal_of_flight, plans_of_flight
+from flight.mission.destination import Destination, Track, first_arrival
+from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, stretches_flown
+from flightlog.mission_attachments import logged_goal, logged_plannings, logged_plans
+from flightlog.primitives import PrimitiveKind, merged_primitives
 from flightlog.topic import Series
-from review.summary.bound_check import bounds_kept
-from review.summary.summary import arrival, summarise
-from tests.support.altered_logs import added, attached, changed, without
+from review.summary.bound_check import check_bounds
+from review.summary.summary import summarise
+from tests.support.altered_logs import (
+    bound_for,
+    planned,
+    planning,
+    with_added_offset,
+    with_attachment,
+    with_changed_topic,
+    without_topics,
+)
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -45,7 +53,7 @@ def test_primitives_fill_the_flight(choices: list[int], coast: float, seed: int)
     assert sum(count.count for count in summary.maneuvers) == len(choices)
 
 
-def test_a_flight_without_noise_is_tracked_believed_and_within_bounds() -> None:
+def test_a_flight_without_noise_has_no_errors_and_is_within_bounds() -> None:
     summary = summarise(still_flight())
     assert summary.tracking is not None
     assert summary.navigation is not None
@@ -54,29 +62,29 @@ def test_a_flight_without_noise_is_tracked_believed_and_within_bounds() -> None:
     assert summary.navigation.position_max == 0.0
     assert summary.bounds.coasts == 5
     assert summary.bounds.maneuvers == 4
-    assert summary.bounds.departures == ()
+    assert summary.bounds.violations == ()
 
 
 def test_a_flight_that_is_too_fast_leaves_every_bound() -> None:
-    bounds = bounds_kept(added(still_flight(), TRUTH, "forward", 0.26))
+    bounds = check_bounds(with_added_offset(still_flight(), TRUTH, "forward", 0.26))
     assert bounds is not None
-    assert bounds.left_by(PrimitiveKind.COAST) == 5
-    assert {departure.number for departure in bounds.departures} == {"forward"}
-    assert all(departure.bound == 0.25 for departure in bounds.departures)
+    assert bounds.count_violations(PrimitiveKind.COAST) == 5
+    assert {violation.number for violation in bounds.violations} == {"forward"}
+    assert all(violation.bound == 0.25 for violation in bounds.violations)
 
 
 def test_a_maneuver_that_ends_elsewhere_leaves_its_bound() -> None:
-    first = stretches_flown(still_flight())[1]
+    first = merged_primitives(still_flight())[1]
 
     def jump(values: NDArray[np.float64]) -> None:
         values[round(first.end / 0.02) :, TRUTH.field_names.index("east")] += 5.0
 
-    bounds = bounds_kept(changed(still_flight(), TRUTH, jump))
+    bounds = check_bounds(with_changed_topic(still_flight(), TRUTH, jump))
     assert bounds is not None
-    (departure,) = bounds.departures
-    assert (departure.kind, departure.id) == (PrimitiveKind.MANEUVER, first.id)
-    assert departure.number == "side"
-    assert departure.deviation == pytest.approx(5.0, abs=0.1)
+    (violation,) = bounds.violations
+    assert (violation.kind, violation.id) == (PrimitiveKind.MANEUVER, first.id)
+    assert violation.number == "side"
+    assert violation.deviation == pytest.approx(5.0, abs=0.1)
 
 
 def test_averaged_errors_bound_the_average_of_a_coast() -> None:
@@ -85,22 +93,22 @@ def test_averaged_errors_bound_the_average_of_a_coast() -> None:
         values[1::2, TRUTH.field_names.index("side")] -= 0.5
 
     averaged = replace(LIBRARY, conditions=replace(LIBRARY.conditions, trim_error_kind="averaged"))
-    kept = bounds_kept(changed(still_flight(averaged), TRUTH, wave))
-    left = bounds_kept(changed(still_flight(), TRUTH, wave))
+    kept = check_bounds(with_changed_topic(still_flight(averaged), TRUTH, wave))
+    left = check_bounds(with_changed_topic(still_flight(), TRUTH, wave))
     assert kept is not None
     assert left is not None
-    assert kept.left_by(PrimitiveKind.COAST) == 0
-    assert left.left_by(PrimitiveKind.COAST) == 5
+    assert kept.count_violations(PrimitiveKind.COAST) == 0
+    assert left.count_violations(PrimitiveKind.COAST) == 5
 
 
 def test_an_unfinished_maneuver_is_not_held_against_its_bounds() -> None:
     log = still_flight()
-    until = stretches_flown(log)[1].end - 0.5
+    until = merged_primitives(log)[1].end - 0.5
     cut = {
         name: Series(part.topic, part.time[part.time <= until], part.values[part.time <= until])
         for name, part in log.series.items()
     }
-    bounds = bounds_kept(replace(log, series=cut))
+    bounds = check_bounds(replace(log, series=cut))
     assert bounds is not None
     assert (bounds.coasts, bounds.maneuvers) == (1, 0)
 
@@ -122,11 +130,11 @@ def test_a_trim_held_through_a_planning_is_held_once() -> None:
         np.insert(rows.values, 1, [rows.values[0], rows.values[0]], axis=0),
     )
     log = replace(log, series={**log.series, PRIMITIVE.name: again})
-    assert [part.start for part in stretches_flown(log)] == rows.time.tolist()
+    assert [part.start for part in merged_primitives(log)] == rows.time.tolist()
 
 
 def test_what_a_log_lacks_is_absent() -> None:
-    summary = summarise(replace(without(still_flight(), COMMAND, ESTIMATE), attachments={}))
+    summary = summarise(replace(without_topics(still_flight(), COMMAND, ESTIMATE), attachments={}))
     assert summary.tracking is None
     assert summary.navigation is None
     assert summary.bounds is None
@@ -136,14 +144,14 @@ def test_what_a_log_lacks_is_absent() -> None:
 
 def test_a_log_without_any_motion_is_refused_by_name() -> None:
     with pytest.raises(FlightError, match=r"the log has no /truth; it has"):
-        summarise(without(still_flight(), TRUTH, ESTIMATE))
+        summarise(without_topics(still_flight(), TRUTH, ESTIMATE))
 
 
 def test_the_worst_tracking_error_is_found_with_its_sign_and_time() -> None:
     def spike(values: NDArray[np.float64]) -> None:
         values[500, TRUTH.field_names.index("side")] -= 2.0
 
-    tracking = summarise(changed(still_flight(), TRUTH, spike)).tracking
+    tracking = summarise(with_changed_topic(still_flight(), TRUTH, spike)).tracking
     assert tracking is not None
     side = next(error for error in tracking if error.field == "side")
     assert side.worst == pytest.approx(-2.0)
@@ -152,12 +160,17 @@ def test_the_worst_tracking_error_is_found_with_its_sign_and_time() -> None:
 
 
 def test_a_whole_turn_of_heading_is_no_navigation_error() -> None:
-    navigation = summarise(added(still_flight(), ESTIMATE, "heading", 2 * pi)).navigation
+    navigation = summarise(with_added_offset(still_flight(), ESTIMATE, "heading", 2 * pi)).navigation
     assert navigation is not None
     assert navigation.heading_rms < 1e-12
-    other = summarise(added(still_flight(), ESTIMATE, "heading", 0.1)).navigation
+    other = summarise(with_added_offset(still_flight(), ESTIMATE, "heading", 0.1)).navigation
     assert other is not None
     assert other.heading_rms == pytest.approx(0.1)
+
+
+def track_of(log: FlightLog) -> Track:
+    truth = log[TRUTH]
+    return np.column_stack([truth.time, *(truth[name] for name in ("north", "east", "heading"))])
 
 
 def test_a_goal_passed_between_two_samples_is_reached() -> None:
@@ -165,43 +178,37 @@ def test_a_goal_passed_between_two_samples_is_reached() -> None:
     start, end = (np.array([log[TRUTH][name][row] for name in ("north", "east")]) for row in (0, -1))
     truth = Series(TRUTH, np.array([0.0, 10.0]), log[TRUTH].values[[0, -1]])
     log = replace(log, series={**log.series, TRUTH.name: truth})
-    met = arrival(log, Destination((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0))
+    met = first_arrival(
+        [track_of(log)], Destination((float((start + end)[0] / 2), float((start + end)[1] / 2)), 0.0)
+    )
     assert met.closest == pytest.approx(0.0, abs=1e-9)
     assert met.time == pytest.approx(5.0)
-    aside = arrival(log, Destination((float(end[0]) + 30.0, float(end[1])), 29.0))
+    aside = first_arrival([track_of(log)], Destination((float(end[0]) + 30.0, float(end[1])), 29.0))
     assert aside.time is None
 
 
 def test_mission_and_plans_are_read_as_they_are_attached() -> None:
-    plan = {
-        "time": 1.5,
-        "schema": "maneuver-plan/1",
-        "sequence": [1, 2],
-        "scenarios": [
-            {"gamma": 0.0, "cost": 8.0, "coasting_times": [1.0, 2.0], "end": {}},
-            {"gamma": -1.0, "cost": 9.0, "coasting_times": [1.0, 3.0], "end": {}},
-        ],
-    }
-    failed = {"time": 2.5, "sequence": [], "scenarios": []}
-    log = attached(still_flight(), PLANS_ATTACHMENT, [plan, failed])
-    log = attached(log, MISSION_ATTACHMENT, {"goal": [9, 0], "tolerance": 1, "name": "there"})
-    (found,) = plans_of_flight(log)
-    assert (found.gamma, found.cost, found.coasting_times) == (-1.0, 9.0, (1.0, 3.0))
-    assert goal_of_flight(log) == Destination((9.0, 0.0), 1.0)
-    closer = {"goal": [9, 0], "tolerance": 1, "settings": {"final_tolerance": 0.5}}
-    assert goal_of_flight(attached(log, MISSION_ATTACHMENT, closer)) == Destination((9.0, 0.0), 0.5)
+    plan = planning(1.5, (1, 2), (1.0, 3.0), gammas=(0.0, -1.0), cost=8.0)
+    failed = planning(2.5, reason="nothing reaches the goal")
+    log = planned(still_flight(), [plan, failed])
+    assert logged_plannings(log) == (plan, failed)
+    assert logged_plans(log) == (plan,)
+    assert (plan.plan.deciding.gamma, plan.plan.cost) == (-1.0, 9.0)
+    assert logged_goal(bound_for(log, (9.0, 0.0), 1.0)) == Destination((9.0, 0.0), 1.0)
+    closer = bound_for(log, (9.0, 0.0), 1.0, final_tolerance=0.5)
+    assert logged_goal(closer) == Destination((9.0, 0.0), 0.5)
 
 
 @pytest.mark.parametrize("content", [{"goal": [9]}, {"goal": [9, 0], "tolerance": -1}, [], None])
 def test_a_broken_mission_is_refused_by_name(content: object) -> None:
     with pytest.raises(BadFileError, match=r"mission\.json: "):
-        summarise(attached(still_flight(), MISSION_ATTACHMENT, content))
+        summarise(with_attachment(still_flight(), MISSION_ATTACHMENT, content))
 
 
 def test_an_attachment_that_is_no_json_is_refused_by_name() -> None:
     log = replace(still_flight(), attachments={MISSION_ATTACHMENT: b"\xff"})
     with pytest.raises(BadFileError, match=r"mission\.json: is not JSON"):
-        goal_of_flight(log)
+        logged_goal(log)
 
 
 def test_a_log_that_lost_its_truth_in_the_middle_is_still_reviewed() -> None:
@@ -211,7 +218,7 @@ def test_a_log_that_lost_its_truth_in_the_middle_is_still_reviewed() -> None:
     holed = replace(
         log, series={**log.series, TRUTH.name: Series(TRUTH, truth.time[kept], truth.values[kept])}
     )
-    whole, found = bounds_kept(log), bounds_kept(holed)
+    whole, found = check_bounds(log), check_bounds(holed)
     assert whole is not None
     assert found is not None
     assert 0 < found.coasts < whole.coasts

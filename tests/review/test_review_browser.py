@@ -1,4 +1,4 @@
-"""The page of a flight works in a real browser."""
+"""Tests of a flight's page in a real browser."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -10,10 +10,10 @@ import pytest
 from flightlog.channels import ACTUATORS, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
 from flightlog.topic import Series
-from tests.support.browser import CHROMIUM, Tab, browser
+from tests.support.browser import Tab, browser
 from tests.support.reviewed_flights import page_of, whole_flight
 
-needs_browser = pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+pytestmark = pytest.mark.browser
 
 
 @pytest.fixture(scope="module")
@@ -31,7 +31,6 @@ def opened(tab: Tab, page: str, folder: Path) -> None:
     tab.settle()
 
 
-@needs_browser
 def test_a_click_on_a_primitive_takes_plots_map_and_lane_there(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     whole = tab.run("[state.from, state.to]")
@@ -52,7 +51,6 @@ def test_a_click_on_a_primitive_takes_plots_map_and_lane_there(tab: Tab, tmp_pat
     assert tab.complaints == []
 
 
-@needs_browser
 def test_dragging_across_one_plot_moves_all_and_the_cursor_is_shared(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     x, y = tab.middle(".panel .u-over")
@@ -75,7 +73,6 @@ def test_dragging_across_one_plot_moves_all_and_the_cursor_is_shared(tab: Tab, t
     assert tab.complaints == []
 
 
-@needs_browser
 def test_a_click_on_the_track_and_on_the_lane_chooses_a_primitive(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     place = "onScreen(size, ...['north', 'east', 'height'].map(name => placeAt(tracks[0], 3.0)[name]))"
@@ -93,7 +90,6 @@ def test_a_click_on_the_track_and_on_the_lane_chooses_a_primitive(tab: Tab, tmp_
     assert tab.complaints == []
 
 
-@needs_browser
 def test_a_heading_sorts_the_table(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     tab.click("#primitives th:last-child button")
@@ -105,7 +101,6 @@ def test_a_heading_sorts_the_table(tab: Tab, tmp_path: Path) -> None:
     assert tab.complaints == []
 
 
-@needs_browser
 def test_on_a_phone_and_in_the_dark_nothing_is_wider_than_the_screen(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     light = tab.run("getComputedStyle(document.body).backgroundColor")
@@ -118,7 +113,6 @@ def test_on_a_phone_and_in_the_dark_nothing_is_wider_than_the_screen(tab: Tab, t
     assert tab.complaints == []
 
 
-@needs_browser
 @pytest.mark.parametrize("name", ["plain", "</script><img src=x onerror=alert(1)>"])
 def test_a_page_asks_the_network_for_nothing(tab: Tab, tmp_path: Path, name: str) -> None:
     opened(tab, page_of(whole_flight(name=name)), tmp_path)
@@ -127,7 +121,6 @@ def test_a_page_asks_the_network_for_nothing(tab: Tab, tmp_path: Path, name: str
     assert tab.complaints == []
 
 
-@needs_browser
 def test_a_meagre_log_and_two_flights_side_by_side_are_shown_without_complaint(
     tab: Tab, tmp_path: Path
 ) -> None:
@@ -148,7 +141,7 @@ def test_a_meagre_log_and_two_flights_side_by_side_are_shown_without_complaint(
 
 
 def imported(*fields: str) -> FlightLog:
-    """Returns a log of another program: an estimate of a few fields, and numbered controls."""
+    """Returns an imported log: an estimate of some fields, numbered controls."""
     log = whole_flight()
     truth = log[TRUTH]
     columns = np.column_stack([truth[field] for field in fields])
@@ -160,7 +153,6 @@ def imported(*fields: str) -> FlightLog:
     return FlightLog(replace(log.header, kind="import"), series, {})
 
 
-@needs_browser
 @pytest.mark.parametrize(
     ("fields", "panels"),
     [
@@ -176,15 +168,12 @@ def test_a_log_of_another_vehicle_shows_what_it_has_without_complaint(
     opened(tab, page_of(imported(*fields)), tmp_path)
     assert tab.run("page.panels.length") == panels
     assert tab.run("document.getElementById('view') !== null") == ("north" in fields)
-    assert ("there is no map" in tab.run("document.querySelector('main').textContent")) == (
-        "north" not in fields
-    )
+    assert ("No map" in tab.run("document.querySelector('main').textContent")) == ("north" not in fields)
     tab.resize(390, 844, dark=True, phone=True)
     assert tab.run("document.scrollingElement.scrollWidth <= innerWidth")
     assert tab.complaints == []
 
 
-@needs_browser
 def test_flights_with_and_without_positions_are_compared(tab: Tab, tmp_path: Path) -> None:
     blind = imported("down", "forward", "side", "roll", "pitch", "heading", "yaw_rate")
     opened(tab, page_of(whole_flight(), blind), tmp_path)
@@ -194,7 +183,6 @@ def test_flights_with_and_without_positions_are_compared(tab: Tab, tmp_path: Pat
     assert tab.complaints == []
 
 
-@needs_browser
 def test_spectra_are_drawn_where_they_come_into_view_and_follow_the_theme(tab: Tab, tmp_path: Path) -> None:
     opened(tab, page_of(whole_flight()), tmp_path)
     tab.run("document.getElementById('spectra').scrollIntoView({behavior: 'instant'})")
@@ -208,7 +196,6 @@ def test_spectra_are_drawn_where_they_come_into_view_and_follow_the_theme(tab: T
     assert tab.complaints == []
 
 
-@needs_browser
 def test_a_flight_lost_at_once_has_a_page_too(tab: Tab, tmp_path: Path) -> None:
     log = whole_flight()
     first = {
@@ -223,8 +210,7 @@ def test_a_flight_lost_at_once_has_a_page_too(tab: Tab, tmp_path: Path) -> None:
     assert tab.complaints == []
 
 
-@needs_browser
 def test_a_script_that_fails_is_noticed(tab: Tab, tmp_path: Path) -> None:
-    """The negative control of every test that sees no complaint."""
+    """Tests a failing script as the negative control."""
     opened(tab, page_of(whole_flight()).replace("writeTiles();\n", "noSuchThing();\n"), tmp_path)
     assert any("noSuchThing is not defined" in one for one in tab.complaints)

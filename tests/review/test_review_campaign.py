@@ -1,4 +1,4 @@
-"""A campaign at a glance, and flights side by side."""
+"""Tests of a campaign's index and of compared flights."""
 
 import json
 from dataclasses import replace
@@ -8,17 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flightlog.attachment_names import MISSION_ATTACHMENT
 from flightlog.channels import TRUTH
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
 from review.page.campaign_page import campaign_page
-from review.page.campaign_rows import FlightRow, outliers_first, row_of
-from review.page.comparison import scorecard
-from review.summary.bound_check import judged_by
+from review.page.campaign_rows import FlightRow, flight_row, sort_outliers_first
+from review.page.comparison import comparison_rows
+from review.summary.bound_check import with_bounds_of
 from review.summary.summary import summarise
-from tests.support.browser import CHROMIUM, browser
+from tests.support.altered_logs import bound_for
+from tests.support.browser import browser
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 LIBRARY = synthetic_library()
@@ -36,38 +36,38 @@ def disturbed(log: FlightLog, amount: float) -> FlightLog:
 
 @pytest.fixture(scope="module")
 def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Nine ordinary flights, one far off command, one lost, one log cut short."""
+    """Writes nine ordinary flights, an outlier, a lost and a truncated one."""
     folder = tmp_path_factory.mktemp("campaign")
     for seed in range(9):
-        publish_log(flight(seed), folder / f"ordinary-{seed}.mcap")
-    publish_log(disturbed(flight(20), 1.0), folder / "sideways.mcap")
+        write_log(flight(seed), folder / f"ordinary-{seed}.mcap")
+    write_log(disturbed(flight(20), 1.0), folder / "sideways.mcap")
     lost = flight(21)
-    publish_log(replace(lost, header=replace(lost.header, outcome="flight lost")), folder / "lost.mcap")
-    publish_log(flight(22), folder / "whole.mcap")
+    write_log(replace(lost, header=replace(lost.header, outcome="flight lost")), folder / "lost.mcap")
+    write_log(flight(22), folder / "whole.mcap")
     (folder / "cut.mcap").write_bytes((folder / "whole.mcap").read_bytes()[:5000])
     (folder / "whole.mcap").unlink()
     return folder
 
 
 def test_what_failed_comes_first_then_what_stands_out(campaign: Path) -> None:
-    rows = outliers_first([row_of(path) for path in sorted(campaign.iterdir())])
+    rows = sort_outliers_first([flight_row(path) for path in sorted(campaign.iterdir())])
     assert [row.path.name for row in rows[:3]] == ["cut.mcap", "lost.mcap", "sideways.mcap"]
     assert [row.score for row in rows[:2]] == [inf, inf]
     assert "maneuver recover" in rows[0].problem
     assert rows[2].score > 5.0
-    assert rows[2].reason in {"sideward speed off command", "deviation over its bound"}
+    assert rows[2].reason in {"sideward speed error", "deviation over its bound"}
     assert all(2.0 * row.score < rows[2].score for row in rows[3:])
     assert len(rows) == 12
 
 
 def test_a_single_flight_and_an_empty_campaign_have_no_outlier() -> None:
-    assert outliers_first([]) == ()
-    (alone,) = outliers_first([FlightRow(Path("a.mcap"), good=True, figures=(("side", 3.0),))])
+    assert sort_outliers_first([]) == ()
+    (alone,) = sort_outliers_first([FlightRow(Path("a.mcap"), good=True, figures=(("side", 3.0),))])
     assert alone.score == 0.0
 
 
 def test_a_spark_keeps_the_worst_moment(campaign: Path) -> None:
-    row = row_of(campaign / "sideways.mcap")
+    row = flight_row(campaign / "sideways.mcap")
     off = np.hypot(
         *(
             disturbed(flight(20), 1.0)[TRUTH][name] - flight(20).series["/command"][name]
@@ -77,7 +77,7 @@ def test_a_spark_keeps_the_worst_moment(campaign: Path) -> None:
     assert max(row.spark) == pytest.approx(off.max(), abs=1e-4)
 
 
-def test_the_folder_is_reviewed_with_pages_for_the_first_and_an_honest_no(
+def test_the_folder_is_reviewed_with_pages_for_the_first_and_exit_code_1(
     campaign: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     order = [
@@ -93,9 +93,9 @@ def test_the_folder_is_reviewed_with_pages_for_the_first_and_an_honest_no(
     assert "give --force" in capsys.readouterr().err
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium on this machine")
+@pytest.mark.browser
 def test_the_index_sorts_and_links_in_a_browser(campaign: Path, tmp_path: Path) -> None:
-    rows = outliers_first([row_of(path) for path in sorted(campaign.iterdir())])
+    rows = sort_outliers_first([flight_row(path) for path in sorted(campaign.iterdir())])
     page = campaign_page(rows, title="<b>tour</b>", pages={rows[2].path: "sideways.html"})
     (tmp_path / "index.html").write_text(page, encoding="utf-8")
     with browser(tmp_path / "profile") as tab:
@@ -117,13 +117,8 @@ def test_two_flights_of_one_mission_stand_side_by_side(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     paths = []
-    for name, goal in (("nominal", [90.0, 0.0]), ("worst-case", [4.0, 0.0])):
-        log = flight(1, name="gtmax-1")
-        mission = json.dumps({"goal": goal, "tolerance": 1.0}).encode()
-        publish_log(
-            replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: mission}),
-            tmp_path / f"{name}.mcap",
-        )
+    for name, goal in (("nominal", (90.0, 0.0)), ("worst-case", (4.0, 0.0))):
+        write_log(bound_for(flight(1, name="gtmax-1"), goal, 1.0), tmp_path / f"{name}.mcap")
         paths.append(str(tmp_path / f"{name}.mcap"))
     assert run(["review", *paths, "--html", "--out", str(tmp_path / "review")]) == 0
     said = capsys.readouterr().out
@@ -132,10 +127,10 @@ def test_two_flights_of_one_mission_stand_side_by_side(
     assert (tmp_path / "review" / "nominal-and-worst-case.html").is_file()
 
 
-def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
-    assert "left their bounds" not in {name for name, *_ in scorecard([summarise(flight(1))] * 2)}
-    summary = summarise(judged_by(flight(1), synthetic_library()))
-    rows = {name for name, *_ in scorecard([summary, summary])}
+def test_a_comparison_leaves_out_values_that_no_flight_has() -> None:
+    assert "left their bounds" not in {name for name, *_ in comparison_rows([summarise(flight(1))] * 2)}
+    summary = summarise(with_bounds_of(flight(1), synthetic_library()))
+    rows = {name for name, *_ in comparison_rows([summary, summary])}
     assert "goal" not in rows
     assert "left their bounds" in rows
 
@@ -148,7 +143,7 @@ def test_a_scorecard_leaves_out_what_no_flight_knows() -> None:
         (["x.mcap"], "expected logs or one folder"),
     ],
 )
-def test_orders_that_make_no_sense_are_refused_in_one_line(
+def test_invalid_options_are_refused_in_one_line(
     campaign: Path, order: list[str], words: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["review", str(campaign), *order]) == 2

@@ -1,4 +1,4 @@
-"""The page of a flight holds what its log holds."""
+"""Tests of a flight's page against its log."""
 
 import base64
 import json
@@ -93,18 +93,18 @@ def test_a_meagre_log_has_a_page_and_what_is_missing_is_not_on_it() -> None:
         *("actual", "component0", "component1", "component2")
     }
     (flight,) = content["flights"]
-    assert (flight["goal"], flight["wind"], flight["believed"], flight["plans"]) == (None, None, None, [])
+    assert (flight["goal"], flight["wind"], flight["estimated"], flight["plans"]) == (None, None, None, [])
     assert all(part["judged"] is None for part in flight["primitives"])
 
 
-def test_a_log_of_an_estimate_alone_is_reviewed_as_what_was_believed() -> None:
+def test_a_log_of_an_estimate_alone_is_reviewed_as_the_estimate() -> None:
     log = whole_flight()
-    believed = replace(log, series={ESTIMATE.name: log[ESTIMATE]})
-    summary = summarise(believed)
+    estimated = replace(log, series={ESTIMATE.name: log[ESTIMATE]})
+    summary = summarise(estimated)
     assert (summary.tracking, summary.navigation, summary.bounds, summary.arrival) == (None,) * 4
     assert summary.distance is not None
     assert summary.distance > 1.0
-    content = content_of(page_of(believed))
+    content = content_of(page_of(estimated))
     assert content["flights"][0]["primitives"] == []
     assert {curve["role"] for panel in content["panels"][:4] for curve in panel["curves"]} == {"estimated"}
 
@@ -126,7 +126,7 @@ def test_a_log_with_numbers_that_are_not_finite_is_refused_in_one_line() -> None
     values = log[TRUTH].values.copy()
     values[7, 3] = np.nan
     broken = replace(log, series={**log.series, TRUTH.name: replace(log[TRUTH], values=values)})
-    with pytest.raises(FlightError, match="not finite"):
+    with pytest.raises(FlightError, match="expected finite numbers in the log, got NaN"):
         page_of(broken)
 
 

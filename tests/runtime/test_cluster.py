@@ -1,4 +1,4 @@
-"""A campaign on a cluster: a real scheduler, two worker processes, and one of them killed on the way."""
+"""Tests of campaigns on a Dask cluster with two workers."""
 
 import signal
 import socket
@@ -6,7 +6,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
-from contextlib import ExitStack
 from pathlib import Path
 
 import pytest
@@ -14,29 +13,16 @@ import pytest
 from flight.errors import FlightError
 from maneuver.app import run
 from runtime.cluster import NoClusterError, cluster_executor
+from tests.support.local_cluster import Cluster, local_cluster
 from tests.support.small_campaign import write_small_campaign
 
 pytest.importorskip("distributed")
 
-Cluster = tuple[Path, list[subprocess.Popen[bytes]]]
-
 
 @pytest.fixture(scope="module")
 def cluster(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Cluster]:
-    place = tmp_path_factory.mktemp("cluster")
-    file = place / "scheduler.json"
-    scheduler = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--scheduler-file", str(file)]
-    worker = ["worker", "--scheduler-file", str(file), "--nthreads", "1", "--no-nanny"]
-    with ExitStack() as stack:
-
-        def start(words: list[str]) -> subprocess.Popen[bytes]:
-            command = [sys.executable, "-m", "dask", *words, "--no-dashboard"]
-            quiet = subprocess.DEVNULL
-            process = stack.enter_context(subprocess.Popen(command, cwd=place, stdout=quiet, stderr=quiet))
-            stack.callback(process.kill)
-            return process
-
-        yield file, [start(words) for words in (scheduler, worker, worker)]
+    with local_cluster(tmp_path_factory.mktemp("cluster")) as lent:
+        yield lent
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -63,7 +49,7 @@ def test_missions_and_libraries_come_from_a_cluster_with_the_same_bytes(
 def test_a_cluster_that_does_not_answer_is_refused_in_one_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("runtime.cluster.PATIENCE", 1)
+    monkeypatch.setattr("runtime.cluster.CONNECTION_TIMEOUT", 1)
     with socket.socket() as unused:
         unused.bind(("127.0.0.1", 0))
         address = f"tcp://127.0.0.1:{unused.getsockname()[1]}"
@@ -86,17 +72,17 @@ def test_without_the_extra_a_cluster_is_refused_by_name(monkeypatch: pytest.Monk
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         (["--shared-folder"], "--shared-folder is for a cluster"),
         (["--cluster", "tcp://127.0.0.1:1", "--workers", "2"], "a cluster has its own"),
     ],
 )
 def test_options_that_contradict_each_other_are_refused(
-    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    words: list[str], message: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(["fly", "--campaign", "gtmax", *words]) == 2
-    assert said in capsys.readouterr().err
+    assert message in capsys.readouterr().err
 
 
 def test_workers_that_share_the_folder_write_into_it_themselves(cluster: Cluster, tmp_path: Path) -> None:
@@ -143,10 +129,10 @@ def test_a_campaign_whose_scheduler_dies_ends_in_one_line_and_goes_on_here(
         while process.poll() is None and not list(tmp_path.glob("out/[!.]*")):
             time.sleep(0.02)
         scheduler.kill()
-        said = process.communicate()[1]
+        message = process.communicate()[1]
     assert process.returncode == 2
-    assert len(said.splitlines()) == 1
-    assert "the same command goes on from there" in said
+    assert len(message.splitlines()) == 1
+    assert "repeat the command to resume" in message
     assert len(contents(tmp_path / "out")) < 8
     assert run([*words, "--workers", "1"]) == 0
     assert len(contents(tmp_path / "out")) == 8

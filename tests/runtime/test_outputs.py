@@ -1,4 +1,4 @@
-"""Files that a command writes: whole, where they were asked for, and never in place of something else."""
+"""Tests of output files: complete, in place, never over others."""
 
 import os
 import shutil
@@ -8,11 +8,11 @@ import pytest
 
 import libraries
 from flight.errors import AlreadyExistsError, CannotWriteError
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from maneuver.app import run
-from runtime.atomic_write import publish_bytes
+from runtime.atomic_write import write_atomically
 from scenarios.find import MISSIONS
-from tests.maneuver.test_command_line import refusal
+from tests.support.refusal import refusal
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
 PLAN = ("plan", "gtmax-2", "--library", "thesis-gtmax", "--policy", "nominal")
@@ -26,7 +26,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 def log_path(here: Path) -> Path:
-    publish_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), here / "flight.mcap")
+    write_log(synthetic_log(synthetic_library(), [1, 2, 1], [2.0, 2.0, 2.0], seed=1), here / "flight.mcap")
     return here / "flight.mcap"
 
 
@@ -35,26 +35,26 @@ def test_a_folder_is_no_name_for_a_file(here: Path, place: str) -> None:
     (here / "folder").mkdir()
     for force in (False, True):
         with pytest.raises(CannotWriteError, match="expected the name of a file, got a folder"):
-            publish_bytes(b"", Path(place), force=force)
+            write_atomically(b"", Path(place), force=force)
     assert [path.name for path in here.iterdir()] == ["folder"]
 
 
 def test_a_pipe_is_not_replaced_by_a_file(here: Path) -> None:
     os.mkfifo(here / "pipe")
     with pytest.raises(CannotWriteError, match="expected the name of a file, got a device, a pipe"):
-        publish_bytes(b"", here / "pipe", force=True)
+        write_atomically(b"", here / "pipe", force=True)
     assert (here / "pipe").is_fifo()
 
 
 def test_a_link_stays_and_what_it_leads_to_is_written(here: Path) -> None:
     target, link, dangling = here / "real" / "file", here / "link", here / "dangling"
-    publish_bytes(b"before", target)
+    write_atomically(b"before", target)
     link.symlink_to("real/file")
     with pytest.raises(AlreadyExistsError):
-        publish_bytes(b"after", link)
-    publish_bytes(b"after", link, force=True)
+        write_atomically(b"after", link)
+    write_atomically(b"after", link, force=True)
     dangling.symlink_to("real/new")
-    publish_bytes(b"new", dangling)
+    write_atomically(b"new", dangling)
     assert link.is_symlink()
     assert dangling.is_symlink()
     assert (target.read_bytes(), (here / "real" / "new").read_bytes()) == (b"after", b"new")
@@ -64,7 +64,7 @@ def test_a_link_stays_and_what_it_leads_to_is_written(here: Path) -> None:
 def test_a_link_to_itself_is_no_place_for_a_file(here: Path) -> None:
     (here / "loop").symlink_to("loop")
     with pytest.raises(CannotWriteError, match="symbolic links"):
-        publish_bytes(b"", here / "loop", force=True)
+        write_atomically(b"", here / "loop", force=True)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_a_link_to_itself_is_no_place_for_a_file(here: Path) -> None:
         ("fly", "--sequence", "figure-eight", "--out", "."),
         ("library", "graph", "thesis-gtmax", "--out", "folder.png"),
         ("library", "kinematic", "--out", "."),
-        ("library", "grow", "gtmax-sim", "--out", "."),
+        ("library", "interpolate", "gtmax-sim", "--out", "."),
         ("identify", "flight.mcap", "--out", "."),
         ("regenerate", "--out", "."),
         ("replay", "flight.mcap", "--out", "."),
@@ -116,7 +116,7 @@ def test_a_verb_refuses_a_file_for_a_folder_in_one_line(
         ("plan", "m.toml", "--library", "l.json", "--out", "./l.json"),
         ("plan", "m.toml", "--pareto", "--out", "link"),
         ("fly", "--mission", "m.toml", "--out", "m.toml"),
-        ("library", "grow", "l.json", "--out", "l.json"),
+        ("library", "interpolate", "l.json", "--out", "l.json"),
         ("replay", "flight.mcap", "--out", "flight.mcap"),
         ("recover", "flight.mcap", "--out", "flight.mcap"),
         ("import", "flight.mcap", "--pose", "/pose", "--out", "flight.mcap"),

@@ -1,4 +1,4 @@
-"""Commands that are stopped by signals, asked for their status, or started again when all is done."""
+"""Tests of commands stopped by signals, asked for status, or restarted."""
 
 import json
 import signal
@@ -19,8 +19,8 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
-def hang_ups_are_heard() -> Iterator[None]:
-    """Whoever runs the tests with nohup would hand on that they are not."""
+def hangup_signal() -> Iterator[None]:
+    """Restores the default of SIGHUP, which nohup would change."""
     before = signal.signal(signal.SIGHUP, signal.SIG_DFL)
     yield
     signal.signal(signal.SIGHUP, before)
@@ -36,23 +36,23 @@ def test_a_campaign_stopped_by_a_signal_says_so_and_resumes(tmp_path: Path, stop
             time.sleep(0.02)
         workers = children(process.pid)
         process.send_signal(stop)
-        said = process.communicate()[1]
+        message = process.communicate()[1]
     there = len(list(tmp_path.glob("flights/small-*.mcap")))
     assert 0 < there < 12
     if stop is signal.SIGKILL:
         assert process.returncode == -stop
     else:
         assert process.returncode == 128 + stop
-        assert len(said.splitlines()) == 1
-        assert "the same command goes on from there" in said
-        assert not publishing.partials(tmp_path / "flights")
+        assert len(message.splitlines()) == 1
+        assert "the same command resumes" in message
+        assert not publishing.partial_files(tmp_path / "flights")
     deadline = time.monotonic() + 20
     while any(map(alive, workers)):
         assert time.monotonic() < deadline, "workers outlive the program that started them"
         time.sleep(0.05)
     assert run([*words, "--status"]) == 1
-    seen = [read_log(path).header.name for path in sorted(tmp_path.glob("flights/small-*.mcap"))]
-    assert len(seen) == len(set(seen)) >= there
+    names = [read_log(path).header.name for path in sorted(tmp_path.glob("flights/small-*.mcap"))]
+    assert len(names) == len(set(names)) >= there
 
 
 def children(parent: int) -> list[int]:
@@ -73,8 +73,8 @@ def test_status_says_what_is_there_and_flies_nothing(
     words = ["--campaign", str(campaign), "--flights", "2"]
     fly = ["fly", *words, "--out", str(tmp_path / "flights")]
     assert run([*fly, "--status", "--json"]) == 1
-    said = json.loads(capsys.readouterr().out)
-    assert (said["flights"], said["whole"], said["missing"]) == (
+    status = json.loads(capsys.readouterr().out)
+    assert (status["flights"], status["whole"], status["missing"]) == (
         2,
         [],
         ["small-0000.mcap", "small-0001.mcap"],
@@ -82,7 +82,7 @@ def test_status_says_what_is_there_and_flies_nothing(
     assert not (tmp_path / "flights").exists()
     assert run([*fly, "--workers", "1"]) == 0
     assert run([*fly, "--status"]) == 0
-    # The same flights serve a regeneration, which says the same of them.
+    # A regeneration uses the same flights and reports the same status.
     make = ["regenerate", *words, "--logs", str(tmp_path / "flights"), "--out", str(tmp_path / "made.json")]
     assert run([*make, "--status"]) == 0
     assert not (tmp_path / "made.json").exists()
@@ -139,7 +139,7 @@ def test_the_status_of_a_validation_says_what_is_missing(
         (["regenerate"], True),
     ],
 )
-def test_only_a_command_that_goes_on_from_there_says_so(
+def test_only_a_command_that_resumes_says_so(
     words: list[str], resumes: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stop(**_: object) -> None:
@@ -147,6 +147,6 @@ def test_only_a_command_that_goes_on_from_there_says_so(
 
     monkeypatch.setattr("maneuver.app.build", stop)
     assert run(words) == 130
-    said = capsys.readouterr().err
-    assert "files that are there are whole" in said
-    assert ("the same command goes on from there" in said) is resumes
+    message = capsys.readouterr().err
+    assert "all files written are complete" in message
+    assert ("the same command resumes" in message) is resumes

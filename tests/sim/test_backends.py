@@ -1,4 +1,4 @@
-"""Interpreted or compiled: the same bits, named in the log, and a flight that does not depend on which."""
+"""Tests of the numeric back-ends: same bits interpreted and compiled."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -7,7 +7,7 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.fault import parse_fault
 from flightlog.channels import TRUTH
@@ -18,10 +18,18 @@ from runtime.compiler import NoMachineCodeError, shared_library
 from scenarios.find import find_campaign
 from sim.campaign_flight import fly_sequence
 from sim.loop import backend as backends
-from sim.loop.backend import Backend, OtherBitsError, best_backend, name_backend, realise, same_bits
+from sim.loop.backend import (
+    Backend,
+    BitMismatchError,
+    best_backend,
+    name_backend,
+    prepare_function,
+    same_bits,
+)
 from sim.loop.specification import FlightSpecification
-from sim.replay import AnotherVehicleError, replay
+from sim.replay import VehicleMismatchError
 from sim.simulated_helicopter import SimulatedHelicopter
+from tests.support.commands_flown import replay
 
 HAS_COMPILER = best_backend() is Backend.COMPILED
 needs_compiler = pytest.mark.skipif(not HAS_COMPILER, reason="there is no C compiler that works")
@@ -83,39 +91,42 @@ def test_a_compiled_flight_is_replayed_by_its_own_backend_and_refused_without_it
     assert replay(log)[::2].tobytes() == flown[: len(flown) - 1].tobytes()
     monkeypatch.setattr("sim.replay.best_backend", lambda: Backend.INTERPRETED)
     with pytest.raises(
-        AnotherVehicleError, match=r"numeric back-end of the log, casadi-\S+ compiled, got cas"
+        VehicleMismatchError, match=r"numeric back-end of the log, casadi-\S+ compiled, got cas"
     ):
         replay(log)
 
 
-def test_without_a_compiler_the_best_is_interpreted_and_said_so(
+def test_without_a_compiler_the_back_end_is_interpreted_and_named_so(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     monkeypatch.setattr(machine_code, "COMPILERS", ("no-such-compiler",))
+    monkeypatch.setattr(machine_code, "WHEEL", "no_such_wheel")
     best_backend.cache_clear()
-    realise.cache_clear()
+    prepare_function.cache_clear()
     try:
         assert best_backend() is Backend.INTERPRETED
         assert fly(None, ideal=True).header.backend == name_backend(Backend.INTERPRETED)
-        with pytest.raises(NoMachineCodeError, match="expected a C compiler that works, one of no-such-comp"):
+        with pytest.raises(NoMachineCodeError, match="expected a C compiler that works, no-such-compiler or"):
             fly(Backend.COMPILED, ideal=True)
     finally:
         best_backend.cache_clear()
-        realise.cache_clear()
+        prepare_function.cache_clear()
 
 
 @needs_compiler
 def test_machine_code_of_other_bits_is_not_used(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The negative control: one last bit of one constant, and the compiled function is refused."""
+    """Negative control: one changed bit of a constant is refused."""
     x = ca.SX.sym("x", 3)
     function = ca.Function("linear", [x], [0.1 * x[0] + 0.2 * x[1] * x[2]])
-    assert same_bits(function, realise(function, Backend.COMPILED))
+    assert same_bits(function, prepare_function(function, Backend.COMPILED))
     off = ca.Function("linear", [x], [np.nextafter(0.1, 1.0) * x[0] + 0.2 * x[1] * x[2]])
     assert not same_bits(function, off)
     monkeypatch.setattr(backends, "same_bits", lambda *_: False)
-    with pytest.raises(OtherBitsError, match="the machine code of 'other' gives other bits"):
-        realise(ca.Function("other", [x], [x[0] * x[1]]), Backend.COMPILED)
+    with pytest.raises(
+        BitMismatchError, match="machine code of 'other' with the interpreter's bits, got other"
+    ):
+        prepare_function(ca.Function("other", [x], [x[0] * x[1]]), Backend.COMPILED)
 
 
 @needs_compiler

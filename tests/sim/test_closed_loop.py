@@ -1,4 +1,4 @@
-"""Closed loop, on the second look: latency, hysteresis, learnt levels, ways to rest, what is written down."""
+"""Tests of the closed loop: latency, hysteresis, gamma estimation, safe stops."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -18,18 +18,18 @@ from flight.se2 import SE2
 from flightlog.decision import DECISION, DecisionKind, decision_series
 from maneuver.validate import THESIS_MISSIONS
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, TrueGammaError, independent_gammas
-from planner.closed_loop.flight_record import Flown
-from planner.closed_loop.gamma_estimator import Levels
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.gamma_estimator import GammaEstimator
 from planner.closed_loop.latency import Latency, LatencyRecordError
-from planner.closed_loop.receding_horizon import fly
-from planner.closed_loop.remaining_plan import Remainder, Step
+from planner.closed_loop.receding_horizon import fly_closed_loop
+from planner.closed_loop.remaining_plan import PlanStep, RemainingPlan
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.policy import Planner
-from planner.policies.worst_case import WorstCase
-from planner.walks.safe_stop import rest_trim, way_to_rest
+from planner.policies.worst_case import worst_case_planner
+from planner.walks.safe_stop import rest_trim, safe_stop_path
 from scenarios.find import MISSIONS, find_library
-from sim.loop.specification import FlightSpecification, pose
+from sim.loop.specification import FlightSpecification, specified_pose
 from sim.simulated_helicopter import SimulatedHelicopter
 
 LIBRARY = find_library("gtmax-sim")
@@ -45,30 +45,32 @@ def flown(
     *,
     settings: Settings | None = None,
     planner: Planner | None = None,
-) -> Flown:
+) -> FlightRecord:
     vehicle = AutomatonVehicle(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=gamma)
-    planner = planner or Nominal(LIBRARY)
-    return fly(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
+    planner = planner or nominal_planner(LIBRARY)
+    return fly_closed_loop(vehicle, mission, planner=planner, library=LIBRARY, settings=settings)
 
 
-def test_the_worst_case_mostly_keeps_its_promised_time_at_the_levels_that_it_plans_for() -> None:
-    """It promises to whoever knows the level before flying; the loop learns it on the way, sometimes late."""
+def test_the_worst_case_mostly_meets_its_predicted_time_at_the_gammas_planned_for() -> None:
+    """The bound assumes a known gamma; the loop estimates it in flight."""
     results = [
-        flown(shipped(name), gamma, planner=WorstCase(LIBRARY, 1.0))
+        flown(shipped(name), gamma, planner=worst_case_planner(LIBRARY, 1.0))
         for name in THESIS_MISSIONS
         for gamma in (-1.0, 0.0, 1.0)
     ]
-    assert all(result.reached and result.failures == result.fallbacks == 0 for result in results)
+    assert all(result.reached and result.failures == result.safe_stops == 0 for result in results)
     assert sum(result.flown_time <= result.predicted_time for result in results) >= 12
 
 
-def test_a_loop_that_neither_learns_nor_keeps_breaks_the_promise() -> None:
-    """The negative control: the same flights, every plan taken as it comes, for a tolerance by distance."""
+def test_a_loop_without_estimation_and_hysteresis_misses_the_predicted_time() -> None:
+    """Negative control: no gamma estimate, no hysteresis, tolerance by distance."""
     careless = Settings(learn_level=False, hysteresis=0.0, tolerance_share=0.1, aim=1.0, max_activations=120)
     late = [
         not result.reached or result.flown_time > result.predicted_time
         for name in THESIS_MISSIONS
-        for result in [flown(shipped(name), -1.0, settings=careless, planner=WorstCase(LIBRARY, 1.0))]
+        for result in [
+            flown(shipped(name), -1.0, settings=careless, planner=worst_case_planner(LIBRARY, 1.0))
+        ]
     ]
     assert sum(late) >= 3
 
@@ -94,7 +96,7 @@ def test_a_plan_begins_where_the_vehicle_is_when_it_is_there(
         assert one.time >= result.times[one.activation - 1] + latency - 1e-9
 
 
-def test_the_vehicle_pays_for_thinking() -> None:
+def test_latency_is_charged_to_the_flight() -> None:
     mission = shipped("gtmax-2")
     prompt, slow = (flown(mission, settings=Settings(latency=Latency(time))) for time in (0.0, 1.5))
     assert prompt.legs[0].duration != slow.legs[0].duration == pytest.approx(1.5)
@@ -103,19 +105,19 @@ def test_the_vehicle_pays_for_thinking() -> None:
 
 @dataclass
 class Slow:
-    """A planner whose clock says how long it took."""
+    """Planner with given planning times."""
 
     planner: Planner
     times: Iterator[float]
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns the plan."""
+        """Returns the plan with the next planning time."""
         return replace(self.planner.plan(mission), solve_time=next(self.times))
 
 
 def test_a_late_plan_is_not_flown_and_a_record_of_times_repeats_the_flight() -> None:
     mission = shipped("gtmax-2")
-    slow = Slow(Nominal(LIBRARY), cycle([0.01, 0.01, 0.01, 0.01, 0.3]))
+    slow = Slow(nominal_planner(LIBRARY), cycle([0.01, 0.01, 0.01, 0.01, 0.3]))
     measured = flown(mission, settings=Settings(latency=Latency(0.05, measured=True)), planner=slow)
     late = [one for one in measured.decisions if one.kind is DecisionKind.LATE]
     assert late
@@ -129,25 +131,25 @@ def test_a_late_plan_is_not_flown_and_a_record_of_times_repeats_the_flight() -> 
         flown(mission, settings=Settings(latency=replace(recorded, recorded=measured.latencies[:1])))
 
 
-class Liar:
-    """A planner that promises to be there at once, and calls that verified; its first plan is honest."""
+class WrongPlanner:
+    """Planner with wrong verified plans from the fourth replan on."""
 
     def __init__(self) -> None:
-        self._honest, self._asked = Nominal(LIBRARY), 0
+        self._nominal, self._replans = nominal_planner(LIBRARY), 0
 
     def plan(self, mission: Mission) -> Plan:
-        """Returns a plan that ends where it says, but says where it does not end."""
-        self._asked += 1
-        plan = self._honest.plan(mission)
-        if self._asked <= 3 or not plan.found:
+        """Returns a plan whose claimed end and time are wrong."""
+        self._replans += 1
+        plan = self._nominal.plan(mission)
+        if self._replans <= 3 or not plan.found:
             return plan
         end = SE2(*mission.goal, 0.0)
         times = (0.0,) * len(plan.sequence)
         return replace(plan, scenarios=(Scenario(0.0, 0.1, times, end),), verified=True)
 
 
-def test_a_plan_that_lies_is_refused_whatever_it_says_of_itself() -> None:
-    result = flown(shipped("gtmax-2"), planner=Liar(), settings=Settings(max_activations=60))
+def test_a_wrong_plan_is_refused_although_it_claims_to_be_verified() -> None:
+    result = flown(shipped("gtmax-2"), planner=WrongPlanner(), settings=Settings(max_activations=60))
     kinds = {one.kind for one in result.decisions}
     assert DecisionKind.REFUSED in kinds
     assert DecisionKind.FALLBACK in kinds
@@ -180,41 +182,42 @@ def test_planning_in_a_maneuver_has_the_plan_ready_at_its_end() -> None:
 
 
 @pytest.mark.parametrize("gamma", [-1.0, 0.0, 1.0])
-def test_the_level_shows_itself_in_one_primitive(gamma: float) -> None:
-    levels = Levels(LIBRARY, (30.0, 10.0))
-    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
+def test_gamma_is_estimated_from_one_primitive(gamma: float) -> None:
+    levels = GammaEstimator(LIBRARY, (30.0, 10.0))
+    assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == -1.0
     begin = SE2(1.0, 2.0, 0.3)
-    step = Step(2, 0.0, 3)
-    levels.see(step, begin, step.exit(begin, LIBRARY, gamma))
-    assert levels.shown((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
-    # Levels that are asked for later are judged by all that was seen.
-    assert levels.shown((0.5 * gamma, gamma), otherwise=-1.0) == gamma
+    step = PlanStep(2, 0.0, 3)
+    levels.update(step, begin, step.exit(begin, LIBRARY, gamma))
+    assert levels.estimate((0.0, -1.0, 1.0), otherwise=-1.0) == gamma
+    # Later candidates are compared with all observations.
+    assert levels.estimate((0.5 * gamma, gamma), otherwise=-1.0) == gamma
 
 
 @pytest.mark.parametrize("trim", [trim.id for trim in LIBRARY.trims])
-def test_every_trim_has_a_way_to_rest(trim: int) -> None:
-    way = (trim, *way_to_rest(LIBRARY, trim))
-    LIBRARY.maneuvers_along(way)
-    assert way[-1] == rest_trim(LIBRARY) == 1
-    assert LIBRARY.trim(way[-1]).velocity.forward == 0
+def test_every_trim_has_a_safe_stop(trim: int) -> None:
+    path = (trim, *safe_stop_path(LIBRARY, trim))
+    LIBRARY.maneuvers_along(path)
+    assert path[-1] == rest_trim(LIBRARY) == 1
+    assert LIBRARY.trim(path[-1]).velocity.forward == 0
 
 
 def test_without_a_hover_rest_is_the_slowest_straight_trim() -> None:
     assert rest_trim(thesis_kinematic()) == 1
-    assert way_to_rest(thesis_kinematic(), 1) == ()
+    assert safe_stop_path(thesis_kinematic(), 1) == ()
 
 
 def test_every_plan_says_how_it_comes_to_rest() -> None:
-    plan = Nominal(LIBRARY).plan(shipped("gtmax-2"))
+    plan = nominal_planner(LIBRARY).plan(shipped("gtmax-2"))
     assert plan.tail[-1] == 1
     LIBRARY.maneuvers_along((plan.sequence[-1], *plan.tail))
 
 
-def test_what_is_left_of_a_plan_leads_where_the_plan_does() -> None:
+def test_the_remaining_plan_ends_where_the_plan_does() -> None:
     mission = shipped("gtmax-2")
-    plan = WorstCase(LIBRARY, 1.0).plan(mission)
+    plan = worst_case_planner(LIBRARY, 1.0).plan(mission)
+    assert len(plan.scenarios) == 3
     for scenario in plan.scenarios:
-        end, time = Remainder.of(plan, scenario).outcome(mission.start, LIBRARY, scenario.gamma)
+        end, time = RemainingPlan.of(plan, scenario).predicted_end(mission.start, LIBRARY, scenario.gamma)
         assert time == pytest.approx(scenario.cost)
         assert end.position == pytest.approx(scenario.end.position, abs=1e-6)
 
@@ -239,7 +242,7 @@ def test_a_trim_keeps_its_error_as_long_as_it_is_held() -> None:
 
 
 class Falling(AutomatonVehicle):
-    """Meets the ground in its first maneuver, half a second on."""
+    """Vehicle that hits the ground half a second into its first maneuver."""
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Loses the vehicle."""
@@ -252,7 +255,7 @@ class Falling(AutomatonVehicle):
 def test_the_track_of_the_leg_in_which_the_vehicle_is_lost_is_kept() -> None:
     mission = shipped("gtmax-2")
     falling = Falling(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    result = fly(falling, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(falling, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert "it met the ground" in result.reason
     assert result.legs[-1].track[-1, 1] == 99.0
@@ -267,16 +270,18 @@ def test_decisions_are_a_topic_of_the_log_in_the_order_of_time() -> None:
     assert series["activation"][0] == 1
 
 
-def test_a_way_to_rest_needs_maneuvers() -> None:
+def test_a_safe_stop_needs_maneuvers() -> None:
     library: Library = thesis_gtmax()
     stranded = replace(library, maneuvers=library.maneuvers[:1])
-    assert way_to_rest(stranded, 3) == ()
-    assert way_to_rest(stranded, 2) == (1,)
+    assert safe_stop_path(stranded, 3) == ()
+    assert safe_stop_path(stranded, 2) == (1,)
 
 
-def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_helicopter_returns_its_track_before_it_was_lost(monkeypatch: pytest.MonkeyPatch) -> None:
     mission = shipped("gtmax-2")
-    specification = FlightSpecification(seed=1, start=pose(mission.start), start_trim=2, settling_time=1.0)
+    specification = FlightSpecification(
+        seed=1, start=specified_pose(mission.start), start_trim=2, settling_time=1.0
+    )
     helicopter = SimulatedHelicopter(specification, LIBRARY)
     advance = SimulatedHelicopter._advance
 
@@ -286,7 +291,7 @@ def test_the_helicopter_hands_on_what_it_flew_before_it_was_lost(monkeypatch: py
         advance(self)
 
     monkeypatch.setattr(SimulatedHelicopter, "_advance", fall)
-    result = fly(helicopter, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    result = fly_closed_loop(helicopter, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert not result.reached
     assert result.flown_time == pytest.approx(6.0)
     assert result.legs[-1].track[-1, 0] == pytest.approx(6.0)

@@ -1,4 +1,4 @@
-"""Faults in flight: each acts when and where it was asked to, and the log shows it."""
+"""Tests of faults in flight and in the log."""
 
 from contextlib import suppress
 from dataclasses import replace
@@ -9,51 +9,53 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.errors import FlightError, FlightLostError
-from flight.mission.fault import KINDS, BadFaultError, Fault, parse_fault
+from flight.mission.fault import FAULT_KINDS, BadFaultError, Fault, parse_fault
 from flightlog.channels import CONTROLS, ESTIMATE, FAULT, FAULT_EFFECT, TRUTH, WIND
-from flightlog.events import events_of_flight
-from flightlog.fault_record import faults_flown, faults_of
+from flightlog.events import flight_events
+from flightlog.fault_record import fault_occurrences, logged_faults
 from flightlog.file.reader import read_log
-from flightlog.file.writer import log_bytes, publish_log
+from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog
 from maneuver.app import run
 from review.summary.summary import summarise
 from scenarios.find import find_campaign
-from sim.faults.fault_schedule import Window, window
-from sim.loop.specification import Departure, FlightSpecification, NoSensorsError, parse_specification
-from sim.replay import replay
+from sim.faults.fault_schedule import FaultWindow, fault_window
+from sim.loop.specification import FlightOptions, FlightSpecification, NoSensorsError, parse_specification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import read_parameters
+from tests.support.commands_flown import replay
 
 LIBRARY: Library = campaign_library(find_campaign("gtmax"), "gtmax")
 SERVO_RATE = read_parameters().servos.rate
-# Sizes with which each kind does something in the flight below.
+# Sizes with an effect in the flight below.
 SIZES = {
     "gyro bias": "0.01 0 0.01",
     "accelerometer bias": "0.3 0 0",
     "gps bias": "0.3 -0.4 0",
     "magnetometer bias": "0.2",
     "altimeter bias": "1",
-    **dict.fromkeys((f"{where} delay" for where, what in KINDS if what == "delay"), "0.2"),
-    **dict.fromkeys((f"{where} slow" for where, what in KINDS if what == "slow"), "0.0005"),
-    **dict.fromkeys((f"{where} lag" for where, what in KINDS if what == "lag"), "0.3"),
+    **dict.fromkeys((f"{where} delay" for where, what in FAULT_KINDS if what == "delay"), "0.2"),
+    **dict.fromkeys((f"{where} slow" for where, what in FAULT_KINDS if what == "slow"), "0.0005"),
+    **dict.fromkeys((f"{where} lag" for where, what in FAULT_KINDS if what == "lag"), "0.3"),
     "controller late": "0.03",
     "controller misses": "4",
     "wind gust": "3 -1 0",
     "vehicle mass": "1.2",
     "vehicle lift": "0.9",
 }
-EVERY_KIND = [f"{where} {what}" for where, what in KINDS]
+EVERY_KIND = [f"{where} {what}" for where, what in FAULT_KINDS]
 
 
 def fly(*words: str, ideal: bool = False, wind: str = "gtmax") -> FlightLog:
     """Flies 2 s of slow flight and the change to fast flight."""
     faults = tuple(parse_fault(each) for each in words)
     plain = FlightSpecification(seed=3, start_trim=2, wind=wind)
-    helicopter = SimulatedHelicopter(plain.depart(Departure(ideal_navigation=ideal, faults=faults)), LIBRARY)
+    helicopter = SimulatedHelicopter(
+        plain.with_options(FlightOptions(ideal_navigation=ideal, faults=faults)), LIBRARY
+    )
     with suppress(FlightLostError):
         helicopter.coast(2.0)
         helicopter.perform(LIBRARY.maneuver(2, 3))
@@ -62,7 +64,7 @@ def fly(*words: str, ideal: bool = False, wind: str = "gtmax") -> FlightLog:
 
 @cache
 def flown(kind: str) -> FlightLog:
-    """A flight in which something goes wrong from 2.5 s to 3.5 s."""
+    """Flies with a fault from 2.5 s to 3.5 s."""
     return fly(f"{kind} 2.5 1 {SIZES.get(kind, '')}")
 
 
@@ -79,7 +81,7 @@ def effect(log: FlightLog, number: int = 1) -> np.ndarray:
 @pytest.mark.parametrize("kind", EVERY_KIND)
 def test_a_fault_acts_in_its_time_and_shows_in_the_log(kind: str) -> None:
     log, fault = flown(kind), parse_fault(f"{kind} 2.5 1 {SIZES.get(kind, '')}")
-    assert faults_of(log) == (fault,)
+    assert logged_faults(log) == (fault,)
     assert log[FAULT].time.tolist() == [2.5, 3.5]
     assert log[FAULT]["active"].tolist() == [1.0, 0.0]
     sizes = log[FAULT].values[:, 2:]
@@ -104,43 +106,43 @@ def test_a_flight_with_a_fault_is_repeated_to_the_bit(kind: str) -> None:
 
 
 def test_a_replay_without_the_fault_is_another_motion() -> None:
-    """The negative control of the replay."""
+    """Negative control of the replay."""
     log = flown("pedal jam")
     specification = parse_specification(log.attachments["specification.json"], "test")
-    forgotten = specification.depart(Departure()).to_json()
+    faultless = specification.with_options(FlightOptions()).to_json()
     with_it, without = (
         replay(replace(log, attachments={**log.attachments, "specification.json": text}))
-        for text in (specification.to_json(), forgotten)
+        for text in (specification.to_json(), faultless)
     )
     assert np.array_equal(with_it[:251], without[:251])
     assert np.abs(with_it[-1, :3] - without[-1, :3]).max() > 1e-3
 
 
-def test_a_fault_is_told_in_a_sentence() -> None:
-    told = [event.text for event in events_of_flight(flown("gps bias")) if event.source == "fault"]
-    assert told == [
+def test_a_fault_is_an_event_with_its_sizes_and_effect() -> None:
+    texts = [event.text for event in flight_events(flown("gps bias")) if event.source == "fault"]
+    assert texts == [
         "fault 1: gps bias (0.3 m -0.4 m 0 m) until 3.50 s; "
         "how far the reading is from that of the sound gps: 0.5 m"
     ]
-    assert summarise(flown("gps bias")).faults == (f"2.50 s: {told[0].removeprefix('fault 1: ')}",)
+    assert summarise(flown("gps bias")).faults == (f"2.50 s: {texts[0].removeprefix('fault 1: ')}",)
     assert summarise(sound()).faults == ()
-    assert not [event for event in events_of_flight(sound()) if event.source == "fault"]
+    assert not [event for event in flight_events(sound()) if event.source == "fault"]
 
 
-def test_a_log_that_does_not_say_which_fault_began_is_refused() -> None:
+def test_a_log_without_the_fault_that_began_is_refused() -> None:
     log = flown("gps bias")
     with pytest.raises(FlightError, match=r"faults.json: expected fault 1, got 0 faults"):
-        faults_flown(replace(log, attachments={**log.attachments, "faults.json": b"[]"}))
+        fault_occurrences(replace(log, attachments={**log.attachments, "faults.json": b"[]"}))
 
 
-def test_without_a_fault_its_channels_are_silent() -> None:
+def test_without_a_fault_its_topics_are_absent() -> None:
     assert FAULT.name not in sound().series
     assert FAULT_EFFECT.name not in sound().series
-    assert faults_of(sound()) == ()
+    assert logged_faults(sound()) == ()
 
 
 def test_a_fault_that_changes_nothing_has_no_effect() -> None:
-    """The negative control of the effects: a servo at its whole rate, a mass times one, no gust."""
+    """Negative control of the effects: faults without change."""
     log = fly("lateral slow 2 1 1", "vehicle mass 2 1 1", "wind gust 2 1 0 0 0", "gyro bias 2 1 0 0 0")
     assert not log[FAULT_EFFECT]["effect"].any()
     assert np.array_equal(log[TRUTH].values, sound()[TRUTH].values)
@@ -155,7 +157,7 @@ def test_a_jammed_servo_stays_and_then_goes_on() -> None:
     assert np.ptp(servo[time > 3.51]) > 0.0
 
 
-def test_a_tired_servo_keeps_its_rate() -> None:
+def test_a_slow_servo_keeps_within_its_rate() -> None:
     log = flown("lateral slow")
     time, servo = log[CONTROLS].time, log[CONTROLS]["lateral"]
     steps = np.abs(np.diff(servo))[(time[1:] > 2.505) & (time[1:] < 3.505)]
@@ -186,7 +188,7 @@ def test_a_gust_is_in_the_wind_and_moves_the_vehicle() -> None:
     assert np.abs(blown[TRUTH]["north"][:rows] - still[TRUTH]["north"][:rows]).max() > 0.01
 
 
-def test_a_heavier_vehicle_sinks_as_its_weight_says() -> None:
+def test_a_heavier_vehicle_sinks_by_its_weight() -> None:
     log, plain = (fly(*words, ideal=True, wind="calm") for words in (("vehicle mass 1 inf 1.25",), ()))
     row = int(np.searchsorted(log[TRUTH].time, 1.06 - 1e-9))
     gained = log[TRUTH]["descent"][row] - plain[TRUTH]["descent"][row]
@@ -221,18 +223,18 @@ def test_faults_of_one_sensor_act_one_upon_the_other() -> None:
 
 
 def test_a_fault_may_begin_with_the_flight_and_last() -> None:
-    for kind in (kind for kind in KINDS.values() if not kind.ends):
+    for kind in (kind for kind in FAULT_KINDS.values() if not kind.ends):
         name = f"{kind.where} {kind.what}"
         log = fly(f"{name} 0 inf {SIZES.get(name, '')}")
         assert log[FAULT].time.tolist() == [0.0]
         assert len(effect(log)) == len(log[CONTROLS]) - (log.header.outcome != "completed")
 
 
-def test_the_log_file_tells_of_the_faults(tmp_path: Path) -> None:
+def test_faults_survive_the_log_file(tmp_path: Path) -> None:
     log = flown("pedal lag")
-    publish_log(log, tmp_path / "faulty.mcap")
+    write_log(log, tmp_path / "faulty.mcap")
     back = read_log(tmp_path / "faulty.mcap")
-    assert faults_of(back) == faults_of(log)
+    assert logged_faults(back) == logged_faults(log)
     assert np.array_equal(back[FAULT_EFFECT].values, log[FAULT_EFFECT].values)
     assert log_bytes(back) == log_bytes(log)
 
@@ -245,7 +247,7 @@ def test_words_come_back(kind: str) -> None:
 
 
 @pytest.mark.parametrize(
-    ("words", "said"),
+    ("words", "message"),
     [
         ("", "no place ''; faults have \\['gyro'"),
         ("rudder jam 1 2", "no place 'rudder'"),
@@ -260,8 +262,8 @@ def test_words_come_back(kind: str) -> None:
         ("wind gust 1 inf 1 2 3", "expected a duration"),
     ],
 )
-def test_words_that_are_no_fault_are_refused(words: str, said: str) -> None:
-    with pytest.raises(BadFaultError, match=said):
+def test_words_that_are_no_fault_are_refused(words: str, message: str) -> None:
+    with pytest.raises(BadFaultError, match=message):
         parse_fault(words)
 
 
@@ -275,7 +277,7 @@ def test_ideal_sensors_cannot_fail() -> None:
 
 
 def test_a_fault_lasts_for_one_period_at_least() -> None:
-    assert window(parse_fault("gps stuck 1 0.001")) == Window(100, 101)
+    assert fault_window(parse_fault("gps stuck 1 0.001")) == FaultWindow(100, 101)
 
 
 def test_the_command_flies_with_faults(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -285,7 +287,7 @@ def test_the_command_flies_with_faults(tmp_path: Path, capsys: pytest.CaptureFix
         run((*arguments, "--fault", "gps dropout 5 2", "--fault", "pedal lag 8 1 0.2", "--no-adaptation"))
         == 0
     )
-    assert [fault.words for fault in faults_of(read_log(out))] == ["gps dropout 5 2", "pedal lag 8 1 0.2"]
+    assert [fault.words for fault in logged_faults(read_log(out))] == ["gps dropout 5 2", "pedal lag 8 1 0.2"]
     assert run((*arguments, "--force", "--fault", "gps drop 5 2")) == 2
     assert capsys.readouterr().err.strip().count("\n") == 0
     assert run((*arguments, "--force", "--ideal-sensors", "--fault", "gps dropout 5 2")) == 2

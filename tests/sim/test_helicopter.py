@@ -1,4 +1,4 @@
-"""The free body in MuJoCo: frames, limits, and what happens to a flight that is lost."""
+"""Tests of the free body in MuJoCo: frames, limits and lost flights."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -26,7 +26,7 @@ def flying(velocity: Twist, *, heading: float = 0.3, step: float = 0.005) -> tup
     return helicopter, trim.controls
 
 
-def test_the_shape_file_weighs_what_the_parameters_say() -> None:
+def test_mass_and_inertia_of_the_shape_file_are_those_of_the_parameters() -> None:
     model = mujoco.MjModel.from_xml_path(str(models.FOLDER / "gtmax.xml"))
     body = PARAMETERS.body
     assert model.body_mass[1] == body.mass
@@ -34,7 +34,7 @@ def test_the_shape_file_weighs_what_the_parameters_say() -> None:
     mujoco.mju_quat2Mat(rotation, model.body_iquat[1])
     axes = rotation.reshape(3, 3)
     inertia = axes @ np.diag(model.body_inertia[1]) @ axes.T
-    # z is up and y left in the shape file, which turns the sign of the product of inertia.
+    # z is up and y left in the shape file, which reverses the sign of the product of inertia.
     expected = np.array(
         [
             [body.inertia_xx, 0, body.inertia_xz],

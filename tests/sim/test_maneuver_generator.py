@@ -1,4 +1,4 @@
-"""The reference model: smooth, of constant settling time, without memory of where it is."""
+"""Tests of the reference model: settling time, closed form, derivatives."""
 
 from math import cos, exp, sin, sqrt
 
@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from flight.se2 import Twist
-from sim.control.maneuver_generator import VELOCITY_RESPONSE, ManeuverGenerator, SecondOrder
+from sim.control.maneuver_generator import VELOCITY_RESPONSE, ManeuverGenerator, SecondOrderResponse
 
 STEP = 0.01
 
@@ -81,4 +81,4 @@ def test_a_trim_held_is_held_exactly() -> None:
 @pytest.mark.parametrize(("frequency", "damping"), [(0.0, 0.8), (-1.0, 0.8), (0.8, 1.0), (0.8, 0.0)])
 def test_a_response_that_does_not_swing_is_refused(frequency: float, damping: float) -> None:
     with pytest.raises(ValueError, match="frequency must be > 0 rad/s and damping in"):
-        SecondOrder(frequency, damping)
+        SecondOrderResponse(frequency, damping)

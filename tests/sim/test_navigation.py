@@ -1,4 +1,4 @@
-"""What the vehicle believes: a filter whose claims about its own error are true, also without GPS."""
+"""Tests of the navigation filter: consistency, gates and loss of GPS."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -7,20 +7,26 @@ import casadi as ca
 import numpy as np
 import pytest
 
-from experiments.campaign.campaign import campaign_library
+from experiments.campaign.fly_campaign import campaign_library
 from flight.mission.fault import parse_fault
 from flight.se2 import SE2
 from runtime.executor import worker_pool
 from scenarios.find import find_campaign
 from sim.checks.controller_check import fly_walk
-from sim.checks.navigation_check import Watched, check_navigation, judge_consistency, judge_losses, lose_gps
-from sim.faults.sensor_faults import FailingSensors
+from sim.checks.navigation_check import (
+    FilterErrors,
+    check_filter_consistency,
+    check_gps_outages,
+    check_navigation,
+    fly_gps_outages,
+)
+from sim.faults.sensor_faults import FaultySensors
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
 from sim.navigation import filter as equations
 from sim.navigation.filter import ESTIMATED
 from sim.navigation.navigation import IdealNavigation, Navigation
-from sim.navigation.sensor_errors import SensorErrors, Wander
+from sim.navigation.sensor_errors import GaussMarkovError, SensorErrors
 from sim.vehicle.parameters import read_parameters
 
 PARAMETERS = read_parameters()
@@ -39,7 +45,7 @@ def navigate(
     return Navigation(truth, step=0.01, gravity=9.81, rng=rng, errors=errors, true_errors=true_errors)
 
 
-def test_ideal_navigation_believes_the_truth_at_once() -> None:
+def test_ideal_navigation_estimates_the_truth_without_delay() -> None:
     signals = Signals()
     navigation = IdealNavigation(signals)
     for north in (0.0, 1.0, 2.0):
@@ -59,44 +65,46 @@ def test_the_filter_is_consistent_over_fifty_different_flights_and_survives_losi
 ) -> None:
     figures = list(check_navigation(LIBRARY, executor=pool))
     assert len(figures) == 7
-    assert [figure for figure in figures if not figure.holds] == []
+    assert [figure for figure in figures if not figure.passed] == []
 
 
 def test_a_filter_that_trusts_its_fixes_too_much_is_found() -> None:
-    """The negative control: fixes that wander ten times more than the filter thinks."""
+    """Negative control: fixes drift ten times more than assumed."""
     truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
-    believed = SensorErrors(position_wander=Wander(0.003, 60.0))
+    assumed = SensorErrors(position_drift=GaussMarkovError(0.003, 60.0))
     flights = []
     for seed in range(10):
-        navigation = navigate(truths[0], seed=seed, errors=believed, true_errors=SensorErrors())
+        navigation = navigate(truths[0], seed=seed, errors=assumed, true_errors=SensorErrors())
         normalised = []
         for period, truth in enumerate(truths[1:6001], start=1):
             navigation.step(truth)
             if period % 2000 == 0:
                 normalised.append(navigation.normalised_error(truth))
-        flights.append(Watched(np.array(normalised), position=0.0, velocity=0.0))
-    share, mean, *_ = judge_consistency(flights)
-    assert not share.holds
+        flights.append(FilterErrors(np.array(normalised), position=0.0, velocity=0.0))
+    share, mean, *_ = check_filter_consistency(flights)
+    assert not share.passed
     assert mean.value > 30.0
 
 
 def test_twenty_seconds_without_gps_are_too_many(pool: Executor) -> None:
-    """The negative control of the loss of GPS."""
-    assert not all(figure.holds for figure in judge_losses(lose_gps(LIBRARY, 20.0, executor=pool), "20 s"))
+    """Negative control of the loss of GPS."""
+    assert not all(
+        figure.passed for figure in check_gps_outages(fly_gps_outages(LIBRARY, 20.0, executor=pool), "20 s")
+    )
 
 
-def test_a_wild_fix_is_not_believed() -> None:
+def test_an_outlier_fix_is_rejected() -> None:
     navigation = navigate(STILL)
-    sensors = navigation.sensors = FailingSensors(navigation.sensors, step=0.01)
+    sensors = navigation.sensors = FaultySensors(navigation.sensors, step=0.01)
     for period in range(1100):
         if period == 500:
             sensors.begin(1, parse_fault("gps bias 5 inf 50 -50 50"))
         truth = _drift(STILL, period * 0.01)
-        believed = navigation.step(truth)
-        assert period < 200 or believed.pose.distance_to(truth.pose.position) < (0.3 if period < 500 else 1.0)
+        estimate = navigation.step(truth)
+        assert period < 200 or estimate.pose.distance_to(truth.pose.position) < (0.3 if period < 500 else 1.0)
 
 
-def test_moving_the_world_moves_what_is_believed() -> None:
+def test_moving_the_world_moves_the_estimate() -> None:
     navigation, other = navigate(STILL, seed=3), navigate(STILL, seed=3)
     for period in range(800):
         navigation.step(_drift(STILL, period * 0.01))
@@ -104,7 +112,7 @@ def test_moving_the_world_moves_what_is_believed() -> None:
     displacement = SE2(100.0, 50.0, 0.5)
     now, moved = (_drift(STILL, seconds) for seconds in (7.99, 8.0))
     other.signals.truth[:] = _moved(now, displacement)
-    other.move(displacement)
+    other.move_world(displacement)
     plain, turned = navigation.step(moved), other.step(_moved(moved, displacement))
     expected = displacement @ plain.pose
     assert turned.pose.distance_to(expected.position) < 1e-9
@@ -119,15 +127,15 @@ def test_one_seed_gives_one_set_of_errors() -> None:
     def last(seed: int) -> Motion:
         navigation = navigate(STILL, seed=seed)
         for period in range(600):
-            believed = navigation.step(_drift(STILL, period * 0.01))
-        return believed
+            estimate = navigation.step(_drift(STILL, period * 0.01))
+        return estimate
 
     assert last(4) == last(4)
     assert last(4) != last(5)
 
 
 def _drift(motion: Motion, seconds: float) -> Motion:
-    """Goes on straight, at the heading-frame velocity."""
+    """Returns a motion continued straight at its heading-frame velocity."""
     pose = motion.pose @ SE2(motion.forward * seconds, motion.side * seconds, 0.0)
     return motion._replace(north=pose.x, east=pose.y)
 
@@ -137,8 +145,8 @@ def _moved(motion: Motion, displacement: SE2) -> Motion:
     return motion._replace(north=pose.x, east=pose.y, heading=pose.heading)
 
 
-def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance() -> None:
-    """First order against 4000 draws; the heading frame turns with the heading."""
+def test_logged_standard_deviations_are_those_of_the_filters_covariance() -> None:
+    """Compares first order with 4000 draws in the heading frame."""
     truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
     navigation = navigate(truths[0])
     for truth in truths[1:1500]:
@@ -146,8 +154,8 @@ def test_the_spread_logged_is_that_of_errors_drawn_from_the_filters_covariance()
     nominal, covariance = navigation._state[: equations.NOMINAL], navigation._covariance
     covariance = covariance[:ESTIMATED, :ESTIMATED]
     errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
-    disturbed = equations.injection().map(4000)(nominal, errors.T)
+    disturbed = equations.injection_function().map(4000)(nominal, errors.T)
     state = ca.SX.sym("nominal", equations.NOMINAL)
-    believed = equations.believed_motion(state, ca.SX.zeros(3), ca.SX(truth.heading))
-    drawn = np.array(ca.Function("believe", [state], [believed]).map(4000)(disturbed))[: equations.SPREAD].T
-    np.testing.assert_allclose(navigation.spread(), drawn.std(axis=0), rtol=0.05)
+    estimate = equations.estimated_motion(state, ca.SX.zeros(3), ca.SX(truth.heading))
+    drawn = np.array(ca.Function("estimate", [state], [estimate]).map(4000)(disturbed))[: equations.OUTPUTS].T
+    np.testing.assert_allclose(navigation.standard_deviation(), drawn.std(axis=0), rtol=0.05)

@@ -1,6 +1,12 @@
-"""Whether the integration matters, and whether a coarse one would be found."""
+"""Tests of the integration step."""
 
-from sim.checks.numerics_check import check_numerics, drop, fitted_order, fly_end, tumble
+from sim.checks.numerics_check import (
+    check_numerics,
+    falling_error,
+    final_position,
+    fitted_order,
+    tumbling_error,
+)
 from sim.vehicle.parameters import read_parameters
 
 PARAMETERS = read_parameters()
@@ -8,14 +14,14 @@ PARAMETERS = read_parameters()
 
 def test_the_step_is_fine_enough_and_converges_with_its_order() -> None:
     figures = list(check_numerics(PARAMETERS, displacement_error=0.5))
-    assert [figure for figure in figures if not figure.holds] == []
+    assert [figure for figure in figures if not figure.passed] == []
     assert 0.8 < figures[-1].value < 1.3
 
 
 def test_a_coarse_step_is_found() -> None:
-    """The negative control: ten times the step is further off the closed forms than the bars allow."""
-    assert tumble(PARAMETERS, 0.05) > 0.02
-    assert drop(PARAMETERS, 0.05) > 0.02
+    """Negative control: ten times the step exceeds the limits."""
+    assert tumbling_error(PARAMETERS, 0.05) > 0.02
+    assert falling_error(PARAMETERS, 0.05) > 0.02
 
 
 def test_an_order_is_read_from_three_steps() -> None:
@@ -24,4 +30,4 @@ def test_an_order_is_read_from_three_steps() -> None:
 
 
 def test_one_step_flies_to_the_same_end_twice() -> None:
-    assert (fly_end(PARAMETERS, 0.01) == fly_end(PARAMETERS, 0.01)).all()
+    assert (final_position(PARAMETERS, 0.01) == final_position(PARAMETERS, 0.01)).all()

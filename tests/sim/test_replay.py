@@ -1,4 +1,4 @@
-"""Flights flown again: nothing but the log is needed, and no byte differs."""
+"""Tests of replay: a flight repeated from its log to the byte."""
 
 import json
 from dataclasses import replace
@@ -6,16 +6,16 @@ from pathlib import Path
 
 import pytest
 
-from experiments.mission.repeat import fly_again
+from experiments.mission.repeat import repeat_flight
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
 from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
-from flightlog.file.writer import log_bytes, publish_log
+from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog
-from flightlog.log_diff import bytes_that_differ, differences
+from flightlog.log_diff import count_differing_bytes, differences
 from flightlog.topic import Series
 from maneuver.app import run
-from planner.kernel.build import search_backend
+from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import parse_specification
@@ -33,7 +33,7 @@ FLIGHTS = {
         *("fly", "--mission", "gtmax-1", "--policy", "nominal", "--ideal-sensors", "--wind", "light"),
     ],
     "a mission in wind that changes, at the level that is met": [
-        *("fly", "--mission", "gtmax-1", "--policy", "calibrated", "--wind-change", "4 light"),
+        *("fly", "--mission", "gtmax-1", "--policy", "adaptive-gamma", "--wind-change", "4 light"),
     ],
     "a sequence without adaptation, with a servo that lags": [
         *(*SEQUENCE, "--no-adaptation", "--fault", "pedal lag 5 5 0.2"),
@@ -60,9 +60,9 @@ def test_flights_of_every_kind_flown_again_from_their_logs_differ_in_no_byte(
 ) -> None:
     capsys.readouterr()
     assert run(["replay", *map(str, flown.values())]) == 0
-    said = capsys.readouterr().out.splitlines()
+    printed = capsys.readouterr().out.splitlines()
     sizes = [path.stat().st_size for path in flown.values()]
-    assert said == [
+    assert printed == [
         f"{path}: 0 of {size} bytes differ" for path, size in zip(flown.values(), sizes, strict=True)
     ]
 
@@ -73,23 +73,23 @@ def test_planning_times_of_the_clock_are_an_input_of_the_flight_flown_again(
     log = read_log(flown["a mission on the clock, with faults"])
     plans = json.loads(log.attachments["plans.json"])
     assert len({plan["latency"] for plan in plans}) > 1
-    # The same flight by its command, told the log's latencies, has the same bytes.
+    # The same command with the log's latencies gives the same bytes.
     words = FLIGHTS["a mission on the clock, with faults"]
     again = tmp_path / "again.mcap"
     place = words.index("measured")
-    told = [*words[:place], str(flown["a mission on the clock, with faults"]), *words[place + 1 :]]
-    run([*told, "--out", str(again)])
+    command = [*words[:place], str(flown["a mission on the clock, with faults"]), *words[place + 1 :]]
+    run([*command, "--out", str(again)])
     assert log_bytes(read_log(again)) == log_bytes(log)
 
 
-def test_a_log_that_was_altered_is_told_from_its_flight(
+def test_an_altered_log_differs_from_its_replay(
     walk: FlightLog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     estimate = walk[ESTIMATE]
     values = estimate.values.copy()
     values[1000:, 0] += 1e-9
     altered = replace(walk, series={**walk.series, ESTIMATE.name: Series(ESTIMATE, estimate.time, values)})
-    publish_log(altered, tmp_path / "altered.mcap")
+    write_log(altered, tmp_path / "altered.mcap")
     assert run(["replay", str(tmp_path / "altered.mcap"), "--json"]) == 1
     (found,) = json.loads(capsys.readouterr().out)
     assert found["differing"] > 0
@@ -101,7 +101,7 @@ def test_a_replay_flies_the_seed_and_the_faults_of_the_log(walk: FlightLog) -> N
     specification = json.loads(walk.attachments[SPECIFICATION_ATTACHMENT])
     assert specification["faults"]
     other = json.dumps({**specification, "faults": []}).encode()
-    without = fly_again(replace(walk, attachments={**walk.attachments, SPECIFICATION_ATTACHMENT: other}))
+    without = repeat_flight(replace(walk, attachments={**walk.attachments, SPECIFICATION_ATTACHMENT: other}))
     assert any("/truth differs from 5." in words for words in differences(walk, without))
 
 
@@ -110,7 +110,7 @@ def test_a_replay_uses_the_back_end_and_the_vehicle_of_the_log(walk: FlightLog) 
     heavy = change_vehicle(read_parameters(), mass=1.1)
     log = fly_specification(specification, walk.library(), parameters=heavy, backend=Backend.INTERPRETED)
     assert log.header.backend.endswith(" interpreted")
-    assert log_bytes(fly_again(log)) == log_bytes(log)
+    assert log_bytes(repeat_flight(log)) == log_bytes(log)
     assert log.attachments[VEHICLE_ATTACHMENT] != walk.attachments[VEHICLE_ATTACHMENT]
 
 
@@ -130,7 +130,7 @@ def test_a_log_of_another_back_end_or_vehicle_is_refused_by_name(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     path = tmp_path / "other.mcap"
-    publish_log(replace(walk, header=replace(walk.header, **change)), path)  # type: ignore[arg-type]
+    write_log(replace(walk, header=replace(walk.header, **change)), path)  # type: ignore[arg-type]
     assert run(["replay", str(path)]) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert words in line
@@ -141,32 +141,32 @@ def test_a_mission_planned_by_another_search_is_refused(
     flown: dict[str, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = read_log(flown["a mission nominally planned, with ideal sensors"])
-    here = search_backend()
+    here = SEARCH_BACKEND
     assert log.header.search_backend == here
     other = {"compiled": "interpreted", "interpreted": "compiled"}[here]
-    publish_log(replace(log, header=log.header.planned_by(other)), tmp_path / "other.mcap")
+    write_log(replace(log, header=log.header.with_search_backend(other)), tmp_path / "other.mcap")
     capsys.readouterr()
     assert run(["replay", str(tmp_path / "other.mcap")]) == 2
     assert f"expected the search for plans of the log, {other}, got {here}" in capsys.readouterr().err
 
 
-def test_a_flight_of_another_code_is_flown_again_and_that_is_said(
+def test_a_flight_of_another_code_version_is_replayed_with_a_notice(
     walk: FlightLog, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "other.mcap"
-    publish_log(replace(walk, header=replace(walk.header, code_version="0.1.0+000000000000")), path)
+    write_log(replace(walk, header=replace(walk.header, code_version="0.1.0+000000000000")), path)
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
-    said = capsys.readouterr().out
-    assert ": 0 of " in said
-    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in said
+    printed = capsys.readouterr().out
+    assert ": 0 of " in printed
+    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in printed
     assert read_log(tmp_path / "again.mcap").header == walk.header
 
 
-def test_what_no_simulator_of_ours_flew_is_not_flown_again(
+def test_a_log_without_specification_is_not_replayed(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
-    publish_log(log, tmp_path / "planted.mcap")
+    write_log(log, tmp_path / "planted.mcap")
     assert run(["replay", str(tmp_path / "planted.mcap")]) == 2
     assert "has no specification.json" in capsys.readouterr().err
 
@@ -177,13 +177,13 @@ def test_a_broken_mission_in_a_log_is_refused_in_one_line(
 ) -> None:
     log = read_log(flown["a mission nominally planned, with ideal sensors"])
     path = tmp_path / "broken.mcap"
-    publish_log(replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: broken}), path)
+    write_log(replace(log, attachments={**log.attachments, MISSION_ATTACHMENT: broken}), path)
     capsys.readouterr()
     assert run(["replay", str(path)]) == 2
     assert len(capsys.readouterr().err.splitlines()) == 1
 
 
 def test_bytes_are_counted_place_by_place() -> None:
-    assert bytes_that_differ(b"abc", b"abc") == 0
-    assert bytes_that_differ(b"abc", b"abd") == 1
-    assert bytes_that_differ(b"abcde", b"xbc") == 3
+    assert count_differing_bytes(b"abc", b"abc") == 0
+    assert count_differing_bytes(b"abc", b"abd") == 1
+    assert count_differing_bytes(b"abcde", b"xbc") == 3

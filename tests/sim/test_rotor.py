@@ -1,4 +1,4 @@
-"""The rotor's loads, seen through steady flight and small motions about it."""
+"""Tests of the rotor's loads by steady flight and small motions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Whole flights: repeatable, honest in their logs, and stable through every trim and maneuver."""
+"""Tests of whole flights: repeatability, logs, stability in all maneuvers."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -18,12 +18,13 @@ from flight.se2 import SE2, Twist
 from flightlog.channels import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
-from flightlog.primitives import PrimitiveKind, primitives_flown
+from flightlog.primitives import PrimitiveKind, flown_primitives
 from sim.campaign_flight import fly_sequence, fly_specification
 from sim.loop.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.loop.streams import Stream, random_stream
-from sim.replay import AnotherVehicleError, replay
+from sim.replay import VehicleMismatchError
 from sim.simulated_helicopter import SimulatedHelicopter
+from tests.support.commands_flown import replay
 
 BARE = read_library(libraries.FOLDER / "thesis-gtmax.json")
 # Forward, side (m/s), yaw rate (rad/s); wider than each trim's scatter in the wind class `gtmax`.
@@ -59,7 +60,7 @@ def test_the_walk_of_these_tests_flies_every_maneuver_once() -> None:
 def test_every_trim_and_maneuver_is_flown_stably_in_gtmax_turbulence(seed: int) -> None:
     log = fly_specification(specify(*EVERY_EDGE, seed=seed), LIBRARY)
     assert log.header.outcome == "completed"
-    flown = primitives_flown(log)
+    flown = flown_primitives(log)
     assert len(flown) == 45
     assert not any(primitive.timed_out for primitive in flown)
     truth = log[TRUTH]
@@ -78,7 +79,7 @@ def test_the_logged_commands_and_wind_alone_reproduce_the_flight() -> None:
     again = replay(log)
     truth = log[TRUTH]
     assert again[::2].tobytes() == truth.values[: len(again[::2])].tobytes()
-    # Without the wind it is another flight: the wind in the log is the wind that blew.
+    # Negative control: without the logged wind the motion differs.
     still = replace(log, series={**log.series, "/wind": replace(log[WIND], values=0.0 * log[WIND].values)})
     assert np.abs(replay(still)[::2, :2] - truth.values[: len(again[::2]), :2]).max() > 0.1
 
@@ -104,8 +105,8 @@ def test_a_flight_begins_settled_at_its_start_pose(trim: int) -> None:
     assert truth.pose.distance_to(start.position) < 1e-9
     assert truth.heading == pytest.approx(start.heading, abs=1e-9)
     assert helicopter.time == 0.0
-    assert BANDS[trim].holds(truth.velocity, LIBRARY.trim(trim).velocity)
-    # It believes to be near, not exactly there.
+    assert BANDS[trim].contains(truth.velocity, LIBRARY.trim(trim).velocity)
+    # The estimate is near the truth, not equal to it.
     assert 0.0 < helicopter.pose.distance_to(start.position) < 0.5
 
 
@@ -141,7 +142,7 @@ def test_legs_join_without_a_gap() -> None:
     assert vehicle.trim == 2
 
 
-def test_the_log_keeps_its_rates_and_joins_truth_with_belief() -> None:
+def test_the_log_has_its_rates_and_an_estimate_near_the_truth() -> None:
     log = fly_specification(specify(2, 3), LIBRARY)
     assert np.allclose(np.diff(log[TRUTH].time)[:-1], 0.02)
     assert np.allclose(np.diff(log[CONTROLS].time), 0.01)
@@ -150,7 +151,7 @@ def test_the_log_keeps_its_rates_and_joins_truth_with_belief() -> None:
     assert 0.0 < np.abs(errors[:, 3:5]).max() < 0.4
 
 
-def test_a_maneuver_that_does_not_settle_times_out_and_says_so() -> None:
+def test_a_maneuver_that_does_not_settle_times_out() -> None:
     strict = ManeuverEnd(dict.fromkeys(BANDS, Band(1e-4, 1e-4, 1e-4)), dwell=1.0, timeout=3.0)
     library = replace(BARE, conditions=Conditions(maneuver_end=strict))
     helicopter = SimulatedHelicopter(specify(2), library)
@@ -158,10 +159,10 @@ def test_a_maneuver_that_does_not_settle_times_out_and_says_so() -> None:
     assert not leg.settled
     assert leg.duration == pytest.approx(3.0)
     helicopter.coast(1.0)
-    assert [primitive.timed_out for primitive in primitives_flown(helicopter.log())] == [True, False]
+    assert [primitive.timed_out for primitive in flown_primitives(helicopter.log())] == [True, False]
 
 
-def test_a_lost_flight_ends_its_log_and_says_why() -> None:
+def test_a_lost_flight_has_its_reason_in_the_log() -> None:
     low = specify(1).model_copy(update={"altitude": 0.7, "wind": "severe", "settling_time": 0.0})
     helicopter = SimulatedHelicopter(low, LIBRARY)
     with pytest.raises(FlightLostError, match="met the ground"):
@@ -203,7 +204,7 @@ def test_every_command_change_has_a_true_pose_of_its_time() -> None:
     assert set(log[PRIMITIVE].time) <= set(log[TRUTH].time)
 
 
-def test_a_vehicle_lost_before_its_flight_has_a_log_that_says_so() -> None:
+def test_a_vehicle_lost_before_its_flight_has_a_log_with_that_outcome() -> None:
     low = specify(1, 3, wind="severe").model_copy(update={"altitude": 0.05})
     log = fly_specification(low, LIBRARY)
     assert log.header.outcome.startswith("flight lost")
@@ -217,7 +218,7 @@ def test_a_plant_step_that_does_not_divide_the_control_period_is_refused() -> No
 def test_a_log_of_another_vehicle_is_not_replayed() -> None:
     log = fly_specification(specify(1), LIBRARY)
     other = FlightLog(replace(log.header, model_hash="0" * 64), log.series, log.attachments)
-    with pytest.raises(AnotherVehicleError, match="expected the vehicle of the log, 0000"):
+    with pytest.raises(VehicleMismatchError, match="expected the vehicle of the log, 0000"):
         replay(other)
 
 

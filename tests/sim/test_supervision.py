@@ -1,4 +1,4 @@
-"""A vehicle that watches itself: it says when something is wrong, and is silent when nothing is."""
+"""Tests of supervision: alarms, safe stops and fault outcomes."""
 
 import json
 from contextlib import suppress
@@ -9,44 +9,44 @@ import numpy as np
 import pytest
 
 from experiments.faults.fault_matrix import FaultCase, find_fault_matrix
-from experiments.faults.outcome import Outcome, acted, outcome
-from experiments.faults.report import outcomes, together
+from experiments.faults.fault_report import count_outcomes, merge_outcomes
+from experiments.faults.outcome import Outcome, all_faults_acted, outcome_of
 from experiments.mission.fly import fly_helicopter, fly_mission
+from experiments.mission.mission_task import MissionTask
 from experiments.mission.result import MissionResult
-from experiments.mission.safe_envelope import Exit, SafeEnvelope, first_exit
-from experiments.mission.task import MissionTask
+from experiments.mission.safe_envelope import EnvelopeExit, SafeEnvelope, first_exit
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
 from flight.mission.fault import parse_fault
 from flight.se2 import SE2
-from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_of
+from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_from_series
 from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.decision import DecisionKind
-from flightlog.events import events_of_flight
+from flightlog.events import flight_events
 from flightlog.file.reader import read_log
-from flightlog.file.writer import publish_log
+from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from flightlog.topic import Series
 from maneuver.app import run
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
-from planner.closed_loop.receding_horizon import fly
+from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.settings import Settings
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from scenarios.find import find_library, find_mission
-from sim.loop.specification import Departure, FlightSpecification
+from sim.loop.specification import FlightOptions, FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
-from tests.experiments.test_scorecard import result
+from tests.support.mission_results import result
 
 LIBRARY = find_library("gtmax-sim")
 
 
 def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightLog:
-    """Flies 4 s of slow flight, the change to fast flight, and 3 s of that."""
-    departure = Departure(faults=tuple(map(parse_fault, words)), supervised=supervised)
+    """Flies 4 s slowly, a maneuver, and 3 s fast."""
+    flight_options = FlightOptions(faults=tuple(map(parse_fault, words)), supervised=supervised)
     helicopter = SimulatedHelicopter(
-        FlightSpecification(seed=8, start_trim=2, wind=wind).depart(departure), LIBRARY
+        FlightSpecification(seed=8, start_trim=2, wind=wind).with_options(flight_options), LIBRARY
     )
     with suppress(FlightLostError):
         helicopter.coast(4.0)
@@ -56,13 +56,13 @@ def flight(*words: str, supervised: bool = True, wind: str = "gtmax") -> FlightL
 
 
 def alarms(log: FlightLog) -> tuple[Alarm, ...]:
-    return alarms_of(log[ALARM]) if ALARM.name in log.series else ()
+    return alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
 
 
 @pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
-def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
-    said = {alarm.kind for alarm in alarms(flight(wind=wind))}
-    assert said <= (ADVICE if wind == "moderate" else set())
+def test_flights_without_faults_raise_no_alarm(wind: str) -> None:
+    raised = {alarm.kind for alarm in alarms(flight(wind=wind))}
+    assert raised <= (ADVICE if wind == "moderate" else set())
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_nothing_is_said_where_nothing_is_wrong(wind: str) -> None:
         ("controller misses 1 inf 60", AlarmKind.TILT, 13.0),
     ],
 )
-def test_each_kind_of_trouble_is_noticed_in_time(words: str, kind: AlarmKind, within: float) -> None:
+def test_each_kind_of_fault_raises_its_alarm_in_time(words: str, kind: AlarmKind, within: float) -> None:
     log = flight(words)
     found = {alarm.kind: alarm for alarm in alarms(log)}
     assert kind in found, found
@@ -95,31 +95,31 @@ def test_each_kind_of_trouble_is_noticed_in_time(words: str, kind: AlarmKind, wi
     assert alarms(flight(words, supervised=False)) == ()
 
 
-def test_a_flight_is_the_same_whether_it_is_watched_or_not() -> None:
-    watched, unwatched = flight(), flight(supervised=False)
-    for name, series in unwatched.series.items():
-        assert (watched.series[name].values == series.values).all(), name
-    # Campaigns are not watched; their logs are as they were before there was a supervisor.
-    assert "supervised" not in unwatched.attachments["specification.json"].decode()
-    assert json.loads(watched.attachments["specification.json"])["supervised"] is True
+def test_supervision_does_not_change_the_flight() -> None:
+    supervised, unsupervised = flight(), flight(supervised=False)
+    for name, series in unsupervised.series.items():
+        assert (supervised.series[name].values == series.values).all(), name
+    # Campaigns are unsupervised; their specifications do not mention it.
+    assert "supervised" not in unsupervised.attachments["specification.json"].decode()
+    assert json.loads(supervised.attachments["specification.json"])["supervised"] is True
 
 
 def test_alarms_survive_the_log_and_are_events(tmp_path: Path) -> None:
     log = flight("gps stuck 1 inf")
-    publish_log(log, tmp_path / "flight.mcap")
+    write_log(log, tmp_path / "flight.mcap")
     again = read_log(tmp_path / "flight.mcap")
     assert alarms(again) == alarms(log)
-    said = [event.text for event in events_of_flight(again) if event.source == "alarm"]
-    assert said[0].startswith("fixes are the same to the bit: 0.4 s, allowed 0.35 s")
+    texts = [event.text for event in flight_events(again) if event.source == "alarm"]
+    assert texts[0].startswith("fixes bitwise unchanged: 0.4 s, limit 0.35 s")
 
 
 class Doubting(AutomatonVehicle):
-    """Finds something wrong with itself in its third leg, and again in every leg after it."""
+    """Vehicle with an alarm in its third and every later leg."""
 
     legs = 0
 
     def coast(self, duration: float) -> Leg:
-        """Holds the trim, and doubts itself."""
+        """Holds the trim, with an alarm from the third leg on."""
         self.legs += 1
         return replace(super().coast(duration), alarm="doubt" if self.legs >= 3 else "")
 
@@ -127,7 +127,9 @@ class Doubting(AutomatonVehicle):
 def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
     mission = find_mission("gtmax-1")
     vehicle = Doubting(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0))
+    flown = fly_closed_loop(
+        vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=Settings(wait=5.0)
+    )
     assert (flown.reached, flown.claimed, flown.reason) == (False, False, "alarm: doubt")
     kinds = [decision.kind for decision in flown.decisions]
     assert kinds.index(DecisionKind.ALARM) < kinds.index(DecisionKind.FALLBACK)
@@ -136,13 +138,13 @@ def test_an_alarm_ends_the_mission_in_hover_and_stands_in_the_log() -> None:
 
 
 class Mistaken(AutomatonVehicle):
-    """Believes to be east of where it is."""
+    """Vehicle with an estimate east of the truth."""
 
     east = 2.0
 
     @property
     def pose(self) -> SE2:
-        """Believed pose."""
+        """Estimated pose."""
         pose = super().pose
         return SE2(pose.x, pose.y + self.east, pose.heading)
 
@@ -155,45 +157,47 @@ class Mistaken(AutomatonVehicle):
         return self._mistaken(super().perform(maneuver))
 
     def _mistaken(self, leg: Leg) -> Leg:
-        return replace(leg, believed=np.add(leg.track, (0.0, 0.0, self.east, 0.0)))
+        return replace(leg, estimated_track=np.add(leg.track, (0.0, 0.0, self.east, 0.0)))
 
 
 class Uncertain(AutomatonVehicle):
-    """Knows where it is, to within 2 m."""
+    """Vehicle with a position standard deviation of 2 m."""
 
     def coast(self, duration: float) -> Leg:
         """Holds the trim."""
-        return replace(super().coast(duration), spread=2.0)
+        return replace(super().coast(duration), standard_deviation=2.0)
 
     def perform(self, maneuver: Maneuver) -> Leg:
         """Performs the maneuver."""
-        return replace(super().perform(maneuver), spread=2.0)
+        return replace(super().perform(maneuver), standard_deviation=2.0)
 
 
-def test_who_takes_himself_to_be_at_the_goal_and_is_not_has_not_reached_it() -> None:
+def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
     mission = find_mission("gtmax-2")
     vehicle = Mistaken(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-    flown = fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY)
+    flown = fly_closed_loop(vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY)
     assert flown.claimed
     assert not flown.reached
     assert flown.closest > mission.tolerance
     assert flown.reason.startswith("took itself to be at the goal")
 
 
-def test_who_does_not_know_where_he_is_does_not_take_himself_to_be_at_the_goal() -> None:
+def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:
     mission = find_mission("gtmax-2")
 
     def flown(certainty: float) -> bool:
         vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
         settings = Settings(certainty=certainty, max_activations=40)
-        return fly(vehicle, mission, planner=Nominal(LIBRARY), library=LIBRARY, settings=settings).claimed
+        return fly_closed_loop(
+            vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=settings
+        ).claimed
 
     assert not flown(3.0)
     assert flown(0.0)
 
 
 def altered(log: FlightLog, place: int, **values: float) -> FlightLog:
-    """The log with other true numbers from a row on."""
+    """Returns the log with other true values from a row on."""
     truth = log[TRUTH]
     table = truth.values.copy()
     for name, value in values.items():
@@ -214,12 +218,12 @@ def test_a_flight_leaves_its_envelope_where_its_truth_does() -> None:
     assert no_number is not None
     assert no_number.time == time
     lost = replace(log, header=replace(log.header, outcome="flight lost: in the ground"))
-    assert first_exit(lost, envelope) == Exit(log.duration, "flight lost: in the ground")
+    assert first_exit(lost, envelope) == EnvelopeExit(log.duration, "flight lost: in the ground")
     with pytest.raises(ValueError, match="must be > 0"):
         SafeEnvelope(tilt=0.0)
 
 
-GONE = Exit(5.0, "gone")
+GONE = EnvelopeExit(5.0, "gone")
 
 
 @pytest.mark.parametrize(
@@ -227,25 +231,25 @@ GONE = Exit(5.0, "gone")
     [
         ({"reached": True, "claimed": True}, Outcome.SAFE),
         ({"reached": False, "claimed": False}, Outcome.SAFE),
-        ({"reached": False, "claimed": True}, Outcome.WRONG),
-        ({"reached": False, "claimed": False, "left": GONE}, Outcome.WRONG),
-        ({"reached": True, "claimed": True, "left": GONE}, Outcome.WRONG),
+        ({"reached": False, "claimed": True}, Outcome.UNDETECTED_FAILURE),
+        ({"reached": False, "claimed": False, "left": GONE}, Outcome.UNDETECTED_FAILURE),
+        ({"reached": True, "claimed": True, "left": GONE}, Outcome.UNDETECTED_FAILURE),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(4.0, AlarmKind.TILT, 1, 0),)},
-            Outcome.LOST,
+            Outcome.DETECTED_LOSS,
         ),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(5.9, AlarmKind.TILT, 1, 0),)},
-            Outcome.LOST,
+            Outcome.DETECTED_LOSS,
         ),
         (
             {"reached": False, "claimed": False, "left": GONE, "alarms": (Alarm(6.1, AlarmKind.TILT, 1, 0),)},
-            Outcome.WRONG,
+            Outcome.UNDETECTED_FAILURE,
         ),
     ],
 )
 def test_what_a_flight_came_to(changes: dict[str, object], came_to: Outcome) -> None:
-    assert outcome(replace(result("a", 0), **changes)) is came_to  # type: ignore[arg-type]
+    assert outcome_of(replace(result("a", 0), **changes)) is came_to  # type: ignore[arg-type]
 
 
 def rows_of(count: int, **changes: object) -> list[MissionResult]:
@@ -255,45 +259,47 @@ def rows_of(count: int, **changes: object) -> list[MissionResult]:
 def test_outside_the_contract_nothing_passes_wherever_it_went() -> None:
     fault = parse_fault("gps dropout 2 inf")
     rows = rows_of(20)
-    inside = outcomes(FaultCase(fault, contract=True, expected=""), rows)
-    outside = outcomes(FaultCase(fault, contract=False, expected=""), rows)
-    assert (inside.passed, inside.safe, inside.wrong) == (20, 20, 0)
-    assert (outside.passed, outside.safe, outside.wrong) == (None, 20, 0)
-    assert together([inside, outside]).passed is None
+    inside = count_outcomes(FaultCase(fault, contract=True, expected=""), rows)
+    outside = count_outcomes(FaultCase(fault, contract=False, expected=""), rows)
+    assert (inside.passed, inside.safe, inside.undetected_failure) == (20, 20, 0)
+    assert (outside.passed, outside.safe, outside.undetected_failure) == (None, 20, 0)
+    assert merge_outcomes([inside, outside]).passed is None
     # 0 of 20: the share p with (1 - p)^20 = 0.05.
-    assert outside.wrong_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
-    assert outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
+    assert outside.undetected_failure_at_most == pytest.approx(1 - 0.05 ** (1 / 20))
+    assert count_outcomes(FaultCase(fault, contract=True, expected=""), rows_of(3, claimed=False)).passed == 3
     alarmed = rows_of(3, alarms=(Alarm(4.0, AlarmKind.TILT, 1.0, 0.5),))
-    assert outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
+    assert count_outcomes(FaultCase(fault, contract=True, expected=""), alarmed).passed == 0
 
 
 def test_a_fault_that_did_nothing_is_not_seen_to_act() -> None:
-    assert acted(replace(result("a", 0), effects=(0.3,)))
-    assert not acted(replace(result("a", 0), effects=(0.0,)))
-    assert not acted(result("a", 0))
+    assert all_faults_acted(replace(result("a", 0), effects=(0.3,)))
+    assert not all_faults_acted(replace(result("a", 0), effects=(0.0,)))
+    assert not all_faults_acted(result("a", 0))
 
 
-def test_with_protection_a_dead_gyro_is_said_and_without_it_is_not() -> None:
+def test_a_stuck_gyro_is_detected_only_with_supervision() -> None:
     def flown(*, supervised: bool) -> MissionResult:
-        departure = Departure(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
+        flight_options = FlightOptions(faults=(parse_fault("gyro stuck 2 inf"),), supervised=supervised)
         return fly_mission(
-            MissionTask(find_mission("gtmax-2"), LIBRARY, "worst-case", 1.0, "gtmax", 3, departure=departure)
+            MissionTask(
+                find_mission("gtmax-2"), LIBRARY, "worst-case", 1.0, "gtmax", 3, flight_options=flight_options
+            )
         )
 
     with_it, without = flown(supervised=True), flown(supervised=False)
-    assert acted(with_it)
-    assert acted(without)
-    assert outcome(with_it) is Outcome.LOST
-    assert outcome(without) is Outcome.WRONG
+    assert all_faults_acted(with_it)
+    assert all_faults_acted(without)
+    assert outcome_of(with_it) is Outcome.DETECTED_LOSS
+    assert outcome_of(without) is Outcome.UNDETECTED_FAILURE
 
 
-def test_missions_are_flown_watched() -> None:
+def test_missions_are_supervised() -> None:
     task = MissionTask(find_mission("gtmax-2"), LIBRARY, "nominal", 0.0, "gtmax", 1)
     flown, log = fly_helicopter(task)
     assert json.loads(log.attachments["specification.json"])["supervised"] is True
     assert flown.claimed
-    believed = log[ESTIMATE]
-    nearest = np.hypot(believed["north"] - task.mission.goal[0], believed["east"] - task.mission.goal[1])
+    estimate = log[ESTIMATE]
+    nearest = np.hypot(estimate["north"] - task.mission.goal[0], estimate["east"] - task.mission.goal[1])
     assert nearest.min() < task.mission.tolerance
 
 
@@ -327,13 +333,13 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
     document = json.loads(capsys.readouterr().out)
     (row,) = document["faults"]
     assert row["protected"]["acted"] == row["protected"]["flights"] == 1
-    assert row["protected"]["wrong"] == 0
+    assert row["protected"]["undetected_failure"] == 0
     assert row["protected"]["passed"] is None
     assert len(list((out / "flights").iterdir())) == 3
     assert "| `gps stuck 2 inf` | 1 | 1 | - |" in (out / "fault-matrix.md").read_text()
     assert len((out / "fault-matrix.csv").read_text().splitlines()) == 4
     assert run(words) == 0
-    assert "wrong with protection: 0 of 1" in capsys.readouterr().out
+    assert "undetected failures with protection: 0 of 1" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(
@@ -342,7 +348,11 @@ def test_a_matrix_is_flown_kept_and_written(tmp_path: Path, capsys: pytest.Captu
         ("gps stuck 2 inf", "gps stuck two inf", "fault 'gps stuck two inf': expected 'gps stuck START"),
         ("gps stuck 2 inf", "gps asleep 2 inf", "no 'asleep' of gps"),
         ("tilt = 0.7", "tilt = 0", "envelope.tilt"),
-        ('expected = "alarm"\n', 'expected = "alarm"\n' + SMALL[SMALL.index("[[") :], "is there twice"),
+        (
+            'expected = "alarm"\n',
+            'expected = "alarm"\n' + SMALL[SMALL.index("[[") :],
+            "expected different faults, got",
+        ),
         (SMALL[SMALL.index("[[") :], "fault = []\n", "expected one or more"),
     ],
 )

@@ -1,11 +1,11 @@
-"""The wind: Dryden's statistics, its off switch, and the same air for the same seed."""
+"""Tests of the wind: Dryden statistics, calm air and seeds."""
 
 from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
 
-from sim.checks.wind_check import FIXED_POINT_BAR, RATIOS, check_wind, lateral_variance
+from sim.checks.wind_check import FIXED_POINT_LIMIT, RATIOS, check_wind, lateral_variance
 from sim.loop.motion import STILL_AIR, Wind
 from sim.wind.discrete_gust import DiscreteGust
 from sim.wind.dryden import dryden
@@ -60,7 +60,7 @@ def test_calm_is_still_air() -> None:
     assert (blow(wind_class("calm"), seed=1, periods=100) == np.array(STILL_AIR)).all()
 
 
-def test_the_mean_wind_comes_from_where_it_is_said_to() -> None:
+def test_the_mean_wind_comes_from_the_given_direction() -> None:
     mean = blow(WindClass("test", 0.0, 2.0), seed=1, periods=1, direction=pi / 3)[0]
     np.testing.assert_allclose(mean[:2], [-2.0 * cos(pi / 3), -2.0 * sin(pi / 3)])
 
@@ -71,7 +71,7 @@ def test_turning_the_world_turns_the_wind() -> None:
         return DrydenWind(wind_class("gtmax"), height=30.0, span=3.0, direction=direction, step=0.01, rng=rng)
 
     turned, plain = source(0.2), source(0.0)
-    plain.turn(0.2)
+    plain.rotate_world(0.2)
     for _ in range(50):
         a = turned.step(velocity_north=0.0, velocity_east=0.0)
         assert plain.step(velocity_north=0.0, velocity_east=0.0) == pytest.approx(a, abs=1e-12)
@@ -115,16 +115,16 @@ def test_a_discrete_gust_comes_and_goes_as_a_cosine() -> None:
 
 @pytest.mark.parametrize("ratio", RATIOS)
 def test_the_covariance_of_the_discrete_filter_is_that_of_the_standard(ratio: float) -> None:
-    assert lateral_variance(ratio) == pytest.approx(1.0, abs=FIXED_POINT_BAR)
+    assert lateral_variance(ratio) == pytest.approx(1.0, abs=FIXED_POINT_LIMIT)
 
 
 def test_ensembles_and_spectra_are_the_standards() -> None:
-    assert [figure for figure in check_wind() if not figure.holds] == []
+    assert [figure for figure in check_wind() if not figure.passed] == []
 
 
 def test_an_euler_step_would_be_found() -> None:
-    """The negative control: the gust that Euler's step makes is too strong."""
+    """Negative control: Euler's step gives too strong a gust."""
     tau, step = 0.5, 0.01
     ratio = step / tau
     variance = 2.0 * ratio / (1.0 - (1.0 - ratio) ** 2)
-    assert abs(variance - 1.0) > 1e6 * FIXED_POINT_BAR
+    assert abs(variance - 1.0) > 1e6 * FIXED_POINT_LIMIT

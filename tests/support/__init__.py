@@ -1,1 +1,1 @@
-"""Builders of logs, libraries, vehicles and file systems that tests share."""
+"""Builders of logs, libraries, vehicles and file systems for tests."""

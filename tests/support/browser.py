@@ -1,4 +1,4 @@
-"""Drives a real browser, headless, over the pipe of its debugging protocol; needs nothing but Chromium."""
+"""Headless Chromium driven over its debugging pipe."""
 
 import base64
 import itertools
@@ -22,13 +22,13 @@ _FLAGS = (
 
 
 class Tab:
-    """One page of a browser."""
+    """Page of a browser."""
 
     def __init__(self, to_browser: int, from_browser: int) -> None:
         self._to_browser, self._from_browser = to_browser, from_browser
         self._numbers, self._left, self._session = itertools.count(1), b"", ""
         self.complaints: list[str] = []
-        """What the page wrote to the console as warning or error, and what it threw."""
+        """Warnings, errors and exceptions of the page."""
         targets = self.call("Target.getTargets")["targetInfos"]
         (target,) = (one["targetId"] for one in targets if one["type"] == "page")
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
@@ -36,7 +36,7 @@ class Tab:
             self.call(f"{domain}.enable")
 
     def call(self, method: str, **parameters: Any) -> Any:
-        """Returns the result of one method of the protocol."""
+        """Returns the result of a protocol method."""
         number = next(self._numbers)
         message = {"id": number, "method": method, "params": parameters}
         if self._session:
@@ -49,23 +49,23 @@ class Tab:
                 return answer["result"]
 
     def open(self, page: Path) -> None:
-        """Opens a file and waits until it has loaded."""
+        """Opens a file and waits until it is loaded."""
         self.call("Page.navigate", url=page.resolve().as_uri())
         while self._read().get("method") != "Page.loadEventFired":
             pass
 
     def run(self, expression: str) -> Any:
-        """Returns the value of an expression of the page, a promise's once it is kept."""
+        """Returns the value of an expression, awaited if a Promise."""
         result = self.call("Runtime.evaluate", expression=expression, awaitPromise=True, returnByValue=True)
         assert "exceptionDetails" not in result, result
         return result["result"].get("value")
 
     def settle(self) -> None:
-        """Waits until the page has drawn what it was told."""
+        """Waits until the page is drawn."""
         self.run("new Promise(done => requestAnimationFrame(() => setTimeout(done, 60)))")
 
     def resize(self, width: int, height: int, *, dark: bool = False, phone: bool = False) -> None:
-        """Gives the page a size in CSS pixels and a colour scheme."""
+        """Sets the page's size in CSS pixels and its colour scheme."""
         self.call(
             "Emulation.setDeviceMetricsOverride",
             width=width,
@@ -78,20 +78,23 @@ class Tab:
         self.settle()
 
     def mouse(self, kind: str, x: float, y: float, **more: Any) -> None:
-        """Sends `mouseMoved`, `mousePressed` or `mouseReleased` at a place of the window."""
+        """Sends a mouse event at a position in the window.
+
+        Kinds are `mouseMoved`, `mousePressed` and `mouseReleased`.
+        """
         self.call(
             "Input.dispatchMouseEvent", type=kind, x=x, y=y, **{"button": "left", "clickCount": 1, **more}
         )
 
     def click(self, selector: str) -> None:
-        """Clicks into the middle of an element."""
+        """Clicks the centre of an element."""
         x, y = self.middle(selector)
         self.mouse("mousePressed", x, y)
         self.mouse("mouseReleased", x, y)
         self.settle()
 
     def middle(self, selector: str) -> tuple[float, float]:
-        """Returns where the middle of an element is, after moving it into the window."""
+        """Returns the centre of an element after scrolling to it."""
         x, y = self.run(
             f"(() => {{ const one = document.querySelector({json.dumps(selector)}); one.scrollIntoView("
             "{block: 'center', behavior: 'instant'}); const box = one.getBoundingClientRect(); "
@@ -100,7 +103,7 @@ class Tab:
         return x, y
 
     def picture(self, path: Path, *, whole: bool = False) -> None:
-        """Writes what is seen, or the whole page, as a PNG file."""
+        """Writes the visible or the whole page as a PNG file."""
         content = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole)
         path.write_bytes(base64.b64decode(content["data"]))
 
@@ -128,7 +131,7 @@ class Tab:
 
 @contextmanager
 def browser(profile: Path) -> Iterator[Tab]:
-    """Starts a browser of its own with an empty profile, and ends it."""
+    """Starts a browser with an empty profile and ends it."""
     assert CHROMIUM is not None
     read_commands, write_commands = os.pipe()
     read_answers, write_answers = os.pipe()

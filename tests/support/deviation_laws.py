@@ -1,4 +1,4 @@
-"""Laws of deviations whose joint coverage is known exactly, to hold bounds against."""
+"""Distributions of deviations with exactly known joint coverage."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -14,12 +14,12 @@ Array = Float[np.ndarray, "scalars"]
 
 @dataclass(frozen=True)
 class Law:
-    """How the scalars of a primitive deviate from their means, in units of their own scales.
+    """Distribution of a primitive's deviations, in units of its scales.
 
     Attributes:
-        name: for people.
-        draw: returns so many samples of so many scalars.
-        inside: returns the probability that every scalar lies between its lower and its upper limit.
+        name: name in reports.
+        draw: function (generator, samples, scalars) -> samples.
+        inside: function (low, high) -> probability that every scalar is within its limits.
     """
 
     name: str
@@ -27,7 +27,7 @@ class Law:
     inside: Callable[[Array, Array], float]
 
     def quantile(self, coverage: float, scalars: int) -> float:
-        """Returns the half width of the cube about the means that truly covers a share."""
+        """Returns the half width of the cube that covers a share."""
 
         def excess(size: float) -> float:
             return self.inside(np.full(scalars, -size), np.full(scalars, size)) - coverage

@@ -1,4 +1,4 @@
-"""A flight log from motion alone: what another vehicle, simulator or camera system knows of a flight."""
+"""Flight log of another vehicle's motion alone."""
 
 import numpy as np
 from jaxtyping import Float
@@ -24,27 +24,26 @@ def motion_log(
     wind: str = "not stated",
     name: str = "foreign",
 ) -> FlightLog:
-    """Returns a log that holds nothing but `/motion`.
+    """Returns a log with `/motion` alone.
 
     Args:
-        vehicle: what flew.
-        time: seconds, increasing; the log begins at 0.
+        vehicle: name of the vehicle.
+        time: seconds, increasing; shifted to start at 0.
         north: position, metres.
         east: position, metres.
-        heading: radians, clockwise from north; jumps by whole turns are taken out.
-        velocity: north and east, metres per second; the slope of the position where None.
-        yaw_rate: radians per second, clockwise; the slope of the heading where None.
-        wind: what is known of it; logs of different wind make no library together.
-        name: of the flight.
+        heading: radians, clockwise from north; it is unwrapped.
+        velocity: north and east, metres per second; derivative of the position if None.
+        yaw_rate: radians per second, clockwise; derivative of the heading if None.
+        wind: wind class; logs of different wind classes are not identified together.
+        name: name of the flight.
 
     Raises:
         FlightError: columns of different lengths, times that do not increase, values that are not finite.
     """
     columns = [north, east, heading, *(velocity or ()), *(() if yaw_rate is None else (yaw_rate,))]
-    if any(np.shape(one) != np.shape(time) or np.ndim(one) != 1 for one in columns) or len(time) < 2:
-        raise FlightError(
-            f"expected columns of {len(time)} numbers, two at least, got {[np.shape(one) for one in columns]}"
-        )
+    shapes = [np.shape(column) for column in columns]
+    if any(shape != np.shape(time) or len(shape) != 1 for shape in shapes) or len(time) < 2:
+        raise FlightError(f"expected columns of {len(time)} numbers, at least two, got {shapes}")
     if not (np.isfinite([time, *columns]).all() and (np.diff(time) > 0).all()):
         raise FlightError("expected finite numbers and increasing times")
     smooth = np.unwrap(heading)

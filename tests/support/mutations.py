@@ -1,4 +1,4 @@
-"""Hostile versions of files: bytes changed at random, or the structure by one who knows the format."""
+"""Mutations of files: random bytes or structured changes."""
 
 import json
 import tomllib
@@ -26,7 +26,7 @@ _DEEP = 20_000
 
 
 def changed_bytes(content: bytes, chance: Random) -> bytes:
-    """Flips, cuts, repeats, inserts or zeroes bytes."""
+    """Returns bytes flipped, cut, repeated, inserted or zeroed."""
     place = chance.randrange(len(content) + 1)
     length = min(chance.choice((1, 2, 8, 64, 4096)), len(content) - place)
     before, part, after = content[:place], content[place : place + length], content[place + length :]
@@ -46,19 +46,19 @@ def changed_bytes(content: bytes, chance: Random) -> bytes:
 
 
 def changed_json(content: bytes, chance: Random) -> bytes:
-    """Changes the tree of a JSON file: values, keys, entries, depth."""
+    """Returns a JSON file with a changed tree."""
     if chance.random() < 0.02:
         return b"[" * _DEEP + b"]" * _DEEP
     return json.dumps(_changed_tree(json.loads(content), chance)).encode("utf-8", "surrogatepass")
 
 
 def changed_toml(content: bytes, chance: Random) -> bytes:
-    """Changes the tree of a TOML file: values, keys, entries."""
+    """Returns a TOML file with a changed tree."""
     return _toml(_changed_tree(tomllib.loads(content.decode()), chance)).encode("utf-8", "surrogatepass")
 
 
 def changed_xml(content: bytes, chance: Random) -> bytes:
-    """Changes elements and attributes of an XML file: values, names, depth, and what reaches outside."""
+    """Returns an XML file with changed elements, attributes or entities."""
     root = ElementTree.fromstring(content)
     part = chance.choice(list(root.iter()))
     words = chance.choice(("nan", "inf", "-1e999", "1e308", "", "/etc/passwd", "../../x", "0 0", "x" * 9999))
@@ -78,9 +78,9 @@ def changed_xml(content: bytes, chance: Random) -> bytes:
 
 
 def changed_log(log: FlightLog, chance: Random) -> bytes:
-    """Changes a flight log and gives it the right checksums, so that what lies behind them is reached.
+    """Returns a changed flight log with correct checksums.
 
-    What our own writer cannot draw for viewers is written without that, as another writer would.
+    Logs whose viewer channels cannot be made are written without them, as by another writer.
     """
     while True:
         try:
@@ -116,7 +116,7 @@ def _with_changed_times(log: FlightLog, chance: Random) -> FlightLog:
 
 
 def chance_times(series: Series) -> np.ndarray:
-    """Returns as many times, at random between the first and the last."""
+    """Returns as many random times between first and last."""
     return np.random.default_rng(len(series)).uniform(0, max(float(series.time[-1]), 1.0), len(series))
 
 

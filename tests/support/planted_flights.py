@@ -1,7 +1,8 @@
-"""Flight logs whose primitives deviate exactly as planted: no vehicle, only what identification reads.
+"""Flight logs whose primitives deviate by given amounts.
 
-The rows of the truth stand at the instants that decide: entry, beginning and end of the dwell, command
-changes. So a maneuver lasts, and leads, exactly as planted, and a coast deviates exactly as planted.
+The log has only the topics that identification reads. The rows of the truth are at the decisive instants:
+entry, start and end of the dwell, command changes. So durations, displacements and coast deviations are
+exact.
 """
 
 from dataclasses import dataclass
@@ -21,32 +22,34 @@ from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
 from flightlog.topic import Series
 
-# Seconds: a row just before the dwell begins, still outside the band.
+# Seconds from a row outside the band to the start of the dwell.
 _JUST_BEFORE = 1e-3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Planted:
-    """Deviations of one flight from the library's values, by the ids of its primitives.
+class PlantedDeviations:
+    """Deviations of one flight from the library's values.
 
     Attributes:
-        trims: forward, side, yaw rate: of one instant of every coast in the trim; it is nominal otherwise.
-        maneuvers: duration, forward, side, heading change.
+        trims: forward, side, yaw rate by trim id, at one instant of every coast; nominal otherwise.
+        maneuvers: duration, forward, side, heading change by maneuver id.
     """
 
     trims: dict[int, Float[np.ndarray, "3"]]
     maneuvers: dict[int, Float[np.ndarray, "4"]]
 
 
-def planted_log(library: Library, text: bytes, tour: Sequence, planted: Planted, seed: int) -> FlightLog:
+def planted_log(
+    library: Library, text: bytes, tour: Sequence, planted: PlantedDeviations, seed: int
+) -> FlightLog:
     """Returns the log of a flight along a tour.
 
     Args:
-        library: values, and the rule by which maneuvers end.
-        text: of the library's file, to be attached.
+        library: nominal values and the maneuver-end rule.
+        text: library file to attach.
         tour: trims and coasting times.
         planted: deviations.
-        seed: for the header.
+        seed: seed in the header.
     """
     rule = library.conditions.maneuver_end
     assert rule is not None, "a campaign's library has a rule"
@@ -67,7 +70,7 @@ def planted_log(library: Library, text: bytes, tour: Sequence, planted: Planted,
 
 
 class _Rows:
-    """The rows of a log that grows."""
+    """Growing rows of a log."""
 
     def __init__(self, start: SE2) -> None:
         self._time, self._pose = 0.0, start

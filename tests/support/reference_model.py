@@ -1,4 +1,4 @@
-"""The maneuver generator's reference model in closed form, and the way that its velocities make."""
+"""Closed form of the maneuver generator's reference model, and its track."""
 
 import numpy as np
 from jaxtyping import Float
@@ -14,14 +14,17 @@ DAMPING = 0.8
 
 
 def at_rest(velocity: Twist) -> Float[np.ndarray, "2 3"]:
-    """Returns velocity and acceleration of a vehicle at rest in a trim."""
+    """Returns velocity and acceleration in a settled trim."""
     return np.array([[velocity.forward, velocity.side, velocity.yaw_rate], [0.0, 0.0, 0.0]])
 
 
-def respond(
+def reference_response(
     state: Float[np.ndarray, "2 3"], target: Twist, ticks: int
 ) -> tuple[Float[np.ndarray, "n 3"], Float[np.ndarray, "2 3"]]:
-    """Returns the velocities over some ticks and the state after them; exact for a constant target."""
+    """Returns velocities over some ticks and the state after them.
+
+    Exact for a constant target.
+    """
     time = np.arange(ticks + 1)[:, None] * STEP
     frequency = np.array(NATURAL_FREQUENCIES)
     damped = frequency * np.sqrt(1 - DAMPING**2)
@@ -35,7 +38,7 @@ def respond(
 
 
 def integrate(velocity: Float[np.ndarray, "n 3"], start: SE2) -> Float[np.ndarray, "n 3"]:
-    """Returns the poses of a vehicle that holds each velocity for one step, by the exact flow (eq. 17-18)."""
+    """Returns poses by the exact flow of each velocity (eq. 17-18)."""
     poses = [start]
     for forward, side, yaw_rate in velocity[:-1].tolist():
         poses.append(poses[-1] @ SE2.exp(Twist(forward, side, yaw_rate), STEP))

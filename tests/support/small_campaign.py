@@ -1,4 +1,4 @@
-"""A campaign of half-minute flights, for benchmarks that fly it often: three trims, six maneuvers."""
+"""Campaign of half-minute flights: three trims, six maneuvers."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -28,7 +28,7 @@ band = [
 
 
 def write_small_campaign(folder: Path, *, flights: int, nominal: int = 0) -> Path:
-    """Writes a campaign and the library that names its trims, and returns the campaign's file."""
+    """Writes campaign and library files; returns the campaign's path."""
     whole = read_library(libraries.FOLDER / "thesis-gtmax.json")
     small = replace(
         whole,

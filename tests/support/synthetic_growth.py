@@ -1,4 +1,4 @@
-"""A flown library of a vehicle whose responses and scatter are known: what growth is held against."""
+"""Library of a vehicle with known responses and standard deviations."""
 
 from dataclasses import replace
 
@@ -11,19 +11,19 @@ from flight.automaton.statistics import ScalarStatistics, Statistics
 from flight.automaton.trim import Trim
 from flight.se2 import SE2, Twist
 from identification.design.trend_automaton import turns_automaton
-from identification.interpolation.step_baseline import Baseline, Step
-from identification.segmentation.step_response import StepResponse
+from identification.interpolation.step_baseline import Baseline, VelocityStep
+from identification.segmentation.second_order_response import StepResponse
 
 TRUTH = Baseline(StepResponse(0.7, 0.75), StepResponse(1.3, 0.7), dwell=1.0, timeout=15.0)
 
 
 def scatter(velocity: Twist) -> float:
-    """How much larger deviations are than in hover: smooth over the range, and not linear."""
+    """Returns the scale of deviations relative to hover: smooth, not linear."""
     return 1 + 0.1 * velocity.forward + velocity.yaw_rate**2
 
 
 def flown_library(*, shrunken: float = 1.0) -> Library:
-    """Returns the turns automaton as a known vehicle flies it, with statistics of 12 flights."""
+    """Returns the turns automaton of a known vehicle, with statistics."""
     automaton = turns_automaton(wind="calm", altitude=30.0)
     rule = automaton.conditions.maneuver_end
     assert rule is not None
@@ -48,7 +48,7 @@ def _flown_trim(trim: Trim, rng: np.random.Generator, shrunken: float) -> Trim:
 
 
 def _flown(library: Library, row: Maneuver, rng: np.random.Generator, shrunken: float) -> Maneuver:
-    edge, size = true_step(library, row), np.array([0.2, 0.3, 0.3, 0.05])
+    edge, size = true_velocity_step(library, row), np.array([0.2, 0.3, 0.3, 0.05])
     size = size * scatter(edge.reached) * shrunken
     mean = np.array(TRUTH.maneuver(edge)) + 0.1 * size * rng.uniform(-1, 1, 4)
     size = size * rng.uniform(0.85, 1.15, 4)
@@ -63,8 +63,8 @@ def _flown(library: Library, row: Maneuver, rng: np.random.Generator, shrunken: 
     )
 
 
-def true_step(library: Library, row: Maneuver) -> Step:
+def true_velocity_step(library: Library, row: Maneuver) -> VelocityStep:
     rule = library.conditions.maneuver_end
     assert rule is not None
     left, reached = library.trim(row.from_trim), library.trim(row.to_trim)
-    return Step(left.velocity, reached.velocity, rule.bands[row.to_trim])
+    return VelocityStep(left.velocity, reached.velocity, rule.bands[row.to_trim])

@@ -1,4 +1,4 @@
-"""Certificates: what they prove holds, and what they do not prove is not believed."""
+"""Tests of certificates: proved bounds hold, false ones are refused."""
 
 from dataclasses import replace
 from functools import cache
@@ -21,16 +21,16 @@ from flight.se2 import SE2, Twist
 from maneuver.app import run
 from planner.check.certificate_check import certificate_problems
 from planner.check.certified_bound import Leaves
-from planner.check.certified_bound import bound as proved_bound
-from planner.check.interval_walk import walk_numbers
-from planner.check.plan_check import problems
-from planner.policies.nominal import Nominal
+from planner.check.certified_bound import dual_bound as proved_bound
+from planner.check.interval_walk import interval_walk
+from planner.check.plan_check import plan_problems
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify import certify
-from planner.proof.certify_plan import NotProvableError, certified
-from planner.proof.dual_bound import Multipliers, Problems, bound
-from planner.walks.kinematics import motion
+from planner.proof.certify_plan import NotProvableError, certify_plan
+from planner.proof.dual_bound import Multipliers, WalkProblems, dual_bound
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import walks
 from scenarios.find import MISSIONS
 
@@ -45,11 +45,11 @@ def shipped(place: int) -> Library:
 @cache
 def gtmax() -> tuple[Plan, Library, Mission]:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
-    return certified(WorstCase(library, 0.5).plan(mission), library, mission), library, mission
+    return certify_plan(worst_case_planner(library, 0.5).plan(mission), library, mission), library, mission
 
 
 def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, tuple[float, ...], Mission]:
-    """A walk of a shipped library, flown for some times, and the mission to get where it ends."""
+    """Returns a random walk with its times, library and mission."""
     library = shipped(int(rng.integers(3)))
     gamma = float(rng.choice([0.0, 0.3, -1.0, 1.0]))
     start = int(rng.choice([trim.id for trim in library.trims]))
@@ -57,7 +57,7 @@ def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, t
     walk = every[int(rng.integers(len(every)))]
     times = tuple(float(time) for time in rng.exponential(4.0, len(walk)) * (rng.random(len(walk)) < 0.7))
     pose = SE2(float(rng.uniform(-5, 5)), 2.0, float(rng.uniform(-3, 3)))
-    end = motion(library, walk, gamma).end(pose, times)
+    end = walk_motion(library, walk, gamma).end(pose, times)
     tolerance, angle = float(rng.choice([0.0, 0.5, 3.0])), float(rng.uniform(-pi, pi))
     aside = float(rng.uniform(0, 1)) * tolerance
     goal = end.x + aside * cos(angle), end.y + aside * sin(angle)
@@ -72,7 +72,7 @@ def a_walk(rng: np.random.Generator) -> tuple[Library, tuple[int, ...], float, t
 def around(
     rng: np.random.Generator, times: tuple[float, ...], longest: list[float]
 ) -> tuple[np.ndarray, ...]:
-    """A box that holds the times, some of its sides far away."""
+    """Returns a box around the times, some of its sides far away."""
     wide = 10 ** rng.uniform(-3, 1, (2, len(times)))
     low = np.maximum(np.array(times) - wide[0], 0.0)
     high = np.array(times) + wide[1]
@@ -84,9 +84,9 @@ def around(
 def test_no_multipliers_refute_a_box_from_which_the_goal_is_reached(seed: int) -> None:
     rng = np.random.default_rng(seed)
     library, walk, gamma, times, mission = a_walk(rng)
-    numbers = walk_numbers(library, walk, gamma)
+    numbers = interval_walk(library, walk, gamma)
     low, high = around(rng, times, [place.longest for place in numbers.places])
-    cost = motion(library, walk, gamma).cost(times)
+    cost = walk_motion(library, walk, gamma).cost(times)
     for kappa in (0.0, 1.0):
         vector = rng.normal(0, 0.5, 2)
         shares = np.where(
@@ -96,7 +96,7 @@ def test_no_multipliers_refute_a_box_from_which_the_goal_is_reached(seed: int) -
         found = proved_bound(numbers, leaf, mission)[0]
         assert found <= kappa * cost + 1e-12
         by = Multipliers(np.array([kappa]), np.array([complex(*vector)]), shares[None])
-        guessed = bound(Problems.of([motion(library, walk, gamma)], mission), low, high, by)[0]
+        guessed = dual_bound(WalkProblems.of([walk_motion(library, walk, gamma)], mission), low, high, by)[0]
         assert guessed == pytest.approx(found, abs=1e-5)
 
 
@@ -105,8 +105,8 @@ def test_the_bound_of_a_single_point_is_the_cost() -> None:
     library, walk, gamma, times, mission = a_walk(rng)
     point = np.array([times])
     leaf = Leaves(point, point, np.ones(1), np.zeros(1), np.zeros(1), np.zeros((1, len(walk))))
-    found = proved_bound(walk_numbers(library, walk, gamma), leaf, mission)[0]
-    assert found == pytest.approx(motion(library, walk, gamma).cost(times), abs=1e-9)
+    found = proved_bound(interval_walk(library, walk, gamma), leaf, mission)[0]
+    assert found == pytest.approx(walk_motion(library, walk, gamma).cost(times), abs=1e-9)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -121,12 +121,12 @@ def test_plans_are_proved_and_a_millisecond_more_is_not(seed: int) -> None:
         float(rng.choice([0.0, 0.5])),
         max_trims=3,
     )
-    plan = certified(WorstCase(library, gamma).plan(mission), library, mission)
+    plan = certify_plan(worst_case_planner(library, gamma).plan(mission), library, mission)
     assert plan.status == "optimal"
     assert plan.certificate is not None
     assert plan.lower_bound is not None
     assert plan.cost - 1e-3 <= plan.lower_bound <= plan.cost
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
     levels, above = (0.0, -gamma, gamma), plan.cost + 1e-4
     assert certificate_problems(plan.certificate, library, mission, gammas=levels, lower_bound=above)
 
@@ -137,7 +137,7 @@ def test_a_certificate_survives_its_file(tmp_path: Path) -> None:
     path.write_text(plan_text(plan))
     again = read_plan(path)
     assert again.certificate == plan.certificate
-    assert problems(again, library, mission) == ()
+    assert plan_problems(again, library, mission) == ()
 
 
 def test_a_tree_survives_its_text() -> None:
@@ -159,19 +159,19 @@ def test_where_there_is_no_way_that_is_proved_too() -> None:
     # Behind the start, with one trim that flies straight on.
     mission = Mission("behind", SE2.identity(), 2, (-10.0, 1.0), 0.5, max_trims=1)
     library = thesis_kinematic()
-    plan = certified(WorstCase(library, 0.5).plan(mission), library, mission)
+    plan = certify_plan(worst_case_planner(library, 0.5).plan(mission), library, mission)
     assert plan.status == "infeasible"
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
     ahead = replace(mission, goal=(10.0, 0.0))
-    assert any("not refuted" in problem for problem in problems(plan, library, ahead))
+    assert any("not refuted" in problem for problem in plan_problems(plan, library, ahead))
 
 
 def test_a_plan_that_is_not_the_best_is_not_certified() -> None:
     library, mission = thesis_kinematic(), Mission("slow", SE2.identity(), 1, (30.0, 12.0), 0.0)
-    best = Nominal(library).plan(mission)
-    slower = Nominal(library).plan(replace(mission, max_trims=2))
+    best = nominal_planner(library).plan(mission)
+    slower = nominal_planner(library).plan(replace(mission, max_trims=2))
     assert slower.cost > best.cost + 0.01
-    doubted = certified(slower, library, mission)
+    doubted = certify_plan(slower, library, mission)
     assert doubted.status == "feasible"
     assert doubted.certificate is None
     assert "may be faster" in doubted.reason
@@ -180,18 +180,18 @@ def test_a_plan_that_is_not_the_best_is_not_certified() -> None:
 def test_a_proof_for_fewer_trims_is_no_proof_for_more() -> None:
     plan, library, mission = gtmax()
     deeper = replace(mission, max_trims=mission.max_trims + 1)
-    assert any("covers walks of" in problem for problem in problems(plan, library, deeper))
+    assert any("covers walks of" in problem for problem in plan_problems(plan, library, deeper))
 
 
 def test_the_price_of_robustness_has_no_certificate() -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / "gtmax-1.toml")
     plan = replace(PriceOfRobustness(library, 1.0).plan(mission), policy="price-of-robustness")
     with pytest.raises(NotProvableError, match="one of nominal, worst-case"):
-        certified(plan, library, mission)
+        certify_plan(plan, library, mission)
 
 
 def lonely(*trims: Twist) -> Library:
-    """A library of trims of these velocities, in a ring."""
+    """Returns a library of trims of these velocities, in a ring."""
     still = Twist(0.0, 0.0, 0.0)
     every = tuple(Trim(place, f"trim {place}", one, still) for place, one in enumerate(trims, start=1))
     none = ManeuverError(0.0, 0.0, 0.0, 0.0)
@@ -217,9 +217,9 @@ def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
 ) -> None:
     library = lonely(*trims)
     mission = Mission("odd", SE2.identity(), 1, goal, tolerance, max_trims=3)
-    plan = certified(Nominal(library).plan(mission), library, mission)
+    plan = certify_plan(nominal_planner(library).plan(mission), library, mission)
     assert plan.status in {"optimal", "infeasible"}
-    assert problems(plan, library, mission) == ()
+    assert plan_problems(plan, library, mission) == ()
 
 
 def test_the_verb_leaves_a_proof_that_the_other_verb_believes(

@@ -1,4 +1,4 @@
-"""A check says what of a plan it showed, and what the plan only claims."""
+"""Tests of guarantees: proved claims and unproved statements."""
 
 import json
 from collections.abc import Callable
@@ -9,23 +9,22 @@ from typing import Any
 
 import pytest
 
-from experiments.mission.time_bound import broken_promise, promised_times, with_promise
+from experiments.mission.stated_time_bound import stated_time_bounds, time_bound_problems, with_time_bound
 from experiments.thesis.printed_libraries import thesis_gtmax
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, plan_text, read_plan
 from flight.se2 import SE2
 from maneuver.app import run
-from planner.check.guarantees import claims
-from planner.check.plan_check import problems
-from planner.commitment.committed import Committed
-from planner.policies.nominal import Nominal
+from planner.check.guarantees import guarantees_of
+from planner.check.plan_check import plan_problems
+from planner.commitment.committed import CommittedPlanner
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
-from planner.proof.certify_plan import certified
+from planner.policies.worst_case import worst_case_planner
+from planner.proof.certify_plan import certify_plan
 from scenarios.find import find_library, find_mission
-from tests.maneuver.test_command_line import refusal
-
-from .test_plan_check import case, proved_case
+from tests.support.planning.planned_case import case, proved_case
+from tests.support.refusal import refusal
 
 Told = dict[str, Any]
 
@@ -33,7 +32,7 @@ Told = dict[str, Any]
 def check(
     folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Told, *more: str
 ) -> tuple[int, Told, str]:
-    """Returns the exit code of `plan check`, what it says as JSON, and what it says to people."""
+    """Returns exit code, JSON output and text of `plan check`."""
     path = folder / "plan.json"
     path.write_text(plan_text(plan) if isinstance(plan, Plan) else json.dumps(plan))
     capsys.readouterr()
@@ -51,16 +50,16 @@ def priced() -> tuple[Plan, Mission]:
 
 def test_a_certificate_is_what_makes_a_bound_proved() -> None:
     plan, library, mission = proved_case()
-    assert problems(plan, library, mission) == ()
-    assert any("no plan of at most 2 trims takes less than" in word for word in claims(plan).proved)
-    assert claims(plan).unproved == ()
+    assert plan_problems(plan, library, mission) == ()
+    assert any("no plan of at most 2 trims takes less than" in word for word in guarantees_of(plan).proved)
+    assert guarantees_of(plan).unproved == ()
     for status in ("optimal", "feasible"):
         bare = replace(plan, status=status, certificate=None, lower_bound=plan.cost - 1e-9)
-        assert problems(bare, library, mission) == ()
-        assert not any("takes less" in word for word in claims(bare).proved)
-        assert [f"no plan takes less than {plan.cost:.3f} s" in word for word in claims(bare).unproved] == [
-            True
-        ]
+        assert plan_problems(bare, library, mission) == ()
+        assert not any("takes less" in word for word in guarantees_of(bare).proved)
+        assert [
+            f"no plan takes less than {plan.cost:.3f} s" in word for word in guarantees_of(bare).unproved
+        ] == [True]
 
 
 def test_proved_and_claimed_are_told_apart_in_text_and_json(
@@ -69,15 +68,15 @@ def test_proved_and_claimed_are_told_apart_in_text_and_json(
     code, told, text = check(tmp_path, capsys, case()[0])
     assert (code, told["passed"], told["problems"]) == (0, True, [])
     assert [word.split(":")[0] for word in told["unproved"]] == ["optimal"]
-    assert "keeps its word\n  proved:     flown again" in text
+    assert "valid\n  proved:     the sequence ends" in text
     assert "  not proved: optimal: no plan takes less than" in text
 
 
 def test_a_bound_of_no_time_is_no_claim() -> None:
     there = Mission("there", SE2.identity(), 2, (0.1, 0.0), 1.0, max_trims=2)
-    plan = certified(WorstCase(thesis_gtmax(), 1.0).plan(there), thesis_gtmax(), there)
-    assert claims(replace(plan, certificate=None)).unproved == ()
-    assert "less than -" not in " ".join(claims(plan).proved)
+    plan = certify_plan(worst_case_planner(thesis_gtmax(), 1.0).plan(there), thesis_gtmax(), there)
+    assert guarantees_of(replace(plan, certificate=None)).unproved == ()
+    assert "less than -" not in " ".join(guarantees_of(plan).proved)
 
 
 @pytest.mark.parametrize("alpha", [1.0, 0.5, 1.01, None])
@@ -85,33 +84,33 @@ def test_a_price_that_the_plans_own_scenarios_exceed_fails_its_check(alpha: floa
     plan, mission = priced()
     nominal = next(scenario.cost for scenario in plan.scenarios if scenario.gamma == 0)
     assert plan.cost > 1.02 * nominal
-    assert problems(plan, thesis_gtmax(), mission) == ()
-    (problem,) = problems(replace(plan, alpha=alpha), thesis_gtmax(), mission)
+    assert plan_problems(plan, thesis_gtmax(), mission) == ()
+    (problem,) = plan_problems(replace(plan, alpha=alpha), thesis_gtmax(), mission)
     assert problem.startswith("alpha: ")
 
 
 def test_of_a_price_it_is_said_what_a_file_cannot_show() -> None:
     plan, _ = priced()
-    about = [sentence.split(":")[0] for sentence in claims(plan).unproved]
+    about = [sentence.split(":")[0] for sentence in guarantees_of(plan).unproved]
     assert about == ["alpha", "gamma"]
-    assert plan.reason.endswith("keeps to alpha, provably")
+    assert plan.reason.endswith("meets alpha, proved")
 
 
 def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
     mission = Mission("north", SE2.identity(), 1, (20.0, 0.0), tolerance=3.0, max_trims=2)
-    plan = Committed(thesis_gtmax(), 0.1).plan(replace(mission, start_trim=3))
+    plan = CommittedPlanner(thesis_gtmax(), 0.1).plan(replace(mission, start_trim=3))
     assert plan.found
-    assert any("at every gamma from -0.1 to 0.1" in sentence for sentence in claims(plan).proved)
-    still = Committed(thesis_gtmax(), 0.0).plan(replace(mission, start_trim=3))
-    assert any(sentence.endswith("at gamma 0") for sentence in claims(still).proved)
+    assert any("at every gamma from -0.1 to 0.1" in sentence for sentence in guarantees_of(plan).proved)
+    still = CommittedPlanner(thesis_gtmax(), 0.0).plan(replace(mission, start_trim=3))
+    assert any(sentence.endswith("at gamma 0") for sentence in guarantees_of(still).proved)
 
 
 @cache
 def promised(max_trims: int = 4) -> str:
     library, mission = find_library("gtmax-sim"), replace(find_mission("gtmax-2"), max_trims=max_trims)
-    planner = Nominal(library)
-    plan = with_promise(
-        planner.plan(mission), mission, planner, library, promised_times("gtmax-sim", library)
+    planner = nominal_planner(library)
+    plan = with_time_bound(
+        planner.plan(mission), mission, planner, library, stated_time_bounds("gtmax-sim", library)
     )
     return plan_text(plan)
 
@@ -119,16 +118,19 @@ def promised(max_trims: int = 4) -> str:
 FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
     "a time of its own": (
         lambda plan: plan["time_promise"].update(time=5.0),
-        "time_promise.time: the loop foretells at least",
+        "time_promise.time: expected at least",
     ),
-    "another factor": (lambda plan: plan["time_promise"].update(factor=1.0), "time_promise: nothing like it"),
+    "another factor": (
+        lambda plan: plan["time_promise"].update(factor=1.0),
+        "time_promise: expected a time bound of",
+    ),
     "another wind": (
         lambda plan: plan["time_promise"].update(wind="severe"),
-        "time_promise: nothing like it",
+        "time_promise: expected a time bound of",
     ),
     "another policy's": (
         lambda plan: plan["time_promise"].update(policy="worst-case", gamma=1.0),
-        "time_promise: is of worst-case plans at gamma 1",
+        "time_promise: expected a bound for",
     ),
     "not verified": (lambda plan: plan.update(verified=False), "verified: expected True"),
     "no tail": (lambda plan: plan.pop("tail"), "tail: missing"),
@@ -158,7 +160,7 @@ def test_the_signs_of_a_plan_are_not_judged_with_another_library_or_mission(
     words = refusal(capsys, "plan", "signs", str(path), "--library", "gtmax-sim")
     assert "library: planned with thesis-gtmax, not gtmax-sim" in words
     words = refusal(capsys, "plan", "signs", str(path), "--mission", "gtmax-2")
-    assert "mission: answers gtmax-1, not gtmax-2" in words
+    assert "mission: planned for gtmax-1, not gtmax-2" in words
 
 
 def test_a_plan_for_a_mission_of_ones_own_says_how_to_name_it(
@@ -178,7 +180,9 @@ def test_a_curve_of_prices_is_told_from_a_plan(tmp_path: Path, capsys: pytest.Ca
     assert run([*pareto, "--out", str(path)]) == 0
     capsys.readouterr()
     line = refusal(capsys, "plan", "check", str(path))
-    assert line.endswith("this program reads maneuver-plan/1, the file is maneuver-prices/1\n")
+    assert line.endswith(
+        "this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-prices/1\n"
+    )
 
 
 def test_a_certificate_says_which_walk_is_wrong() -> None:
@@ -186,14 +190,14 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
     assert plan.certificate is not None
     every = plan.certificate.refutations
     lies = {
-        "stands there 2 times": (*every, every[0]),
+        "occurs 2 times": (*every, every[0]),
         "there is no walk (3, 99)": (*every, replace(every[0], sequence=(3, 99))),
-        f"covers {len(every) - 1} of the {len(every)} walks there are, not": every[1:],
+        f"covers {len(every) - 1} of {len(every)} walks, not": every[1:],
         "got 'xxx": (replace(every[0], tree="x" * 10_000), *every[1:]),
     }
     for words, refutations in lies.items():
         lie = replace(plan, certificate=replace(plan.certificate, refutations=refutations))
-        (problem,) = problems(lie, library, mission)
+        (problem,) = plan_problems(lie, library, mission)
         assert words in problem
         assert len(problem) < 250
 
@@ -201,15 +205,15 @@ def test_a_certificate_says_which_walk_is_wrong() -> None:
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        ("--pareto --certify", "--certify does not go with --pareto"),
-        ("--pareto --policy committed", "--policy does not go with --pareto"),
-        ("--pareto --gamma 0", "--gamma does not go with --pareto"),
-        ("--pareto --alpha 1.1", "--alpha does not go with --pareto"),
-        ("--alpha 1.1", "--alpha goes with --policy price-of-robustness, got worst-case"),
-        ("--gamma 0 --policy nominal", "--gamma goes with --policy worst-case or committed, got nominal"),
-        ("--gamma 1 --policy price-of-robustness", "--gamma goes with"),
-        ("--deadline 1 --policy price-of-robustness", "--deadline goes with"),
-        ("--certify --policy committed", "--certify goes with --policy nominal or worst-case, got committed"),
+        ("--pareto --certify", "expected no --certify, got one"),
+        ("--pareto --policy committed", "expected no --policy, got one"),
+        ("--pareto --gamma 0", "expected no --gamma, got one"),
+        ("--pareto --alpha 1.1", "expected no --alpha, got one"),
+        ("--alpha 1.1", "--alpha: expected --policy price-of-robustness, got worst-case"),
+        ("--gamma 0 --policy nominal", "--gamma: expected --policy worst-case or committed, got nominal"),
+        ("--gamma 1 --policy price-of-robustness", "--gamma: expected --policy worst-case or committed, got"),
+        ("--deadline 1 --policy price-of-robustness", "--deadline: expected --policy"),
+        ("--certify --policy committed", "--certify: expected --policy nominal or worst-case, got committed"),
         ("--alpha inf --policy price-of-robustness", "alpha must be >= 1"),
         ("--max-trims 9", "--max-trims: expected at most 8, got 9"),
     ],
@@ -232,7 +236,7 @@ def test_in_a_narrow_terminal_the_deciding_level_stays_on_one_line(
 def test_where_there_is_no_plan_no_walk_is_called_faster() -> None:
     plan, library, mission = proved_case()
     nothing = replace(plan, status="unknown", sequence=(), maneuvers=(), scenarios=())
-    assert "may lead to the goal" in certified(nothing, library, mission).reason
+    assert "may lead to the goal" in certify_plan(nothing, library, mission).reason
 
 
 @pytest.mark.parametrize("max_trims", [3, 4, 6])
@@ -249,21 +253,23 @@ def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
 )
 def test_a_plan_says_nothing_that_its_policy_does_not_say(change: dict[str, Any], said: str) -> None:
     mission = find_mission("gtmax-2")
-    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
-    assert any(one.startswith(said) for one in problems(replace(plan, **change), thesis_gtmax(), mission))
+    plan = worst_case_planner(thesis_gtmax(), 0.5).plan(mission)
+    assert any(
+        one.startswith(said) for one in plan_problems(replace(plan, **change), thesis_gtmax(), mission)
+    )
 
 
 def test_a_price_is_never_called_optimal() -> None:
     mission = find_mission("gtmax-2")
-    plan = WorstCase(thesis_gtmax(), 0.5).plan(mission)
+    plan = worst_case_planner(thesis_gtmax(), 0.5).plan(mission)
     relabelled = replace(plan, policy="price-of-robustness", alpha=1.5)
-    assert any(one.startswith("status: ") for one in problems(relabelled, thesis_gtmax(), mission))
+    assert any(one.startswith("status: ") for one in plan_problems(relabelled, thesis_gtmax(), mission))
 
 
 def test_a_promise_of_other_plans_is_found_out_where_none_stands_beside_the_library(tmp_path: Path) -> None:
     (tmp_path / "plan.json").write_text(promised())
     plan, library = read_plan(tmp_path / "plan.json"), thesis_gtmax()
     other = replace(plan, policy="worst-case", gamma=0.5)
-    (problem,) = broken_promise(other, find_mission("gtmax-2"), library, ())
-    assert problem.startswith("time_promise: is of nominal plans at gamma 0")
-    assert broken_promise(plan, find_mission("gtmax-2"), library, ()) == ()
+    (problem,) = time_bound_problems(other, find_mission("gtmax-2"), library, ())
+    assert problem.startswith("time_promise: expected a bound for worst-case plans at gamma 0.5")
+    assert time_bound_problems(plan, find_mission("gtmax-2"), library, ()) == ()

@@ -1,4 +1,4 @@
-"""Interval arithmetic holds every true result, and little more."""
+"""Tests of interval arithmetic: every true result, with little excess."""
 
 from fractions import Fraction
 from math import inf, nextafter, pi

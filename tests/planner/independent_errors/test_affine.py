@@ -1,4 +1,4 @@
-"""Affine arithmetic: every value that symbols can give lies within the radius, also at corners."""
+"""Tests of affine arithmetic: enclosure of all symbol values."""
 
 from collections.abc import Callable
 
@@ -7,17 +7,17 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planner.independent_errors.affine import Affine, Point, coasted
+from planner.independent_errors.affine import AffineForm, AffinePoint, affine_coast
 
 SYMBOLS, DRAWS = 5, 400
 
-Made = tuple[Affine, Callable[[np.ndarray], np.ndarray]]
+Made = tuple[AffineForm, Callable[[np.ndarray], np.ndarray]]
 """A number, and its true value for symbols of shape (draws, symbols)."""
 
 
 def number(rng: np.random.Generator, middle: float, spread: float) -> Made:
     slope = rng.normal(size=(1, SYMBOLS)) * spread / SYMBOLS
-    return Affine.exact(np.array([middle]), slope), lambda d: middle + d @ slope[0]
+    return AffineForm.exact(np.array([middle]), slope), lambda d: middle + d @ slope[0]
 
 
 def drawn(rng: np.random.Generator) -> np.ndarray:
@@ -26,7 +26,7 @@ def drawn(rng: np.random.Generator) -> np.ndarray:
     return draws
 
 
-def holds(made: Affine, true: np.ndarray, draws: np.ndarray) -> None:
+def holds(made: AffineForm, true: np.ndarray, draws: np.ndarray) -> None:
     if np.isinf(made.radius[0]):
         return
     apart = np.abs(true - made.middle[0] - draws @ made.slope[0])
@@ -48,7 +48,7 @@ def test_numbers_keep_to_their_radius(seed: int, spread: float) -> None:
     holds(product, true_a(draws) * true_b(draws), draws)
     holds(product * product - a, (true_a(draws) * true_b(draws)) ** 2 - true_a(draws), draws)
     holds(b.inverse(), 1 / true_b(draws), draws)
-    holds((product * b.inverse()).scaled(-2.0).moved(1.0), 1 - 2 * true_a(draws), draws)
+    holds((product * b.inverse()).scaled(-2.0).shifted(1.0), 1 - 2 * true_a(draws), draws)
     holds(a.sinc(), np.sinc(true_a(draws) / np.pi), draws)
     with np.errstate(invalid="ignore"):
         holds(b.root(), np.sqrt(true_b(draws)), draws)
@@ -61,7 +61,7 @@ def test_points_keep_to_their_radius(seed: int, spread: float) -> None:
     draws = drawn(rng)
     (x, true_x), (y, true_y) = (number(rng, rng.normal() * 3, spread) for _ in range(2))
     angle, true_angle = number(rng, rng.uniform(-4, 4), spread)
-    point, true = Point(x, y), true_x(draws) + 1j * true_y(draws)
+    point, true = AffinePoint(x, y), true_x(draws) + 1j * true_y(draws)
     turned, true_turned = point.rotated(angle), true * np.exp(1j * true_angle(draws))
     holds(turned.x, true_turned.real, draws)
     holds(turned.y, true_turned.imag, draws)
@@ -69,7 +69,7 @@ def test_points_keep_to_their_radius(seed: int, spread: float) -> None:
     bearing = turned.bearing()
     near = bearing.middle[0] + draws @ bearing.slope[0]
     holds(bearing, near + np.angle(true_turned * np.exp(-1j * near)), draws)
-    holds(point.leftward().x, (-1j * true).real, draws)
+    holds(point.rotated_left().x, (-1j * true).real, draws)
 
 
 @given(seeds, st.sampled_from([1e-3, 0.1, 0.5]))
@@ -80,7 +80,7 @@ def test_coasts_keep_to_their_radius(seed: int, spread: float) -> None:
     (x, true_x), (y, true_y) = (number(rng, rng.normal() * 3, spread) for _ in range(2))
     rate, true_rate = number(rng, rng.choice([0.0, 1e-12, 0.6, -0.3]), 0.1 * spread)
     time, true_time = number(rng, rng.uniform(0, 8), spread)
-    moved, turned = coasted(Point(x, y), rate, time)
+    moved, turned = affine_coast(AffinePoint(x, y), rate, time)
     angle = true_rate(draws) * true_time(draws)
     chord = np.sinc(angle / (2 * np.pi)) * np.exp(0.5j * angle)
     true = (true_x(draws) + 1j * true_y(draws)) * true_time(draws) * chord
@@ -96,7 +96,7 @@ def test_what_a_product_leaves_out_shrinks_with_the_square_of_the_box() -> None:
     for size in sizes:
         rng = np.random.default_rng(3)
         (x, _), (y, _), (angle, _) = (number(rng, 2.0, size) for _ in range(3))
-        radii.append(float(Point(x, y).rotated(angle).distance().radius[0]))
+        radii.append(float(AffinePoint(x, y).rotated(angle).distance().radius[0]))
     assert np.polyfit(np.log(sizes), np.log(radii), 1)[0] == pytest.approx(2.0, abs=0.2)
 
 
@@ -106,5 +106,5 @@ def test_where_an_operation_is_not_defined_nothing_is_claimed() -> None:
     with np.errstate(all="ignore"):
         assert np.isinf(wide.inverse().radius[0])
         assert np.isinf(wide.root().radius[0])
-        assert np.isinf(Point(wide, wide).bearing().radius[0])
-        assert np.isfinite(Point(wide, wide).distance().radius[0])
+        assert np.isinf(AffinePoint(wide, wide).bearing().radius[0])
+        assert np.isfinite(AffinePoint(wide, wide).distance().radius[0])

@@ -1,52 +1,20 @@
-"""Times that answer errors: for every error of a box they close the walk on the goal, and take no longer."""
+"""Tests of chain closures: closed on the goal within bounded time."""
 
 import numpy as np
 import pytest
 
 from experiments.thesis.printed_libraries import thesis_gtmax
-from flight.automaton.library import Library
-from flight.automaton.maneuver import Maneuver, ManeuverError
-from flight.automaton.trim import Trim
 from flight.mission.mission import Mission
-from flight.se2 import SE2, Twist
-from planner.independent_errors.closing import Closed, Way, close, ways
+from flight.se2 import SE2
+from planner.independent_errors.closure import Closure, ClosureTimes, close_chain, closures_of
 from planner.independent_errors.error_path import ErrorPath, error_path
-from planner.kernel.build import kernel
-from planner.kernel.exact import best_of_each
+from planner.kernel.exact import best_times
+from tests.support.planning.wandering import wandering
 
 DRAWS = 40
 
 Boxes = tuple[np.ndarray, np.ndarray, np.ndarray]
 """Middles, half widths, coasting times."""
-
-
-def wandering(rng: np.random.Generator, turns: str) -> Library:
-    """A chain of trims, s for straight and t for turn, with errors of about a tenth."""
-    trims = tuple(
-        Trim(
-            place,
-            kind,
-            Twist(
-                rng.uniform(1, 4),
-                rng.normal() * 0.3,
-                rng.choice([-1, 1]) * rng.uniform(0.2, 0.7) * (kind == "t"),
-            ),
-            Twist(rng.uniform(0, 0.3), rng.uniform(0, 0.3), rng.uniform(0, 0.02)),
-        )
-        for place, kind in enumerate(turns, start=1)
-    )
-    joints = tuple(
-        Maneuver(
-            place,
-            place,
-            place + 1,
-            rng.uniform(2, 4),
-            SE2(rng.uniform(2, 8), rng.normal() * 2, rng.normal() * 0.8),
-            ManeuverError(-0.4, rng.normal() * 0.5, rng.normal() * 0.5, rng.normal() * 0.1),
-        )
-        for place in range(1, len(turns))
-    )
-    return Library("wandering", "", "", trims, joints)
 
 
 def boxes(rng: np.random.Generator, path: ErrorPath, count: int, size: float) -> Boxes:
@@ -58,10 +26,10 @@ def boxes(rng: np.random.Generator, path: ErrorPath, count: int, size: float) ->
 
 
 def solved(
-    path: ErrorPath, errors: np.ndarray, times: np.ndarray, way: Way, wanted: np.ndarray
+    path: ErrorPath, errors: np.ndarray, times: np.ndarray, closure: Closure, wanted: np.ndarray
 ) -> np.ndarray:
-    """Returns times near those given that end at a point, with a heading where the way has a cut: Newton."""
-    answering = list(way.answering)
+    """Returns Newton-corrected times that end at a point."""
+    answering = list(closure.answering)
     times = times.copy()
     for _ in range(30):
         off = wanted - ends(path, errors, times)[:, : len(answering)]
@@ -82,11 +50,11 @@ def ends(path: ErrorPath, errors: np.ndarray, times: np.ndarray) -> np.ndarray:
     return np.stack([end.real, end.imag, heading], axis=1)
 
 
-def check_draws(path: ErrorPath, drawn: Boxes, way: Way, closed: Closed) -> int:
-    """Asserts that errors drawn in each box are answered as claimed; returns how many boxes claim so."""
+def check_draws(path: ErrorPath, drawn: Boxes, closure: Closure, closed: ClosureTimes) -> int:
+    """Asserts that drawn errors are compensated; returns the closed boxes."""
     middle, width, times = drawn
     rng, variables = np.random.default_rng(5), middle.shape[1]
-    aims = ends(path, middle, times)[:, : len(way.answering)]
+    aims = ends(path, middle, times)[:, : len(closure.answering)]
     for box in np.flatnonzero(closed.holds).tolist():
         d = rng.uniform(-1, 1, (DRAWS, variables))
         d[: DRAWS // 2] = np.sign(d[: DRAWS // 2])
@@ -94,9 +62,9 @@ def check_draws(path: ErrorPath, drawn: Boxes, way: Way, closed: Closed) -> int:
         start = np.tile(times[box], (DRAWS, 1))
         for place, time in closed.times.items():
             start[:, place] = time.middle[box] + d @ time.slope[box, :variables]
-        exact = solved(path, errors, start, way, np.tile(aims[box], (DRAWS, 1)))
+        exact = solved(path, errors, start, closure, np.tile(aims[box], (DRAWS, 1)))
         np.testing.assert_allclose(
-            ends(path, errors, exact)[:, : len(way.answering)], aims[[box] * DRAWS], atol=1e-7
+            ends(path, errors, exact)[:, : len(closure.answering)], aims[[box] * DRAWS], atol=1e-7
         )
         for place, time in closed.times.items():
             own = np.abs(time.slope[box, variables:]).sum() + time.radius[box]
@@ -114,34 +82,38 @@ def check_draws(path: ErrorPath, drawn: Boxes, way: Way, closed: Closed) -> int:
 @pytest.mark.parametrize("each", ["primitive", "scalar"])
 def test_times_that_claim_to_close_the_walk_do(turns: str, each: str) -> None:
     rng = np.random.default_rng(len(turns) * 7 + turns.count("t"))
-    claimed: dict[Way, int] = {}
+    claimed: dict[Closure, int] = {}
     for _ in range(2):
         path = error_path(wandering(rng, turns), tuple(range(1, len(turns) + 1)), 1.0, each)  # type: ignore[arg-type]
-        for way in ways(path, heading=True, tolerance=0.0):
-            if way.turn is None and not way.others:
-                continue  # Nothing answers the end.
+        for closure in closures_of(path, heading=True, tolerance=0.0):
+            if closure.turn is None and not closure.others:
+                continue  # No adjusted time moves the end.
             middle, width, times = boxes(rng, path, 12, rng.choice([0.03, 0.2, 0.5]))
             goal = path.at(middle).end(times)
-            closed = close(path, middle, width, times, goal=goal, tolerance=0.0, way=way)
-            claimed[way] = claimed.get(way, 0) + check_draws(path, (middle, width, times), way, closed)
+            closed = close_chain(path, middle, width, times, goal=goal, tolerance=0.0, closure=closure)
+            claimed[closure] = claimed.get(closure, 0) + check_draws(
+                path, (middle, width, times), closure, closed
+            )
     assert all(count > 0 for count in claimed.values()), claimed
 
 
 @pytest.mark.parametrize("turns", ["s", "t", "ts", "sts"])
 def test_one_coast_or_none_ends_in_the_disc(turns: str) -> None:
     rng, tolerance = np.random.default_rng(2), 1.5
-    claimed: dict[Way, int] = {}
+    claimed: dict[Closure, int] = {}
     for _ in range(8):
         path = error_path(wandering(rng, turns), tuple(range(1, len(turns) + 1)), 1.0, "scalar")
-        for way in ways(path, heading=False, tolerance=tolerance):
-            if way.turn is not None or len(way.others) == 2:
+        for closure in closures_of(path, heading=False, tolerance=tolerance):
+            if closure.turn is not None or len(closure.others) == 2:
                 continue
             middle, width, times = boxes(rng, path, 12, rng.choice([0.03, 0.1, 0.3]))
-            aside = rng.uniform(0.1, 1.0) if way.answering else 0.3
+            aside = rng.uniform(0.1, 1.0) if closure.answering else 0.3
             goal = path.at(middle).end(times) + tolerance * aside * np.exp(1j * rng.uniform(0, 7, 12))
-            if way.answering:
-                times[:, way.answering[0]] = entered(path, middle, times, way.answering[0], (goal, tolerance))
-            closed = close(path, middle, width, times, goal=goal, tolerance=tolerance, way=way)
+            if closure.answering:
+                times[:, closure.answering[0]] = entered(
+                    path, middle, times, closure.answering[0], (goal, tolerance)
+                )
+            closed = close_chain(path, middle, width, times, goal=goal, tolerance=tolerance, closure=closure)
             for box in np.flatnonzero(closed.holds).tolist():
                 d = rng.uniform(-1, 1, (DRAWS, middle.shape[1]))
                 errors, held = middle[box] + d * width[box], np.tile(times[box], (DRAWS, 1))
@@ -152,14 +124,14 @@ def test_one_coast_or_none_ends_in_the_disc(turns: str) -> None:
                     assert (np.abs(exact - held[:, place]) <= own + 1e-7).all()
                     held[:, place] = exact
                 assert (np.abs(path.at(errors).end(held) - goal[box]) <= tolerance + 1e-7).all()
-            claimed[way] = claimed.get(way, 0) + int(closed.holds.sum())
+            claimed[closure] = claimed.get(closure, 0) + int(closed.holds.sum())
     assert all(count > 0 for count in claimed.values()), claimed
 
 
 def entered(
     path: ErrorPath, errors: np.ndarray, times: np.ndarray, place: int, disc: tuple[np.ndarray, float]
 ) -> np.ndarray:
-    """Returns when, near the time given, the end crosses the rim of a disc: Newton."""
+    """Returns Newton-corrected times of entry into a disc."""
     goal, tolerance = disc
     times = times.copy()
 
@@ -175,7 +147,6 @@ def entered(
     return times[:, place]
 
 
-@pytest.mark.skipif(kernel() is None, reason="this machine has no C compiler")
 @pytest.mark.parametrize("walk", [(2, 5, 7, 3), (2, 5), (3, 6, 3)])
 def test_trims_are_held_at_least_as_long_as_asked(walk: tuple[int, ...]) -> None:
     rng = np.random.default_rng(8)
@@ -185,7 +156,7 @@ def test_trims_are_held_at_least_as_long_as_asked(walk: tuple[int, ...]) -> None
         least, more = rng.uniform(0, 4, (1, len(walk))), rng.uniform(0, 3, (1, len(walk)))
         goal = complex(path.at(errors).end(least + more)[0])
         mission = Mission("there", SE2.identity(), walk[0], (goal.real, goal.imag), tolerance=0.5)
-        cost, times = best_of_each(path.table(errors, least), mission)
+        cost, times = best_times(path.table(errors, least), mission)
         assert abs(path.at(errors).end(least + times)[0] - goal) <= 0.5 + 1e-9
         assert cost[0] == pytest.approx(path.at(errors).fixed[0] + (least + times).sum())
         assert cost[0] <= path.at(errors).fixed[0] + (least + more).sum() + 1e-9

@@ -1,4 +1,4 @@
-"""Turns so slow that they are all but straight: what is exact at 0.1 rad/s is exact at 1e-9 rad/s, too."""
+"""Tests of slow turns: exact at 0.1 and 1e-9 rad/s."""
 
 from dataclasses import replace
 from math import inf, pi
@@ -14,17 +14,14 @@ from flight.mission.mission import Mission
 from flight.plan.certificate import Certificate
 from flight.se2 import SE2, Twist
 from planner.check.certificate_check import certificate_problems
-from planner.kernel import build
 from planner.kernel.exact import ExactSearch
-from planner.policies.nominal import Nominal
-from planner.policies.worst_case import WorstCase
+from planner.policies.nominal import nominal_planner
+from planner.policies.worst_case import worst_case_planner
 from planner.proof.certify import certify
-from planner.proof.certify_plan import certified
-from planner.walks.goal import reaches
-from planner.walks.kinematics import motion
+from planner.proof.certify_plan import certify_plan
+from planner.walks.goal_condition import reaches_goal
+from planner.walks.kinematics import walk_motion
 from planner.walks.walk import trims_of_walks, walks
-
-needs_kernel = pytest.mark.skipif(build.kernel() is None, reason="this machine has no C compiler")
 
 STILL = Twist(0.0, 0.0, 0.0)
 CERTAIN = ManeuverError(0.0, 0.0, 0.0, 0.0)
@@ -87,30 +84,27 @@ def random_rate(rng: np.random.Generator) -> float:
     return float(rng.choice([-1, 1]) * size)
 
 
-@needs_kernel
 @pytest.mark.parametrize(("mission", "gamma", "walk", "seconds"), KNOWN)
 def test_a_plan_of_hours_is_no_slower_than_a_way_that_is_known(
     mission: Mission, gamma: float, walk: tuple[int, ...], seconds: float
 ) -> None:
-    plan = WorstCase(thesis_gtmax(), gamma).plan(mission)
+    plan = worst_case_planner(thesis_gtmax(), gamma).plan(mission)
     assert plan.status == "optimal"
     assert plan.cost <= seconds, walk
 
 
-@needs_kernel
 def test_a_straight_trim_that_errs_by_a_hair_is_planned_with_to_the_tolerances_edge() -> None:
-    """The 18 km of `FAR`, flown at one gamma with times that another search found."""
+    """The 18 km of `FAR`, with times of another search."""
     library, walk, times = thesis_gtmax(), (3, 6, 3), (1729.0350925, 7.3674557, 4237.2986192)
-    numbers = motion(library, walk, -0.001)
+    numbers = walk_motion(library, walk, -0.001)
     mission = replace(FAR, tolerance=FAR.tolerance + 1e-3)
-    assert reaches(numbers.end(mission.start, times), mission)
+    assert reaches_goal(numbers.end(mission.start, times), mission)
     assert max(ExactSearch(library, (-0.001,)).answer(mission).costs) <= numbers.cost(times)
 
 
-@needs_kernel
 @pytest.mark.parametrize("seed", range(60))
 def test_a_plan_is_never_slower_than_a_way_that_was_flown(seed: int) -> None:
-    """Goals are where random walks end, a metre to 20 km away, by turns of 1e-9 to 0.4 rad/s."""
+    """Goals at random walks' ends, 1 m to 20 km away."""
     rng = np.random.default_rng([31, seed])
     for _ in range(10):
         rates = [random_rate(rng) for _ in range(3)]
@@ -120,7 +114,7 @@ def test_a_plan_is_never_slower_than_a_way_that_was_flown(seed: int) -> None:
         library = library_of(*rates, speeds=speeds, turns=tuple(rng.uniform(-0.6, 0.6, 6)))
         every = walks(library, 1, max_trims=3)
         walk = every[int(rng.integers(len(every)))]
-        numbers = motion(library, walk, 0.0)
+        numbers = walk_motion(library, walk, 0.0)
         longest = 10 ** rng.uniform(0, 3.2)
         times = tuple(
             float(min(rng.exponential(longest), 6.0 / max(abs(twist.yaw_rate), 1e-12)) * (rng.random() < 0.8))
@@ -154,10 +148,9 @@ def test_the_trims_of_all_walks_are_known_without_listing_the_walks(start_trim: 
             assert found == expected
 
 
-@needs_kernel
 @pytest.mark.parametrize(("slow", "status"), [(3, "infeasible"), (1, "unknown")])
 def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status: str) -> None:
-    """Behind a vehicle that can only fly on there is no goal, whatever trims it cannot reach."""
+    """Unreachable slow trims leave an infeasible mission proved."""
     library = library_of(0.0, 0.1, 0.1, speeds=(5.0, 5.0, 5.0), turns=(0.0,) * 6)
     rates = {slow: 1e-9}
     library = replace(
@@ -170,26 +163,24 @@ def test_only_a_slow_turn_that_a_walk_can_hold_leaves_a_doubt(slow: int, status:
         ),
     )
     aside = Mission("aside", SE2.identity(), 1, (0.0, 20.0), 0.5, max_trims=1)
-    plan = Nominal(library).plan(aside)
+    plan = nominal_planner(library).plan(aside)
     assert plan.status == status
     assert ("trim 1 turns so slowly" in plan.reason) == (status == "unknown")
 
 
-@needs_kernel
 @pytest.mark.parametrize("rate", [1e-17, 1e-12, -1e-9, 1e-8, -1e-6])
 @pytest.mark.parametrize("tolerance", [0.0, 3.0])
 def test_a_turn_too_slow_to_show_is_certified_as_a_straight_line(rate: float, tolerance: float) -> None:
     library = library_of(0.1, 0.0, rate, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), tolerance, max_trims=2)
-    plan = certified(Nominal(library).plan(mission), library, mission)
+    plan = certify_plan(nominal_planner(library).plan(mission), library, mission)
     assert plan.status == "optimal", plan.reason
 
 
-@needs_kernel
 def test_no_certificate_says_more_than_is_so_where_turns_are_taken_as_straight_lines() -> None:
     library = library_of(0.1, 0.0, 1e-9, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), 0.5, max_trims=2)
-    plan = Nominal(library).plan(mission)
+    plan = nominal_planner(library).plan(mission)
     proof = certify(library, mission, (0.0,), plan.cost - 1e-3)
     assert isinstance(proof, Certificate)
     assert not certificate_problems(proof, library, mission, gammas=(0.0,), lower_bound=plan.cost - 1e-3)

@@ -1,4 +1,4 @@
-"""Where a walk leads: numbers, symbols and arrays agree."""
+"""Tests of walk kinematics: numbers, symbols and arrays agree."""
 
 from math import pi
 
@@ -14,9 +14,8 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.errors import NoManeuverError
 from flight.se2 import SE2, Twist
-from planner.fallback.batch import Batch
-from planner.walks.kinematics import Motion, NegativeDurationError, motion
-from planner.walks.symbolic_motion import symbolic_motion
+from planner.walks.kinematics import NegativeDurationError, WalkMotion, walk_motion
+from tests.oracles.symbolic_motion import symbolic_motion
 
 TWIN_AGREEMENT = 1e-10
 """Metres and radians, for ends within a kilometre."""
@@ -29,22 +28,22 @@ twists = st.builds(Twist, lengths, lengths, rates)
 
 
 @st.composite
-def motions(draw: st.DrawFn) -> Motion:
+def motions(draw: st.DrawFn) -> WalkMotion:
     trims = draw(st.integers(1, 4))
-    return Motion(
+    return WalkMotion(
         velocities=tuple(draw(twists) for _ in range(trims)),
         displacements=tuple(draw(poses) for _ in range(trims - 1)),
         fixed_time=draw(st.floats(0, 10)),
     )
 
 
-def times_for(numbers: Motion, seed: int) -> tuple[float, ...]:
+def times_for(numbers: WalkMotion, seed: int) -> tuple[float, ...]:
     return tuple(np.random.default_rng(seed).uniform(0, 8, len(numbers.velocities)).tolist())
 
 
 @settings(max_examples=60, deadline=None)
 @given(motions(), poses, st.integers(0, 1000))
-def test_the_symbolic_end_of_a_walk_is_the_numeric_one(numbers: Motion, start: SE2, seed: int) -> None:
+def test_the_symbolic_end_of_a_walk_is_the_numeric_one(numbers: WalkMotion, start: SE2, seed: int) -> None:
     times = times_for(numbers, seed)
     twin = symbolic_motion(len(times))
     end = casadi.Function(
@@ -57,32 +56,9 @@ def test_the_symbolic_end_of_a_walk_is_the_numeric_one(numbers: Motion, start: S
     assert symbolic == pytest.approx([numeric.x, numeric.y, numeric.heading], abs=TWIN_AGREEMENT)
 
 
-@given(motions(), st.integers(0, 1000))
-def test_the_end_of_a_walk_in_arrays_is_the_numeric_one(numbers: Motion, seed: int) -> None:
-    times = times_for(numbers, seed)
-    position, heading = Batch.of([numbers]).end(np.array([times]))
-    numeric = numbers.end(SE2.identity(), times)
-    assert position[0] == pytest.approx(complex(numeric.x, numeric.y), abs=TWIN_AGREEMENT)
-    assert heading[0] == pytest.approx(numeric.heading, abs=TWIN_AGREEMENT)
-
-
-@given(motions(), st.integers(0, 1000))
-def test_the_end_moves_with_each_time_as_the_end_velocities_say(numbers: Motion, seed: int) -> None:
-    batch, times = Batch.of([numbers]), np.array([times_for(numbers, seed)]) + 0.1
-    velocities = batch.end_velocities(times)
-    step = 1e-5
-    for place in range(batch.trims):
-        later, earlier = times.copy(), times.copy()
-        later[0, place] += step
-        earlier[0, place] -= step
-        slope = (batch.end(later)[0] - batch.end(earlier)[0]) / (2 * step)
-        # Second differences of positions up to some hundred metres.
-        assert velocities[0, place] == pytest.approx(slope[0], abs=1e-5)
-
-
 def test_gamma_moves_a_walk_by_its_signed_errors() -> None:
     library = thesis_kinematic()
-    nominal, wide = motion(library, (1, 2, 5, 2), 0.0), motion(library, (1, 2, 5, 2), 1.0)
+    nominal, wide = walk_motion(library, (1, 2, 5, 2), 0.0), walk_motion(library, (1, 2, 5, 2), 1.0)
     assert nominal.fixed_time == 2 + 4 + 4
     assert wide.fixed_time == 1.5 + 3.5 + 3.5
     assert wide.velocities[2].forward == pytest.approx(4.6)
@@ -92,7 +68,7 @@ def test_gamma_moves_a_walk_by_its_signed_errors() -> None:
 
 def test_a_walk_that_the_library_does_not_join_is_refused() -> None:
     with pytest.raises(NoManeuverError, match="no maneuver from trim 1 to trim 6; from trim 1 the library"):
-        motion(thesis_gtmax(), (2, 1, 6), 0.0)
+        walk_motion(thesis_gtmax(), (2, 1, 6), 0.0)
 
 
 def test_a_gamma_that_turns_a_duration_negative_is_refused() -> None:
@@ -100,4 +76,4 @@ def test_a_gamma_that_turns_a_duration_negative_is_refused() -> None:
     hasty = Maneuver(7, 1, 2, 1.0, SE2(1, 0, 0), ManeuverError(-1.5, 0, 0, 0))
     library = Library("hasty", "", "", trims, (hasty,))
     with pytest.raises(NegativeDurationError, match=r"maneuver 7: .* >= 0 s, got -0.5 s at gamma 1"):
-        motion(library, (1, 2), 1.0)
+        walk_motion(library, (1, 2), 1.0)

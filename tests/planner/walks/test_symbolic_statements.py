@@ -1,4 +1,4 @@
-"""The problems as CasADi states them: their gradients are right, and IPOPT on them finds nothing better."""
+"""Tests of the CasADi statements: gradients, and IPOPT's optima."""
 
 from math import cos, pi, sin
 
@@ -9,9 +9,9 @@ import pytest
 from experiments.thesis.printed_libraries import thesis_gtmax, thesis_kinematic
 from flight.mission.mission import Mission
 from flight.se2 import SE2
-from planner.policies.nominal import Nominal
+from planner.policies.nominal import nominal_planner
 from planner.policies.price_of_robustness import PriceOfRobustness
-from planner.policies.worst_case import WorstCase
+from planner.policies.worst_case import worst_case_planner
 from planner.walks.walk import walks
 from tests.oracles.price_statement import largest_level, state_price
 from tests.oracles.statements import state_committed, state_smallest_tolerance, state_worst_case, worst_case
@@ -46,14 +46,14 @@ def test_gradients_are_those_of_finite_differences(name: str) -> None:
         assert found[:, place] == pytest.approx(change, rel=1e-5, abs=1e-5)
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", [0, 3, 4, 6])  # there is no plan with seed 0
 def test_ipopt_on_the_joint_problem_finds_no_faster_worst_case(seed: int) -> None:
     rng = np.random.default_rng(seed)
     library, gamma = (thesis_gtmax(), thesis_kinematic())[seed % 2], float(rng.choice([0.3, 1.0]))
     angle, distance = rng.uniform(-pi, pi), rng.uniform(5, 40)
     goal = float(distance * cos(angle)), float(distance * sin(angle))
     mission = Mission("random", SE2.identity(), 1 + seed, goal, tolerance=1.0, max_trims=2)
-    plan = WorstCase(library, gamma).plan(mission)
+    plan = worst_case_planner(library, gamma).plan(mission)
     reached = 0
     for walk in walks(library, mission.start_trim, max_trims=2):
         starts = [rng.exponential(6.0, len(walk)).tolist() for _ in range(3)]
@@ -63,7 +63,8 @@ def test_ipopt_on_the_joint_problem_finds_no_faster_worst_case(seed: int) -> Non
             cost = worst_case(library, walk, mission, (0.0, -gamma, gamma), start)
             assert cost >= plan.cost - AGREEMENT
             reached += cost < np.inf
-    assert reached or not plan.found
+    assert plan.found == (seed > 0)
+    assert bool(reached) == plan.found
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -75,7 +76,7 @@ def test_ipopt_finds_no_larger_level_at_the_price_and_confirms_that_of_the_plan(
         angle, distance = rng.uniform(-pi, pi), rng.uniform(10, 40)
         goal = float(distance * cos(angle)), float(distance * sin(angle))
         mission = Mission("random", SE2.identity(), 1 + seed, goal, tolerance=1.0, max_trims=2)
-        nominal = Nominal(library).plan(mission)
+        nominal = nominal_planner(library).plan(mission)
     plan = PriceOfRobustness(library, alpha).plan(mission)
     limit, levels = alpha * nominal.cost, []
     for walk in walks(library, mission.start_trim, max_trims=2):

@@ -1,4 +1,4 @@
-"""Walks in the maneuver automaton."""
+"""Tests of walks in the maneuver automaton."""
 
 import pytest
 

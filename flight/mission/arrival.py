@@ -1,0 +1,79 @@
+"""Arrival at a goal: one judgement for flight, log and scorecard."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import isfinite, pi
+
+from .destination import Destination, Track, first_arrival
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class TrackSegment:
+    """True track of one primitive, and whether arrival counts in it.
+
+    Attributes:
+        track: time since the start in seconds, north and east in metres, heading in radians (not wrapped).
+        trim: id of the trim held; None in a maneuver.
+        on_plan: False on a safe stop, after a replan that gave no plan, and where the vehicle was lost.
+    """
+
+    track: Track
+    trim: int | None
+    on_plan: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class ArrivalVerdict:
+    """Judgement of a mission flight.
+
+    Attributes:
+        reached: whether the true track met position, heading and trim of the goal, on a plan, and the vehicle
+            declared its arrival.
+        declared: whether the vehicle ended its mission as arrived, by its estimate.
+        time: seconds since the start of the first true arrival; None where not reached.
+        closest: least true distance to the goal in metres, up to the arrival; None where nothing was flown.
+        reason: why it was not reached; empty where it was.
+    """
+
+    reached: bool
+    declared: bool
+    time: float | None
+    closest: float | None
+    reason: str
+
+
+def judge_arrival(
+    segments: Sequence[TrackSegment], goal: Destination, *, trim: int | None, declared: bool
+) -> ArrivalVerdict:
+    """Judges a flight by its true track.
+
+    Args:
+        segments: of the flight, in order.
+        goal: position and heading with their tolerances.
+        trim: id of the trim wanted at the goal; None for any.
+        declared: whether the vehicle declared its arrival.
+    """
+    counted = [part.track for part in segments if part.on_plan and trim in {None, part.trim}]
+    met = first_arrival(counted, goal)
+    if declared and met.time is not None:
+        return ArrivalVerdict(True, True, met.time, met.closest, "")
+    closest = first_arrival([part.track for part in segments], goal).closest
+    if not isfinite(closest):
+        return ArrivalVerdict(False, declared, None, None, "nothing was flown")
+    return ArrivalVerdict(False, declared, None, closest, _reason(segments, goal, trim, declared, closest))
+
+
+def _reason(
+    segments: Sequence[TrackSegment], goal: Destination, trim: int | None, declared: bool, closest: float
+) -> str:
+    begin = "vehicle declared arrival, but " if declared else ""
+    anywhere = replace(goal, heading=None, heading_tolerance=pi)
+    if first_arrival([part.track for part in segments], anywhere).time is None:
+        return f"{begin}the true miss was {closest:.2f} m" if declared else f"{closest:.2f} m at the closest"
+    if first_arrival([part.track for part in segments], goal).time is None:
+        return f"{begin}the goal was passed with another heading than wanted"
+    if first_arrival([part.track for part in segments if trim in {None, part.trim}], goal).time is None:
+        return f"{begin}the goal was passed in another trim than {trim}"
+    if first_arrival([part.track for part in segments if part.on_plan], goal).time is None:
+        return f"{begin}the goal was passed on a safe stop, not on a plan"
+    return f"{begin}not on a plan and in trim {trim} at once" if declared else "arrival was not declared"

@@ -1,1 +1,0 @@
-"""The exact search in Python, for machines without a compiler."""

@@ -1,0 +1,105 @@
+/* Bounds of a walk's seconds that cost little. */
+#include "coasting.h"
+
+#define BLURRED 100       /* times the rate of what hardly bends: slower turns are blurred by rounding */
+
+/* The set of times that a mask has. */
+void choose(const Problem *p, ActiveSet *on, unsigned mask)
+{
+    on->count = on->turns = on->bound_heading = on->shared = 0;
+    on->slowest = INFINITY;
+    for (int k = 0; k < p->trims; k++) {
+        if (!((mask >> k) & 1)) continue;
+        double rate = fabs(p->rate[k]);
+        on->place[on->count++] = k;
+        on->turns += rate > p->straight;
+        if (rate > 0 && rate < on->slowest) on->slowest = rate;
+    }
+    on->slow = on->slowest <= p->straight;
+    on->blurred = on->slowest <= BLURRED * p->hardly_bent;
+}
+
+/* Least seconds in which the given trims cover a distance: all chords in line, the end nearing at one speed. */
+double least_time(const Problem *p, const ActiveSet *on, double distance)
+{
+    if (distance <= 0) return 0;
+    double fastest = 0, reach = 0;
+    for (int i = 0; i < on->count; i++) {
+        double speed = p->speed[on->place[i]], rate = fabs(p->rate[on->place[i]]);
+        fastest = greater(fastest, speed);
+        reach += speed == 0 ? 0 : rate == 0 ? INFINITY : 2 * speed / rate;
+    }
+    if (!(reach >= distance)) return INFINITY;
+    double low = 0, high = fastest, time = distance / fastest;
+    for (int round = 0; round < 5; round++) {
+        double u = 0.5 * (low + high), covered = 0, spent = 0;
+        for (int i = 0; i < on->count; i++) {
+            double speed = p->speed[on->place[i]], rate = fabs(p->rate[on->place[i]]);
+            if (!(speed > u)) continue;
+            if (rate == 0) { covered = INFINITY; break; }
+            double half = acos(u / speed);
+            covered += 2 * speed / rate * sin(half);
+            spent += 2 * half / rate;
+        }
+        if (covered >= distance) low = u;
+        else {
+            high = u;
+            time = greater(time, spent + (distance - covered) / u);
+        }
+    }
+    return time;
+}
+
+/* No less than the largest cosine of an angle plus anything between two turns: by the series up to the eighth
+ * power, which is nowhere below the cosine. */
+static double best_cosine(double angle, double low, double high)
+{
+    double half = 0.5 * (high - low);
+    if (half >= PI) return 1.0;
+    double beyond = fabs(off_turns(angle + 0.5 * (low + high))) - half;
+    if (beyond <= 0) return 1.0;
+    double x = beyond * beyond;
+    return 1 - x * (1. / 2 - x * (1. / 24 - x * (1. / 720 - x / 40320)));
+}
+
+/* Whether the goal is out of reach in the seconds given: in some direction, with the headings that can be
+ * turned to in that time, neither the maneuvers nor the coasts lead far enough. */
+int out_of_reach(const Problem *p, const ActiveSet *on, double seconds)
+{
+    double low[MOST], high[MOST], now_low = 0, now_high = 0;
+    cplx still = 0;
+    unsigned mask = 0;
+    for (int i = 0; i < on->count; i++) mask |= 1u << on->place[i];
+    for (int k = 0; k < p->trims; k++) {
+        still += p->D[k];
+        low[k] = now_low;
+        high[k] = now_high;
+        if (!((mask >> k) & 1)) continue;
+        now_high = greater(now_high, p->rate[k] * seconds);
+        now_low = lesser(now_low, p->rate[k] * seconds);
+    }
+    double toward = carg(p->goal - still), there = cabs(p->goal), bearing = there > 0 ? carg(p->goal) : 0;
+    static const double aside[] = {0, 0.5, -0.5, 1.1, -1.1, 1.8, -1.8};
+    for (int way = 0; way < 7; way++) {
+        double direction = toward + aside[way], fastest = 0;
+        double wanted = there * cos(bearing - direction) - reach(p);
+        for (int k = 0; k < p->trims; k++) {
+            wanted -= p->size_D[k] * best_cosine(p->bearing_D[k] - direction, low[k], high[k]);
+            if (!((mask >> k) & 1)) continue;
+            double turn = p->rate[k] * seconds;
+            double speed = p->speed[k]
+                * best_cosine(p->bearing_W[k] - direction, lesser(low[k], turn), greater(high[k], turn));
+            fastest = greater(fastest, speed);
+        }
+        if (wanted > fastest * seconds) return 1;
+    }
+    return 0;
+}
+
+/* What the maneuvers leave of the distance. */
+double to_cover(const Problem *p)
+{
+    double distance = cabs(p->goal) - reach(p);
+    for (int k = 0; k < p->trims; k++) distance -= p->size_D[k];
+    return distance;
+}

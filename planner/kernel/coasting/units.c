@@ -1,0 +1,97 @@
+/* The public face: problems in any units, solved in units of their own.
+ *
+ * Thresholds compare numbers of about 1: lengths are in units of the displacements, times in units of the time that
+ * the fastest coast takes for them. Units are powers of two, so nothing is rounded.
+ */
+#include "coasting.h"
+
+#define CLIMBS 8          /* rounds of a bound */
+
+typedef struct {
+    Problem problem;
+    double metre, second;        /* what the units are in metres and seconds */
+    double rate[MOST], size_D[MOST], speed[MOST];
+    cplx W[MOST], C[MOST], D[MOST];
+} InUnits;
+
+/* The power of two that is next above a number; 1 for numbers that have none. */
+static double power_of_two(double number)
+{
+    int exponent;
+    if (!(number > 0 && number < INFINITY)) return 1;
+    frexp(number, &exponent);
+    return ldexp(1, exponent);
+}
+
+static void to_units(const Problem *p, InUnits *u)
+{
+    double size = cabs(p->goal), speed = 0, rate = 0;
+    for (int k = 0; k < p->trims; k++) {
+        size += p->size_D[k];
+        speed = greater(speed, p->speed[k]);
+        rate = greater(rate, fabs(p->rate[k]));
+    }
+    if (!(size > 0)) size = speed > 0 && rate > 0 ? speed / rate : 1;
+    u->metre = power_of_two(size);
+    u->second = power_of_two(speed > 0 ? u->metre / speed : 1 / rate);
+    for (int k = 0; k < p->trims; k++) {
+        u->rate[k] = p->rate[k] * u->second;
+        u->size_D[k] = p->size_D[k] / u->metre;
+        u->speed[k] = p->speed[k] * u->second / u->metre;
+        u->W[k] = p->W[k] * u->second / u->metre;
+        u->C[k] = p->C[k] / u->metre;
+        u->D[k] = p->D[k] / u->metre;
+    }
+    u->problem = *p;
+    u->problem.rate = u->rate;
+    u->problem.size_D = u->size_D;
+    u->problem.speed = u->speed;
+    u->problem.W = u->W;
+    u->problem.C = u->C;
+    u->problem.D = u->D;
+    u->problem.fixed /= u->second;
+    u->problem.goal /= u->metre;
+    u->problem.tolerance /= u->metre;
+    u->problem.slack /= u->metre;
+    u->problem.best /= u->second;
+    u->problem.multiplier *= u->metre / u->second;
+}
+
+/* The best times of a walk at one level, with at most so many that are not 0; they count if they are faster than the
+ * best so far. */
+void solve(Problem *p, int most)
+{
+    InUnits u;
+    to_units(p, &u);
+    double known = u.problem.best;
+    solve_in_units(&u.problem, most);
+    if (!(u.problem.best < known)) return;
+    p->best = p->fixed;
+    for (int k = 0; k < p->trims; k++) {
+        p->times[k] = u.problem.times[k] * u.second;
+        p->best += p->times[k];
+    }
+}
+
+/* Seconds that a walk takes at least at one level; infinite where its heading cannot be as wanted. */
+double lower_bound(const Problem *p)
+{
+    ActiveSet on;
+    choose(p, &on, (1u << p->trims) - 1);
+    if (p->wants_heading && fabs(off_turns(p->heading)) > p->heading_tolerance + p->heading_slack) {
+        int turns = 0;
+        for (int k = 0; k < p->trims; k++) turns |= p->rate[k] != 0;
+        if (!turns) return INFINITY;
+    }
+    return p->fixed + least_time(p, &on, to_cover(p));
+}
+
+/* Whether a walk cannot beat the best so far at its level, by what its coasts reach in time and by multipliers: from
+ * that of the problem the best one is left there. */
+int cannot_beat(Problem *p)
+{
+    ActiveSet all;
+    unsigned mask = (1u << p->trims) - 1;
+    choose(p, &all, mask);
+    return out_of_reach(p, &all, p->best - p->fixed) || refuted(p, mask, CLIMBS, &p->multiplier);
+}

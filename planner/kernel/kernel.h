@@ -1,0 +1,58 @@
+/* The kernel of the exact search: what its units share, and what is public. */
+#ifndef KERNEL_H
+#define KERNEL_H
+
+#include <complex.h>
+#include <math.h>
+#include <string.h>
+
+#define PUBLIC __attribute__((visibility("default"))) /* called from Python; everything else is hidden */
+
+#define MOST 12           /* trims in a walk, and uncertainty levels */
+#define PI 3.14159265358979323846
+
+typedef double complex cplx;
+
+/* A walk at one uncertainty level, and where it is to end. Positions are complex (north + i east), seen from the start
+ * with heading 0. Headings are those that coasting alone makes: what the maneuvers before have turned is folded into
+ * W, C and D. */
+typedef struct {
+    int trims;
+    const double *rate;          /* rad/s */
+    const cplx *W, *C, *D;       /* velocity, centre of the turn, displacement of the maneuver before */
+    const double *bearing_D, *bearing_W, *size_D, *speed;  /* D and W, polar */
+    double fixed;                /* s in maneuvers */
+    cplx goal;
+    double tolerance;            /* m; candidates use all of it ... */
+    double slack;                /* m; ... and may be off by that much more through rounding */
+    int wants_heading;
+    double heading;              /* what coasting has to turn, rad, modulo full turns */
+    double heading_tolerance, heading_slack;
+    double best;                 /* s; only faster ones are kept */
+    cplx multiplier;             /* s/m; near that of the best times */
+    double straight, hardly_bent; /* rad/s; slower turns are taken as straight lines, or in both ways */
+    double times[MOST];
+} Problem;
+
+/* Of a number and a not-a-number they return the latter. */
+static inline double lesser(double a, double b) { return a < b ? a : b; }
+static inline double greater(double a, double b) { return a > b ? a : b; }
+
+static inline double cross(cplx one, cplx two) { return creal(one) * cimag(two) - cimag(one) * creal(two); }
+static inline double dot(cplx one, cplx two) { return creal(one) * creal(two) + cimag(one) * cimag(two); }
+static inline double length(cplx z) { return sqrt(dot(z, z)); }
+static inline cplx unit_complex(double angle) { return cos(angle) + I * sin(angle); }
+
+/* For numbers below 2^51. */
+static inline double round_to_integer(double value) { return (value + 0x1.8p52) - 0x1.8p52; }
+static inline double off_turns(double angle) { return angle - 2 * PI * round_to_integer(angle / (2 * PI)); }
+
+/* What counts as reached, in metres from the goal. */
+static inline double reach(const Problem *p) { return p->tolerance + p->slack; }
+
+/* coasting/units.c: what searches call. */
+void solve(Problem *p, int most);
+double lower_bound(const Problem *p);
+int cannot_beat(Problem *p);
+
+#endif

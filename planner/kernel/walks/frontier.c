@@ -1,0 +1,64 @@
+/* Walks and beginnings of walks that wait, the one with the least bound first. */
+#include "walks.h"
+
+#define SOME 1024         /* entries that there is room for at first */
+
+/* By bound; then beginnings before walks, short walks before long ones, and in the order of the library. */
+static int before(const Entry *one, const Entry *other)
+{
+    if (one->bound != other->bound) return one->bound < other->bound;
+    if (one->closed != other->closed) return one->closed < other->closed;
+    if (one->trims != other->trims) return one->trims < other->trims;
+    for (int k = 0; k < one->trims - 1; k++)
+        if (one->step[k] != other->step[k]) return one->step[k] < other->step[k];
+    return 0;
+}
+
+int in_order(const void *one, const void *other)
+{
+    return before(one, other) ? -1 : before(other, one);
+}
+
+/* Makes room for so many more; 0 if there is none to be had. */
+int has_room(Frontier *f, long more)
+{
+    if (f->count + more <= f->room) return 1;
+    if (f->count + more > f->most) return 0;
+    long room = smaller(larger(f->count + more, larger(2 * f->room, SOME)), f->most);
+    Entry *entries = realloc(f->entries, sizeof(Entry) * (size_t)room);
+    if (!entries) return 0;
+    f->entries = entries;
+    f->room = room;
+    return 1;
+}
+
+void append(Frontier *f, const Entry *entry) { f->entries[f->count++] = *entry; }
+
+void push(Frontier *f, const Entry *entry)
+{
+    long place = f->count++;
+    while (place > 0) {
+        long parent = (place - 1) / 4;
+        if (!before(entry, &f->entries[parent])) break;
+        f->entries[place] = f->entries[parent];
+        place = parent;
+    }
+    f->entries[place] = *entry;
+}
+
+Entry pop(Frontier *f)
+{
+    Entry first = f->entries[0], last = f->entries[--f->count];
+    long place = 0;
+    for (;;) {
+        long best = 4 * place + 1;
+        if (best >= f->count) break;
+        for (long child = best + 1; child < 4 * place + 5 && child < f->count; child++)
+            if (before(&f->entries[child], &f->entries[best])) best = child;
+        if (!before(&f->entries[best], &last)) break;
+        f->entries[place] = f->entries[best];
+        place = best;
+    }
+    f->entries[place] = last;
+    return first;
+}

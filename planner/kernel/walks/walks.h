@@ -1,0 +1,77 @@
+/* The search over walks: what the units of this folder share. */
+#ifndef WALKS_H
+#define WALKS_H
+
+#include "../kernel.h"
+#include <stdlib.h>
+
+/* Trims and maneuvers have places, not ids; numbers are laid out level after level. */
+typedef struct {
+    const int *first;            /* the first maneuver that leaves each trim, and one past the last of all */
+    const int *to;               /* trim that each maneuver leads to */
+    const double *rate, *speed, *turn, *duration, *size; /* size: of the displacement */
+    const cplx *velocity, *displacement;
+    int trims, levels;
+} Automaton;
+
+typedef struct {
+    double goal_north, goal_east, tolerance, slack, heading, heading_tolerance, heading_slack, seconds;
+    long wants_heading, start_trim, goal_trim, max_trims, most_nodes;
+} Task;
+
+/* A walk, or all walks that begin with it: at each trim the place of the next maneuver among those that leave. */
+typedef struct {
+    double bound;                /* s; of the walk, or of all those walks */
+    unsigned short step[MOST - 1];
+    unsigned char trims, closed; /* closed: the walk alone */
+} Entry;
+
+/* The trims and maneuvers of a walk, as places in the automaton. */
+typedef struct { int length, trim[MOST], maneuver[MOST]; } Walk;
+
+/* A walk at one level. The problem points into it: it stays where it is. */
+typedef struct {
+    Problem problem;
+    double rate[MOST], speed[MOST], size_D[MOST], bearing_D[MOST], bearing_W[MOST], turned[MOST];
+    cplx W[MOST], C[MOST], D[MOST];
+} WalkProblem;
+
+#define SPEEDS 10         /* at most; more are put together with the next faster ones */
+
+/* Least seconds of all continuations (remaining.c). */
+typedef struct {
+    int speeds[MOST];            /* of each level */
+    double slowness[MOST][SPEEDS]; /* s/m; descending */
+    int *group;                  /* of the speed of each trim at each level */
+    double *least;               /* s; level, speed (one more: seconds alone), trims left, trim */
+    int trims, depth;
+} Remaining;
+
+/* What walks with a common beginning share at one level. */
+typedef struct { double fixed, distance; int group; } Beginning;
+
+typedef struct { Entry *entries; long count, room, most; } Frontier;
+
+static inline long smaller(long a, long b) { return a < b ? a : b; }
+static inline long larger(long a, long b) { return a > b ? a : b; }
+
+/* automaton.c: walks as problems. */
+void read_walk(const Automaton *a, const Task *task, const Entry *entry, Walk *walk);
+cplx first_multiplier(cplx goal);
+void set_task(Problem *p, const Task *task);
+void set_sizes(WalkProblem *one, const Automaton *a, const Task *task, const Walk *walk, int level);
+void set_vectors(WalkProblem *one, const Automaton *a, const Walk *walk, int level);
+
+/* remaining.c: bounds of the continuations of a walk. */
+int make_remaining(Remaining *r, const Automaton *a, const Task *task);
+void free_remaining(Remaining *r);
+double least_seconds(const Remaining *r, int level, const Beginning *begun, int trim, int left);
+
+/* frontier.c: a priority queue of walks and beginnings. */
+int in_order(const void *one, const void *other);
+int has_room(Frontier *f, long more);
+void append(Frontier *f, const Entry *entry);
+void push(Frontier *f, const Entry *entry);
+Entry pop(Frontier *f);
+
+#endif

@@ -1,0 +1,1 @@
+"""Tests of planner.kernel; mark `kernel` for the C code."""

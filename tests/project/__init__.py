@@ -1,0 +1,1 @@
+"""Tests of the project: its packages and its habits."""

@@ -1,0 +1,57 @@
+"""The list of packages: it stands in pyproject once, and its copies are the same."""
+
+import re
+from collections import Counter
+from itertools import chain
+from typing import Any
+
+import pytest
+
+from tests.support.packages import PYPROJECT, ROOT, SHIPPED, UNSHIPPED
+
+TOOLS = PYPROJECT["tool"]
+
+
+def checked_shapes() -> list[str]:
+    """Returns the packages whose shapes are checked while testing."""
+    (names,) = re.findall(r"--jaxtyping-packages=(\S+)", TOOLS["pytest"]["ini_options"]["addopts"])
+    return str(names).split(",")[:-1]
+
+
+def layers() -> list[str]:
+    contracts: list[dict[str, Any]] = TOOLS["importlinter"]["contracts"]
+    (contract,) = (one for one in contracts if one["type"] == "layers")
+    return [name for layer in contract["layers"] for name in layer.split(" | ")]
+
+
+def test_every_folder_of_code_is_a_package_that_is_named() -> None:
+    assert sorted(SHIPPED) == list(SHIPPED)
+    assert sorted(path.parent.name for path in ROOT.glob("*/__init__.py")) == sorted([*SHIPPED, *UNSHIPPED])
+
+
+@pytest.mark.parametrize(
+    ("copy", "expected"),
+    [
+        (TOOLS["importlinter"]["root_packages"], [*SHIPPED, *UNSHIPPED]),
+        (layers(), [*SHIPPED, *UNSHIPPED]),
+        (checked_shapes(), SHIPPED),
+    ],
+    ids=["import-linter", "layers", "jaxtyping"],
+)
+def test_every_copy_of_the_list_is_the_same(copy: list[str], expected: list[str]) -> None:
+    assert sorted(copy) == sorted(expected)
+
+
+def test_every_package_of_the_wheel_says_that_it_has_types() -> None:
+    assert [name for name in SHIPPED if not (ROOT / name / "py.typed").is_file()] == []
+
+
+def test_no_folder_of_tests_holds_more_than_seventeen_files() -> None:
+    files = chain.from_iterable((ROOT / "tests").rglob(pattern) for pattern in ("*.py", "*.gz", "golden/*"))
+    assert max(Counter(path.parent for path in set(files)).values()) <= 17
+
+
+def test_no_test_imports_another() -> None:
+    imports = re.compile(r"^\s*(?:from|import) .*\btest_\w+", flags=re.MULTILINE)
+    assert imports.search("from .test_plans import case")
+    assert not [path.name for path in (ROOT / "tests").rglob("*.py") if imports.search(path.read_text())]

@@ -1,0 +1,1 @@
+"""Libraries, missions and plans that tests of the planner share."""

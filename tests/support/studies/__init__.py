@@ -1,0 +1,1 @@
+"""Harnesses of the studies: their quick forms are tests, their large ones tests marked slow."""

@@ -51,7 +51,6 @@ class _Answer(ctypes.Structure):
     _fields_ = (
         ("cost", ctypes.c_double),
         ("bound", ctypes.c_double),
-        ("least", ctypes.c_double),
         ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
         ("costs", ctypes.c_double * MOST_TRIMS),
         ("trims", ctypes.c_long),

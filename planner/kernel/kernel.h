@@ -5,6 +5,7 @@
 #include <complex.h>
 #include <math.h>
 #include <string.h>
+#include <time.h>
 
 #define PUBLIC __attribute__((visibility("default"))) /* called from Python; everything else is hidden */
 
@@ -50,8 +51,29 @@ static inline double off_turns(double angle) { return angle - 2 * PI * round_to_
 /* What counts as reached, in metres from the goal. */
 static inline double reach(const Problem *p) { return p->tolerance + p->slack; }
 
+static inline double clock_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + 1e-9 * (double)now.tv_nsec;
+}
+
+static inline int late(double until) { return until < INFINITY && clock_now() >= until; }
+
+/* What is known of sets of times that other walks have, too (coasting/known_sets.c, alike_sets.c). */
+typedef struct KnownSets KnownSets;
+typedef struct AlikeSets AlikeSets;
+KnownSets *make_known_sets(long room, double share, double way, double speed, int once);
+void free_known_sets(KnownSets *known);
+AlikeSets *make_alike_sets(double way, double speed);
+void free_alike_sets(AlikeSets *alike);
+
+/* With what a walk is solved: what is known of others, or nothing, and until when. */
+typedef struct { KnownSets *known; AlikeSets *alike; double until; } Help;
+
 /* coasting/units.c: what searches call. */
 void solve(Problem *p, int most);
+void solve_with(Problem *p, int most, const Help *help);
 double lower_bound(const Problem *p);
 int cannot_beat(Problem *p);
 

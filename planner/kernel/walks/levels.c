@@ -1,0 +1,84 @@
+/* One walk at every level: excluded by a bound, or solved. */
+#include "walks.h"
+
+#define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
+#define POLISHING 0.1     /* of the seconds allowed, on top of them */
+
+/* Whether some level cannot beat the best so far. */
+int excluded(Search *s, const Entry *entry, Levels *every)
+{
+    int levels = s->automaton->levels;
+    double bounds[MOST], best = s->answer->cost;
+    read_walk(s->automaton, s->task, entry, &every->walk);
+    for (int level = 0; level < levels; level++) {
+        Problem *row = &every->level[level].problem;
+        set_sizes(&every->level[level], s->automaton, s->task, &every->walk, level);
+        set_vectors(&every->level[level], s->automaton, &every->walk, level);
+        bounds[level] = lower_bound(row);
+        row->best = best;
+        row->multiplier = s->multiplier[level];
+    }
+    for (int done = 0; done < levels; done++) {
+        int level = 0;
+        for (int other = 1; other < levels; other++) if (bounds[other] > bounds[level]) level = other;
+        if (bounds[level] >= best) return 1;
+        bounds[level] = -1;
+        every->order[done] = level;
+        Problem *row = &every->level[level].problem;
+        s->answer->nodes++;
+        if (best == INFINITY) continue;
+        int out = cannot_beat(row);
+        s->multiplier[level] = row->multiplier;
+        if (out) return 1;
+    }
+    return 0;
+}
+
+/* Solves a walk at every level; keeps it if its worst level is best. With a limit, no more times are not 0, and the
+ * goal is the point where the tolerance is used up best. Returns whether it was kept. */
+int solved(Search *s, const Levels *every, int most)
+{
+    const Help *help = most < MOST ? &s->quick : &s->whole;
+    int levels = s->automaton->levels;
+    double costs[MOST], times[MOST * MOST], worst = 0;
+    for (int done = 0; done < levels; done++) {
+        int level = every->order[done];
+        Problem row = every->level[level].problem;
+        row.best = s->answer->cost;
+        if (most < MOST) {
+            double aside = NEAR_THE_EDGE * row.tolerance;
+            row.goal += aside / length(row.multiplier) * row.multiplier;
+            row.tolerance = 0;
+        }
+        solve_with(&row, most, help);
+        if (!(row.best < s->answer->cost)) return 0;
+        costs[level] = row.best;
+        worst = greater(worst, row.best);
+        memcpy(times + level * MOST, row.times, sizeof(row.times));
+    }
+    s->answer->cost = worst;
+    s->best = every->walk;
+    s->answer->trims = every->walk.length;
+    for (int k = 0; k < every->walk.length; k++) s->answer->walk[k] = every->walk.trim[k];
+    memcpy(s->answer->costs, costs, sizeof(costs));
+    memcpy(s->answer->times, times, sizeof(times));
+    return 1;
+}
+
+/* The winner once more at the levels that do not decide. */
+void polish(Search *s)
+{
+    Answer *answer = s->answer;
+    WalkProblem one;
+    Help help = {0, 0, s->whole.until + POLISHING * s->task->seconds};
+    for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
+        set_sizes(&one, s->automaton, s->task, &s->best, level);
+        set_vectors(&one, s->automaton, &s->best, level);
+        one.problem.multiplier = first_multiplier(one.problem.goal);
+        one.problem.best = answer->costs[level];
+        memcpy(one.problem.times, answer->times + level * MOST, sizeof(one.problem.times));
+        solve_with(&one.problem, MOST, &help);
+        answer->costs[level] = one.problem.best;
+        memcpy(answer->times + level * MOST, one.problem.times, sizeof(one.problem.times));
+    }
+}

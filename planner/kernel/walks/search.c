@@ -30,7 +30,7 @@ static int looked_at(Search *s, const Entry *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
-    if (++s->looked == MANY) s->quick.known = s->tried;
+    if (++s->looked == MANY) s->quick.known = make_known_sets(TRIED, NEARLY, s->way, s->fastest, 1);
     if (!excluded(s, walk, &every)) {
         if (solved(s, &every, equations) || !has_room(&s->left, 1)) solved(s, &every, MOST);
         else append(&s->left, walk);
@@ -150,8 +150,8 @@ static void finish(Search *s)
 {
     Levels every;
     if (s->left.count > MANY) {
-        s->whole.known = s->known;
-        s->whole.alike = s->alike;
+        s->whole.known = make_known_sets(KNOWN, ROUNDED, s->way, s->fastest, 0);
+        s->whole.alike = make_alike_sets(s->way, s->fastest);
     }
     qsort(s->left.entries, (size_t)s->left.count, sizeof(Entry), in_order);
     for (long i = 0; i < s->left.count; i++) {
@@ -163,23 +163,26 @@ static void finish(Search *s)
     }
 }
 
+/* The sizes of things, for what makes a difference. */
+static void set_scales(Search *s)
+{
+    const Automaton *a = s->automaton;
+    s->way = cabs(s->task->goal_north + I * s->task->goal_east) + s->task->tolerance;
+    for (int m = 0; m < a->levels * a->first[a->trims]; m++) s->way = greater(s->way, a->size[m]);
+    for (int trim = 0; trim < a->levels * a->trims; trim++) s->fastest = greater(s->fastest, a->speed[trim]);
+}
+
 static int make_room(Search *s)
 {
     const Automaton *a = s->automaton;
     int widest = 1;
-    double way = cabs(s->task->goal_north + I * s->task->goal_east) + s->task->tolerance, fastest = 0;
     for (int trim = 0; trim < a->trims; trim++) widest = (int)larger(widest, a->first[trim + 1] - a->first[trim] + 1);
-    for (int trim = 0; trim < a->levels * a->trims; trim++) fastest = greater(fastest, a->speed[trim]);
-    for (int m = 0; m < a->levels * a->first[a->trims]; m++) way = greater(way, a->size[m]);
     s->frontier.most = MOST_WAITING;
     s->left.most = MOST_LEFT;
     s->ways.most = widest;
     s->stack.most = (long)widest * s->task->max_trims;
-    s->tried = make_known_sets(TRIED, NEARLY, way, fastest, 1);
-    s->known = make_known_sets(KNOWN, ROUNDED, way, fastest, 0);
-    s->alike = make_alike_sets(way, fastest);
     return make_remaining(&s->remaining, a, s->task) && has_room(&s->ways, widest)
-        && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest) && s->tried && s->known && s->alike;
+        && has_room(&s->stack, s->stack.most) && has_room(&s->frontier, widest);
 }
 
 /* The walk whose worst level is best; 1 where there is no memory. */
@@ -192,6 +195,7 @@ PUBLIC int search(const Task *task, const Automaton *automaton, Answer *answer)
     answer->complete = 1;
     int made = make_room(&s), most = (int)task->max_trims;
     if (made) {
+        set_scales(&s);
         for (int level = 0; level < automaton->levels; level++)
             s.multiplier[level] = first_multiplier(task->goal_north + I * task->goal_east);
         dive(&s, 1, (int)smaller(SHORT, most));
@@ -205,8 +209,8 @@ PUBLIC int search(const Task *task, const Automaton *automaton, Answer *answer)
     free(s.left.entries);
     free(s.ways.entries);
     free(s.stack.entries);
-    free_known_sets(s.tried);
-    free_known_sets(s.known);
-    free_alike_sets(s.alike);
+    free_known_sets(s.quick.known);
+    free_known_sets(s.whole.known);
+    free_alike_sets(s.whole.alike);
     return !made;
 }

@@ -67,10 +67,9 @@ typedef struct {
     Frontier frontier;
     Frontier left;               /* walks that were looked at and not excluded */
     Frontier ways, stack;        /* ways on from one walk; what waits to be followed depth first */
-    KnownSets *tried, *known;    /* sets of times: with as many as equations, tried once; with all */
-    AlikeSets *alike;
+    double way, fastest;         /* m, m/s; the sizes of things */
     long looked;                 /* walks that were looked at */
-    Help quick, whole;           /* for times of a walk: with as many as equations only, and with all */
+    Help quick, whole;           /* for times of a walk: with as many as equations only, tried once; with all */
 } Search;
 
 /* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */

@@ -24,7 +24,7 @@ COASTING = (
 )
 """Units that solve one walk at one level."""
 
-WALKS = ("automaton", "remaining", "frontier", "levels", "each", "search")
+WALKS = ("automaton", "remaining", "frontier", "ways", "levels", "each", "list", "search")
 """Units that search over walks."""
 
 SOURCES = (

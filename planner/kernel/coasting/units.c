@@ -68,7 +68,8 @@ void solve_with(Problem *p, int most, const Help *help)
     if (!(u.problem.best < known)) return;
     p->best = p->fixed;
     for (int k = 0; k < p->trims; k++) {
-        p->times[k] = u.problem.times[k] * u.second;
+        /* No -0. */
+        p->times[k] = u.problem.times[k] * u.second + 0.0;
         p->best += p->times[k];
     }
 }

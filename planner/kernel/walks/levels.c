@@ -2,7 +2,18 @@
 #include "walks.h"
 
 #define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
+#define TIE 1e-12         /* of the best seconds */
 #define POLISHING 0.1     /* of the seconds allowed, on top of them */
+
+/* The level to look at next: that with the largest bound; where many walks were looked at, first the one that decided the best
+ * walk, or without one that at which the walk before does not reach the goal. */
+static int next_level(const Search *s, const double *bounds, int done)
+{
+    int level = 0;
+    if (!done && s->looked >= MANY) return s->telling;
+    for (int other = 1; other < s->automaton->levels; other++) if (bounds[other] > bounds[level]) level = other;
+    return level;
+}
 
 /* Whether some level cannot beat the best so far. */
 int excluded(Search *s, const Entry *entry, Levels *every)
@@ -19,8 +30,7 @@ int excluded(Search *s, const Entry *entry, Levels *every)
         row->multiplier = s->multiplier[level];
     }
     for (int done = 0; done < levels; done++) {
-        int level = 0;
-        for (int other = 1; other < levels; other++) if (bounds[other] > bounds[level]) level = other;
+        int level = next_level(s, bounds, done);
         if (bounds[level] >= best) return 1;
         bounds[level] = -1;
         every->order[done] = level;
@@ -40,23 +50,29 @@ int solved(Search *s, const Levels *every, int most)
 {
     const Help *help = most < MOST ? &s->quick : &s->whole;
     int levels = s->automaton->levels;
-    double costs[MOST], times[MOST * MOST], worst = 0;
+    double costs[MOST], times[MOST * MOST], worst = 0, enough = s->answer->cost;
+    /* Among many walks that take as long, rounding makes none the better. */
+    if (s->looked >= MANY && enough < INFINITY) enough -= TIE * enough;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
         Problem row = every->level[level].problem;
-        row.best = s->answer->cost;
+        row.best = enough;
         if (most < MOST) {
             double aside = NEAR_THE_EDGE * row.tolerance;
             row.goal += aside / length(row.multiplier) * row.multiplier;
             row.tolerance = 0;
         }
         solve_with(&row, most, help);
-        if (!(row.best < s->answer->cost)) return 0;
+        if (!(row.best < enough)) {
+            if (s->answer->cost == INFINITY) s->telling = level;
+            return 0;
+        }
         costs[level] = row.best;
         worst = greater(worst, row.best);
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     s->answer->cost = worst;
+    for (int level = 0; level < levels; level++) if (costs[level] == worst) s->telling = level;
     s->best = every->walk;
     s->answer->trims = every->walk.length;
     for (int k = 0; k < every->walk.length; k++) s->answer->walk[k] = every->walk.trim[k];

@@ -5,6 +5,8 @@
 #include "../kernel.h"
 #include <stdlib.h>
 
+#define MANY 256          /* walks; from so many on, what is known of some is worth knowing for others */
+
 /* Trims and maneuvers have places, not ids; numbers are laid out level after level. */
 typedef struct {
     const int *first;            /* the first maneuver that leaves each trim, and one past the last of all */
@@ -68,7 +70,8 @@ typedef struct {
     Frontier left;               /* walks that were looked at and not excluded */
     Frontier ways, stack;        /* ways on from one walk; what waits to be followed depth first */
     double way, fastest;         /* m, m/s; the sizes of things */
-    long looked;                 /* walks that were looked at */
+    int telling;                 /* level that decided the best walk; without one, that excluded the walk before */
+    long looked, better, found;  /* walks that were looked at, the last that became the best; ways on that were found */
     Help quick, whole;           /* for times of a walk: with as many as equations only, tried once; with all */
 } Search;
 
@@ -96,6 +99,12 @@ int has_room(Frontier *f, long more);
 void append(Frontier *f, const Entry *entry);
 void push(Frontier *f, const Entry *entry);
 Entry pop(Frontier *f);
+
+/* ways.c: the ways on from the beginning of a walk. */
+int make_room(Search *s);
+void free_room(Search *s);
+double bound_of_all(const Search *s);
+void find_ways(Search *s, const Entry *entry, int fewest, int most);
 
 /* levels.c: one walk at every level. */
 int excluded(Search *s, const Entry *entry, Levels *every);

@@ -1,0 +1,37 @@
+/* The most promising walks. */
+#include "walks.h"
+
+/* The walks of least bound whose bounds are below a limit, at most so many: their trims, how many, and their bounds.
+ * Returns how many they are, -1 where there is no memory; rest: a bound of all others. */
+PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims, long *lengths,
+                       double *bounds, double *rest)
+{
+    Answer answer = {.cost = limit};
+    Search s = {.task = task, .automaton = automaton, .answer = &answer};
+    double until = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
+    Frontier *f = &s.frontier;
+    Entry first = {.trims = 1};
+    long count = 0;
+    int made = make_room(&s);
+    *rest = INFINITY;
+    if (made) push(f, &first);
+    while (f->count) {
+        Entry one = pop(f);
+        if (count == most || late(until) || !has_room(f, s.ways.room)) {
+            *rest = one.bound;
+            break;
+        }
+        if (one.closed) {
+            Walk walk;
+            read_walk(automaton, task, &one, &walk);
+            for (int k = 0; k < walk.length; k++) trims[MOST * count + k] = walk.trim[k];
+            lengths[count] = walk.length;
+            bounds[count++] = one.bound;
+            continue;
+        }
+        find_ways(&s, &one, 1, (int)task->max_trims);
+        for (long i = 0; i < s.ways.count; i++) push(f, &s.ways.entries[i]);
+    }
+    free_room(&s);
+    return made ? count : -1;
+}

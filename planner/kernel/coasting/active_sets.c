@@ -2,6 +2,8 @@
 #include "coasting.h"
 
 #define ROUNDS 4          /* climbs of a bound */
+#define TRIALS 1000       /* multipliers that are sought before it is said that they rarely help, ... */
+#define RARELY 20         /* ... which is one of so many; then so many sets are passed by for each that is not */
 #define IN_VAIN 2         /* sets like one for which no multiplier was found: then none is sought */
 #define SAME_RATE 1e-12   /* of a yaw rate: closer ones are one */
 #define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */
@@ -150,6 +152,16 @@ static int too_slow(const Problem *p, const ActiveSet *on, double distance)
         || (p->best < INFINITY && out_of_reach(p, on, p->best - p->fixed));
 }
 
+/* Whether multipliers refute sets of times often enough to be sought; where they do not, some still are. */
+static int worth_a_climb(KnownSets *known)
+{
+    if (!known) return 1;
+    int rarely = known->sought > TRIALS && known->refuted * RARELY < known->sought;
+    if (rarely && known->passed++ % RARELY) return 0;
+    known->sought++;
+    return 1;
+}
+
 /* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
  * left of them without one of the times; 2 for those with too many straight coasts, and those that other walks had. */
 static void exclude(const Problem *p, unsigned useful, double distance, const Given *given, const Marks *marks,
@@ -179,8 +191,9 @@ static void exclude(const Problem *p, unsigned useful, double distance, const Gi
         choose(p, &on, mask);
         KnownSet *near = help->alike ? like[mask] : 0;
         out[mask] = too_slow(p, &on, distance);
-        if (!out[mask] && !(near && near->unrefuted >= IN_VAIN)) {
+        if (!out[mask] && !(near && near->unrefuted >= IN_VAIN) && worth_a_climb(help->known)) {
             out[mask] = refuted(p, mask, ROUNDS, &multiplier);
+            if (help->known) help->known->refuted += out[mask];
             if (near && !out[mask]) near->unrefuted++;
         }
         if (out[mask] && known) known->coasting = seconds;

@@ -87,6 +87,7 @@ struct KnownSets {
     long count, room;
     double way, speed, angle;    /* m, m/s, rad; what makes no difference */
     int once;
+    long sought, refuted, passed; /* sets for which multipliers were sought, that these refuted, and passed by */
 };
 
 /* The numbers of a walk from which the marks of its sets of times are made. */

@@ -13,6 +13,9 @@
  * two angles of it a function lies below the line through its values by no more than its second derivative
  * times the square of the step over 8, and the least value so far, and the lesser of such a line and 0, lie above
  * the lines through theirs: the bound holds between the angles, too.
+ *
+ * A turn that bends by less than about the step in the seconds that are left is taken as a straight coast: its radius
+ * would hide more than what it bends. By how much way and heading may then be off is allowed for.
  */
 #include "coasting.h"
 
@@ -23,7 +26,10 @@
 #define OTHER_TURNS 8     /* full turns by which wanted headings may differ */
 #define FORBIDDEN 1e8     /* times the best seconds: no heading of the way */
 #define TOO_LONG 1e5      /* times the best seconds a size: multipliers so long climb no more */
-#define TOO_SLOW 2e-3     /* rad in the seconds that are left: a grid tells nothing of slower turns */
+#define TOO_SLOW 2e-3     /* rad in the seconds that are left: slower turns are straight coasts in any case ... */
+#define HARDLY_A_TURN 0.4 /* steps in the seconds that are left: ... and so are these */
+#define SLOW 0.3          /* rad in the seconds that are left: a set with a slower turn may have all angles */
+#define HIDDEN 1e-3       /* of the seconds that are left: what a step should hide, if there are angles enough for it */
 #define ARRIVED 1e-5      /* of the size: what misses by less is no way to climb */
 #define FURTHER 2.25e-2   /* of the best seconds: what a climb aims beyond */
 
@@ -34,6 +40,8 @@ typedef struct {
     cplx A[MOST + 1], W[MOST + 1][MOST];
     double a[MOST + 1], rate[MOST + 1];   /* of the turn after the stretch; 0 after the last */
     double seconds;                       /* that coasts may take */
+    double off, aside;                    /* m, rad; by which turns taken as straight coasts are off in all */
+    double sizes;                         /* m; of all A, and of the ways that straight coasts may make */
     double step;                          /* rad between angles */
     double forbidden;                     /* s; the value of headings that are not on the way */
     int left, angles;                     /* those to the left of heading 0; all */
@@ -43,7 +51,7 @@ typedef struct {
 } HeadingGrid;
 
 /* The angles that coasts can turn to in the seconds; 0 if they are too many. */
-static int lay_grid(HeadingGrid *c, double left, double right)
+static int lay_grid(HeadingGrid *c, double left, double right, double fastest, double slowest)
 {
     static const double finest = 2 * PI / GRID;
     double reach = (left + right) * c->seconds;
@@ -51,6 +59,10 @@ static int lay_grid(HeadingGrid *c, double left, double right)
     while (stride < COARSEST && reach > finest * stride * ENOUGH) stride *= 2;
     c->step = finest * stride;
     if (!(reach < c->step * (ANGLES - 5))) return 0;
+    /* Long radii want small steps, more of them where a turn is slow. */
+    double wanted = sqrt(8 * HIDDEN * c->seconds * fastest / c->sizes);
+    int most = slowest * c->seconds < SLOW ? ANGLES - 6 : ENOUGH;
+    if (wanted > 0 && wanted < c->step) c->step = greater(wanted, reach / most);
     c->left = (int)ceil(left * c->seconds / c->step) + 1;
     c->angles = c->left + (int)ceil(right * c->seconds / c->step) + 2;
     cplx factor = unit_complex(-c->left * c->step), onward = unit_complex(c->step);
@@ -64,7 +76,7 @@ static int lay_grid(HeadingGrid *c, double left, double right)
 /* The parts of the grid where the heading at the end is as wanted; 0 if they are too many. */
 static int find_wanted(HeadingGrid *c, const Problem *p)
 {
-    double slack = p->heading_tolerance + p->heading_slack;
+    double slack = p->heading_tolerance + p->heading_slack + c->aside;
     c->wants_heading = p->wants_heading && slack < PI;
     c->wanted_ranges = 0;
     if (!c->wants_heading) return 1;
@@ -79,34 +91,65 @@ static int find_wanted(HeadingGrid *c, const Problem *p)
     return 1;
 }
 
-/* The stretches that a set of times makes; 0 where turns are too slow or headings too many for a grid. */
-static int make_grid(HeadingGrid *c, const Problem *p, unsigned mask, double seconds)
+/* Takes a slow turn as a straight coast: what it bends moves its own way and turns all that comes after. */
+static void straighten(HeadingGrid *c, const Problem *p, int k, double fastest)
+{
+    double bent = fabs(p->rate[k]) * c->seconds, after = fastest * c->seconds;
+    for (int later = k + 1; later < p->trims; later++) after += p->size_D[later];
+    c->off += bent * (0.5 * p->speed[k] * c->seconds + after);
+    c->aside += bent;
+}
+
+/* The stretches that a set of times makes, turns up to a rate taken as straight coasts, and the angles; 0 where these
+ * are too many. */
+static int cut_at_turns(HeadingGrid *c, const Problem *p, unsigned mask, double slow)
 {
     int j = 0;
-    double right = 0, left = 0, before = 0;
+    double right = 0, left = 0, before = 0, fastest = 0, slowest = INFINITY;
+    c->off = c->aside = c->sizes = 0;
     c->A[0] = 0;
     c->straights[0] = 0;
+    for (int k = 0; k < p->trims; k++) if ((mask >> k) & 1) fastest = greater(fastest, p->speed[k]);
     for (int k = 0; k < p->trims; k++) {
         double rate = p->rate[k];
         c->A[j] += p->D[k];
         if (!((mask >> k) & 1)) continue;
-        if (rate == 0) { c->W[j][c->straights[j]++] = p->W[k]; continue; }
-        if (fabs(rate) * seconds <= TOO_SLOW) return 0;
+        if (fabs(rate) <= slow) {
+            c->W[j][c->straights[j]++] = p->W[k];
+            c->sizes += p->speed[k] * c->seconds;
+            if (rate != 0) straighten(c, p, k, fastest);
+            continue;
+        }
         c->A[j] -= p->C[k];
         c->a[j] = before - 1 / rate;
         c->rate[j] = rate;
+        c->sizes += length(c->A[j]);
         before = 1 / rate;
         right = greater(right, rate);
         left = greater(left, -rate);
+        slowest = lesser(slowest, fabs(rate));
         c->A[++j] = p->C[k];
         c->straights[j] = 0;
     }
     c->a[j] = before;
     c->rate[j] = 0;
+    c->sizes += length(c->A[j]);
     c->stretches = j + 1;
+    return lay_grid(c, left, right, fastest, slowest) && find_wanted(c, p);
+}
+
+/* The grid for a set of times; 0 where turns or headings are too many for it. */
+static int make_grid(HeadingGrid *c, const Problem *p, unsigned mask, double seconds)
+{
+    double slow = greater(0, TOO_SLOW / seconds), hardly = 0;
     c->seconds = seconds;
     c->forbidden = FORBIDDEN * p->best;
-    return lay_grid(c, left, right) && find_wanted(c, p);
+    if (!cut_at_turns(c, p, mask, slow)) return 0;
+    for (int k = 0; k < p->trims; k++) {
+        double rate = fabs(p->rate[k]);
+        if (((mask >> k) & 1) && rate > slow && rate <= HARDLY_A_TURN * c->step / seconds) hardly = greater(hardly, rate);
+    }
+    return hardly == 0 || cut_at_turns(c, p, mask, hardly);
 }
 
 /* Adds what a stretch costs at every angle; returns what a line between two angles may hide, in steps squared / 8. */
@@ -186,9 +229,9 @@ static double dual_bound(const Problem *p, const HeadingGrid *c, cplx m, cplx *s
     }
     int angle = c->left;
     double least = at_the_goal(c, f[c->stretches - 1], &angle), size = length(m);
-    double value = p->fixed + least - dot(m, p->goal) - size * tolerance - hidden * c->step * c->step / 8;
+    double value = p->fixed + least - dot(m, p->goal) - size * (tolerance + c->off) - hidden * c->step * c->step / 8;
     if (value < p->best)
-        *slope = missed(p, c, m, f, angle) - (size > 0 ? tolerance * m / size : 0);
+        *slope = missed(p, c, m, f, angle) - (size > 0 ? (tolerance + c->off) * m / size : 0);
     return value;
 }
 

@@ -2,6 +2,8 @@
 #include "walks.h"
 
 #define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
+#define TRIALS 1000       /* walks that are bounded before it is said that this rarely excludes one, ... */
+#define RARELY 20         /* ... which is one of so many; then so many are passed by for each that is bounded */
 #define TIE 1e-12         /* of the best seconds */
 #define POLISHING 0.1     /* of the seconds allowed, on top of them */
 
@@ -13,6 +15,15 @@ static int next_level(const Search *s, const double *bounds, int done)
     if (!done && s->looked >= MANY) return s->telling;
     for (int other = 1; other < s->automaton->levels; other++) if (bounds[other] > bounds[level]) level = other;
     return level;
+}
+
+/* Whether bounds exclude walks often enough to be computed; where they do not, some still are. */
+static int is_worth_bounding(Search *s)
+{
+    int rarely = s->bounded > TRIALS && s->excluded * RARELY < s->bounded;
+    if (rarely && s->passed++ % RARELY) return 0;
+    s->bounded++;
+    return 1;
 }
 
 /* Whether some level cannot beat the best so far. */
@@ -36,8 +47,9 @@ int excluded(Search *s, const Entry *entry, Levels *every)
         every->order[done] = level;
         Problem *row = &every->level[level].problem;
         s->answer->nodes++;
-        if (best == INFINITY) continue;
+        if (best == INFINITY || !is_worth_bounding(s)) continue;
         int out = cannot_beat(row);
+        s->excluded += out;
         s->multiplier[level] = row->multiplier;
         if (out) return 1;
     }

@@ -72,6 +72,7 @@ typedef struct {
     double way, fastest;         /* m, m/s; the sizes of things */
     int telling;                 /* level that decided the best walk; without one, that excluded the walk before */
     long looked, better, found;  /* walks that were looked at, the last that became the best; ways on that were found */
+    long bounded, excluded, passed; /* walks that were bounded, that this excluded, and passed by */
     Help quick, whole;           /* for times of a walk: with as many as equations only, tried once; with all */
 } Search;
 

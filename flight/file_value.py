@@ -25,7 +25,7 @@ class FileValue:
 
     @classmethod
     def __get_pydantic_core_schema__(cls, source: type, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Returns pydantic's schema with the fields in their order, their defaults for Python alone."""
+        """Returns pydantic's schema with the fields in their order."""
         schema: Any = handler(source)
         stated = {field["name"]: field for field in schema["schema"]["fields"]}
         for field in stated.values():
@@ -53,7 +53,7 @@ class InForm:
     dump: Callable[[Any], object]
 
     def __get_pydantic_core_schema__(self, source: object, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Returns the schema of the form, with the way to the value and back."""
+        """Returns the schema of the form in files."""
         form = handler.generate_schema(self.form)
         back = core_schema.plain_serializer_function_ser_schema(self.dump, return_schema=form)
         return core_schema.no_info_after_validator_function(self.load, form, serialization=back)

@@ -6,7 +6,7 @@ from enum import IntEnum
 
 import numpy as np
 
-from .topic import Field, Series, Topic
+from .series import Field, Series, Topic
 
 
 class AlarmKind(IntEnum):

@@ -10,11 +10,11 @@ from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
 from flight.schema import parse_json
 
 from .attachment_names import ARRIVAL_ATTACHMENT
-from .channels import PRIMITIVE, TRUTH
 from .decision import DECISION, DecisionKind
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_goal_trim
 from .primitives import PrimitiveKind, flown_primitives
+from .topics import PRIMITIVE, TRUTH
 
 OFF_PLAN = (DecisionKind.FAILED, DecisionKind.LATE, DecisionKind.REFUSED, DecisionKind.FALLBACK)
 """Decisions after which arrival does not count, until a plan is adopted or kept."""
@@ -72,7 +72,7 @@ def _segments(log: FlightLog) -> list[TrackSegment]:
 
 
 def _is_on_plan(log: FlightLog, time: float) -> bool:
-    """Returns True where the decisions so far leave the vehicle on a plan."""
+    """Returns True where the decisions leave the vehicle on a plan."""
     if DECISION.name not in log.series:
         return True
     decisions = log[DECISION]

@@ -4,10 +4,10 @@ from dataclasses import asdict
 
 import numpy as np
 
-from .channels import PRIMITIVE, TRUTH
 from .log import FlightLog
 from .primitives import PrimitiveKind
-from .topic import Series
+from .series import Series
+from .topics import PRIMITIVE, TRUTH
 
 LONGEST_NAME = 200
 """Characters of a name in the header."""

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from jaxtyping import Float
 
-from .topic import Field, Series
+from .series import Field, Series
 
 _POSITION_FIELDS = (
     Field("north", "m", "dead-reckoned from the first sample"),

@@ -7,7 +7,7 @@ from math import isfinite
 
 import numpy as np
 
-from .topic import Field, Series, Topic
+from .series import Field, Series, Topic
 
 
 class DecisionKind(IntEnum):

@@ -11,8 +11,8 @@ from flight.mission.fault import Fault
 from flight.schema import parse_json
 
 from .attachment_names import FAULTS_ATTACHMENT
-from .channels import FAULT, FAULT_EFFECT
 from .log import FlightLog
+from .topics import FAULT, FAULT_EFFECT
 
 _FAULTS = TypeAdapter(tuple[Fault, ...])
 

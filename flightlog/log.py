@@ -1,6 +1,6 @@
 """Flight log: commanded, estimated and true motion on one time axis.
 
-`flightlog.channels` defines the topics: fields, units and frames. Channels for viewers are derived from them
+`flightlog.topics` defines the topics: fields, units and frames. Channels for viewers are derived from them
 by `flightlog.viewers.viewer_channels` and never read back. World axes are north, east, down. Velocities are
 given in the heading frame, the level body frame: forward along the heading, side to the right, down. Angles
 are clockwise seen along the axis; headings are not wrapped. Times are seconds since the flight's start.
@@ -14,9 +14,9 @@ from flight.automaton.library_file import parse_library
 from flight.errors import FlightError
 
 from .attachment_names import LIBRARY_ATTACHMENT
-from .channels import ESTIMATE, MOTION, TRUTH
 from .header import FlightHeader
-from .topic import Series, Topic
+from .series import Series, Topic
+from .topics import ESTIMATE, MOTION, TRUTH
 
 
 class MissingTopicError(FlightError):

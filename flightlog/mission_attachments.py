@@ -103,7 +103,7 @@ def logged_goal(log: FlightLog) -> Destination | None:
 
 
 def logged_goal_trim(log: FlightLog) -> int | None:
-    """Returns the id of the trim wanted at the goal, or None where any will do.
+    """Returns the id of the goal's trim; None for any trim.
 
     Raises:
         BadFileError: the attachment is there, but broken.
@@ -122,7 +122,7 @@ def logged_plans(log: FlightLog) -> tuple[LoggedPlan, ...]:
 
 
 def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
-    """Returns every planning, with a plan or without, in order; empty where the log has none.
+    """Returns all replans in order, with or without a plan.
 
     Raises:
         BadFileError: the attachment is invalid.
@@ -133,7 +133,7 @@ def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
 
 
 def logged_planned_time(log: FlightLog) -> float | None:
-    """Returns the cost of the plan for the mission as stated, in seconds; None without one.
+    """Returns the planned time in seconds; None without a plan.
 
     Raises:
         BadFileError: the attachment is there, but broken.
@@ -149,7 +149,7 @@ def plannings_text(plannings: Sequence[LoggedPlan]) -> bytes:
 
 
 def _attached(log: FlightLog, name: str, kind: type[Content]) -> Content | None:
-    """Returns what an attachment says of one kind, among other things; None where the log lacks it.
+    """Returns a value of one kind from an attachment; None without it.
 
     Raises:
         BadFileError: the attachment is there, but broken.

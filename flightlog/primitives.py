@@ -5,8 +5,8 @@ from enum import IntEnum
 
 from flight.se2 import Twist
 
-from .channels import PRIMITIVE
 from .log import FlightLog
+from .topics import PRIMITIVE
 
 
 class PrimitiveKind(IntEnum):

@@ -1,6 +1,7 @@
 """`maneuver fly`: sequences, missions and campaigns flown by the simulated helicopter."""
 
 import json as json_module
+import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -9,8 +10,9 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from experiments.mission.fly import fly_mission
+from experiments.mission.fly import fly_mission, plan_as_stated
 from experiments.mission.mission_task import MissionTask
+from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import flown_walk
 from flight.errors import FlightError
@@ -18,6 +20,7 @@ from flight.mission.fault import parse_fault
 from flight.mission.wind_change import parse_wind_change
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
+from maneuver.options.depth import at_depth
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_walk, warn_of_walks
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument
 from maneuver.options.films import check_film_target, make_film
@@ -70,6 +73,7 @@ def fly(
     policy: FlownPolicy | None = None,
     gamma: float | None = None,
     latency: str | None = None,
+    max_trims: Count | None = None,
     wind: str | None = None,
     ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
     adaptation: bool = True,
@@ -121,6 +125,7 @@ def fly(
         gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
         latency: what a mission is charged for each planning: seconds, `measured` (by the clock; what took
             longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
+        max_trims: longest sequence that a mission is planned with, at most 8; the mission's by default.
         wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
         ideal_sensors: the vehicle believes the truth, at once.
         adaptation: whether the controller's adaptive element adapts.
@@ -150,7 +155,9 @@ def fly(
     if video is not None:
         _check_video(video, campaign, force=force)
     if mission is None:
-        _check_options("a mission: give --mission", policy=policy, gamma=gamma, latency=latency)
+        _check_options(
+            "a mission: give --mission", policy=policy, gamma=gamma, latency=latency, max_trims=max_trims
+        )
     if campaign is None:
         told = {name: value for name, value in asdict(job_executor).items() if value} | {
             "status": status or None
@@ -168,6 +175,7 @@ def fly(
                 policy or "worst-case",
                 1.0 if gamma is None else gamma,
                 Latency() if latency is None else latency_of(latency),
+                max_trims=max_trims,
             )
         case None, None, str():
             wanted = order_campaign(
@@ -260,10 +268,16 @@ def _fly_sequence(name: str, order: _SharedOptions) -> tuple[int, dict[str, obje
 
 
 def _fly_mission(
-    name: str, order: _SharedOptions, policy: FlownPolicy, gamma: float, latency: Latency
+    name: str,
+    order: _SharedOptions,
+    policy: FlownPolicy,
+    gamma: float,
+    latency: Latency,
+    *,
+    max_trims: int | None,
 ) -> tuple[int, dict[str, object]]:
     library = find_library(order.library)
-    mission = find_mission(name, library)
+    mission = at_depth(find_mission(name, library), max_trims)
     path = order.out or Path(f"{mission.name}.mcap")
     order.check_targets(path, mission_path(name))
     task = MissionTask(
@@ -280,6 +294,9 @@ def _fly_mission(
     )
     warn_of_flight(library, wind=task.wind)
     done = fly_mission(task)
+    if done.planned_time is None:
+        stated = with_full_reason(plan_as_stated(task), library, task.stated_mission)
+        print(f"{mission.name}: {stated.status}: {stated.reason}", file=sys.stderr)
     if done.legs:
         warn_of_walks(library, [flown_walk(done.legs)])
     flown = asdict(done)

@@ -11,7 +11,6 @@ from cyclopts import Parameter
 
 from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
-from flightlog.channels import ESTIMATE, FAULT, FAULT_EFFECT, MOTION, TOPICS, TRUTH
 from flightlog.file.writer import write_log
 from flightlog.imports.axes import Axes, BodyAxes, WorldAxes
 from flightlog.imports.clock import TimeUnit
@@ -20,6 +19,7 @@ from flightlog.imports.mcap_log import McapImportSettings, VelocityAxes, read_ex
 from flightlog.imports.measured_motion import velocity_disagreement
 from flightlog.imports.px4_log import read_px4_log
 from flightlog.log import FlightLog
+from flightlog.topics import ESTIMATE, FAULT, FAULT_EFFECT, MOTION, TOPICS, TRUTH
 from runtime.atomic_write import check_output_files
 
 WITH_LOSS = 3

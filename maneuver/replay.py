@@ -12,8 +12,8 @@ from experiments.mission.repeat import repeat_flight
 from flight.errors import FlightError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
+from flightlog.identity.log_diff import count_differing_bytes, differences
 from flightlog.log import FlightLog
-from flightlog.log_diff import count_differing_bytes, differences
 from runtime.atomic_write import check_output_files, write_atomically
 from runtime.code_version import code_version
 from runtime.progress import show_progress

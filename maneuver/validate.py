@@ -24,13 +24,13 @@ from experiments.validation.scorecard_files import (
     scorecard_json,
     scorecard_markdown,
 )
-from experiments.validation.time_bound_trial import find_time_bounds, time_bound_trials
+from experiments.validation.time_bound_trial import time_bound_trials
 from experiments.validation.tube_trial import tube_trials
 from flight.automaton.library import Library
-from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
 from flight.mission.mission import Mission
-from flight.plan.time_bound import time_bounds_text
+from maneuver.options.calibration import BOUND_SHARE, check_calibration, write_time_bounds
+from maneuver.options.depth import at_depth
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_walks
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.folder_status import print_status
@@ -52,9 +52,6 @@ from scenarios.find import find_library, find_mission, library_path
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")
 RANDOM_MISSIONS = 100
 NOT_REACHED = 1
-
-BOUND_SHARE = 0.9
-"""Share of flights that a calibrated time is made for."""
 
 Names = Annotated[tuple[str, ...], Parameter(consume_multiple=True, negative="")]
 Levels = Annotated[tuple[float, ...], Parameter(consume_multiple=True, negative="")]
@@ -84,6 +81,7 @@ def validate(
     latency: str = "0.05",
     max_nodes: Count | None = None,
     max_replans: Count = 200,
+    max_trims: Count | None = None,
     out: Path | None = None,
     logs: Path | None = None,
     calibrate: Path | None = None,
@@ -136,6 +134,7 @@ def validate(
             too late), or a log of a flight to be repeated.
         max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
         max_replans: replans after which a flight is given up.
+        max_trims: longest sequence that missions are planned with, at most 8; each mission's by default.
         out: folder for flights, scorecard and pictures; none by default.
         calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
             NAME.times.toml beside the library NAME.json; for --suite random. Not written where too few
@@ -163,7 +162,8 @@ def validate(
         )
     except ValueError as error:
         raise FlightError(str(error)) from None
-    _check_calibration(calibrate, suite, plant, plain=(settings, max_nodes) == (Settings(), None))
+    plain = (settings, max_nodes, max_trims) == (Settings(), None, None)
+    check_calibration(calibrate, suite, plant, plain=plain)
     check_output_files(calibrate, force=force, inputs=[library_path(library)])
     if job_executor.cluster is not None and logs is not None and out is None:
         raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
@@ -174,7 +174,10 @@ def validate(
     if plant == "helicopter" and true_gamma:
         raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
     grid = Grid(
-        missions=_missions(suite, missions, flown_with, seed=seed, gamma=gamma[0]),
+        missions=tuple(
+            at_depth(mission, max_trims)
+            for mission in _missions(suite, missions, flown_with, seed=seed, gamma=gamma[0])
+        ),
         policies=policies,
         library=flown_with,
         gammas=gamma,
@@ -214,36 +217,12 @@ def validate(
         write_validation_pictures(
             out, results, grid.missions, flown_with, totals=card.totals, time_bounds=card.time_bounds
         )
-    _calibrate(calibrate, helicopter, flown_with, seed=seed, force=force)
+    write_time_bounds(calibrate, helicopter, flown_with, seed=seed, command=_command(), force=force)
     if json:
         sys.stdout.write(scorecard_json(card, results))
     else:
         print_scorecard(card)
     return _exit_code(card.cells)
-
-
-def _check_calibration(path: Path | None, suite: str, plant: str, *, plain: bool) -> None:
-    if path is None:
-        return
-    if (suite, plant) != ("random", "helicopter"):
-        raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
-    if not plain:
-        raise FlightError("--calibrate: expected the default closed-loop settings, got others")
-
-
-def _calibrate(
-    path: Path | None, results: Sequence[MissionResult], library: Library, *, seed: int, force: bool
-) -> None:
-    if path is None:
-        return
-    made, lacking = find_time_bounds(results, share=BOUND_SHARE, seed=seed)
-    for policy in lacking:
-        print(f"{policy}: too few successful flights for a time bound", file=sys.stderr)
-    if not made:
-        print(f"{path} is not written: no policy has a time bound", file=sys.stderr)
-        return
-    text = time_bounds_text(made, library_hash=library_hash(library), command=_command())
-    write_atomically(text.encode(), path, force=force)
 
 
 def _tables(folder: Path | None, workers: int, *, force: bool) -> int:

@@ -1,4 +1,4 @@
-"""Digests of the code that computes flights, and of the code that evaluates them.
+"""Digests of the code that computes and that evaluates flights.
 
 A log carries the first, stored results of evaluated flights carry both. The command line, pages and pictures
 are part of neither.

@@ -7,11 +7,11 @@ from flight.automaton.library import Library
 from flight.automaton.vehicle import Leg, Vehicle
 from flight.errors import BadFileError, FlightLostError
 from flight.mission.sequence import Sequence
-from flightlog.channels import PRIMITIVE, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import flight_identity, identity_difference
+from flightlog.identity.flight_identity import flight_identity, identity_difference
 from flightlog.log import FlightLog
+from flightlog.topics import PRIMITIVE, TRUTH
 from runtime.code_version import code_version
 from runtime.job import JobResult, JobState, JobStatus, check_code_version
 from sim.loop.backend import Backend

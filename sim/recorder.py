@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.trim import Trim
-from flightlog.channels import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, PRIMITIVE, TRUTH, WIND
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, PRIMITIVE, TRUTH, WIND
 from sim.loop.bound_function import Array, memory_view
 from sim.loop.motion import Controls, Motion
 from sim.loop.signals import Signals

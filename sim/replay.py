@@ -1,4 +1,4 @@
-"""Checks that a log can be flown again here: vehicle and numeric back-end."""
+"""Checks that a log can be flown again here."""
 
 from flight.errors import FlightError
 from flightlog.log import FlightLog

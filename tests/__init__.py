@@ -1,1 +1,1 @@
-"""What flight must be like, a sentence a test."""
+"""Tests of the project, one folder a package."""

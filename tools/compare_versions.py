@@ -78,7 +78,8 @@ def _file_digest(path: Path) -> str:
         return _short(path.read_bytes())
     script = (
         "import sys; from pathlib import Path; from flightlog.file.reader import read_log; "
-        "from flightlog.fingerprint import fingerprint; print(fingerprint(read_log(Path(sys.argv[1]))))"
+        "from flightlog.identity.fingerprint import fingerprint; "
+        "print(fingerprint(read_log(Path(sys.argv[1]))))"
     )
     done = subprocess.run(
         [sys.executable, "-c", script, str(path)], check=True, capture_output=True, text=True

@@ -11,10 +11,10 @@ from pathlib import Path
 
 from flightlog import attachment_names
 from flightlog.alarm import ALARM
-from flightlog.channels import CONVENTIONS, TOPICS
 from flightlog.decision import DECISION
 from flightlog.header import FlightHeader
-from flightlog.topic import Topic
+from flightlog.series import Topic
+from flightlog.topics import CONVENTIONS, TOPICS
 from flightlog.viewers import z_up_frames as z_up
 from flightlog.viewers.viewer_channels import VIEWER_TOPICS, ViewerTopic
 
@@ -32,7 +32,7 @@ below, in SI units, north-east-down; `flightlog.file.reader.read_log` reads them
 for viewers: the well-known `foxglove` messages, made from the first when the log is written, z-up, and never
 read back. [review.md](review.md) says how to open a log in the viewers.
 
-This page is made from `flightlog/channels.py` and `flightlog/viewers/viewer_channels.py` by
+This page is made from `flightlog/topics.py` and `flightlog/viewers/viewer_channels.py` by
 `python -m tools.log_contract`.
 
 ## Example

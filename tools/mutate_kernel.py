@@ -1,8 +1,8 @@
 """Measures the kernel's tests by mutation: `python -m tools.mutate_kernel --mutants 300 --seed 1`.
 
 One change at a time to the C of planner/kernel: a sign flipped, a conj dropped, cos and sin swapped, a
-threshold moved, < and <= swapped. Each is compiled in a scratch folder; the tests marked `kernel` run with it
-up to the first that fails. Mutants that give the same machine code are no mutants. Survivors are printed.
+threshold moved, < and <= swapped. Each is compiled in a scratch folder, and the tests marked `kernel` run on
+it up to the first failure. Mutants that give the same machine code are no mutants. Survivors are printed.
 """
 
 import argparse
@@ -139,7 +139,7 @@ def _numbers(token: str, *, directive: bool) -> Iterator[tuple[str, str]]:
 
 
 def drawn(count: int, chance: Random) -> list[Mutant]:
-    """Returns so many mutants, the files and the kinds of change taken in turn."""
+    """Returns mutants, files and kinds of change taken in turn."""
     groups: dict[tuple[str, str], list[Mutant]] = {}
     for path in sorted((ROOT / KERNEL).rglob("*.[ch]")):
         for one in mutants_of(str(path.relative_to(ROOT / KERNEL)), path.read_text()):
@@ -153,7 +153,7 @@ def drawn(count: int, chance: Random) -> list[Mutant]:
 
 
 def prepared(folder: Path, mutant: Mutant | None) -> Path:
-    """Returns a tree in which one source differs: copies of the planner, links to everything else."""
+    """Returns a tree in which one source differs."""
     tree = folder / "tree"
     shutil.copytree(ROOT / "planner", tree / "planner", ignore=shutil.ignore_patterns("__pycache__"))
     for one in ROOT.iterdir():
@@ -165,7 +165,7 @@ def prepared(folder: Path, mutant: Mutant | None) -> Path:
 
 
 def environment(tree: Path) -> dict[str, str]:
-    """Returns the environment in which a tree is imported and compiled on its own."""
+    """Returns the environment of a tree on its own."""
     own = {"PYTHONPATH": str(tree), "XDG_CACHE_HOME": str(tree.parent / "cache")}
     return (
         os.environ
@@ -174,13 +174,11 @@ def environment(tree: Path) -> dict[str, str]:
     )
 
 
-BUILD = (
-    "from planner.kernel import build as b; assert b.__file__.startswith({!r}); assert b.kernel() is not None"
-)
+BUILD = "from planner.kernel import build; assert build.__file__.startswith({!r}); build.load_kernel()"
 
 
 def machine_code(tree: Path) -> bytes | None:
-    """Returns the compiled kernel of a tree; None where it does not compile."""
+    """Returns the compiled kernel of a tree; None without machine code."""
     command = [sys.executable, "-c", BUILD.format(str(tree))]
     done = subprocess.run(command, cwd=tree, env=environment(tree), check=False, capture_output=True)
     made = list((tree.parent / "cache").rglob("*.so"))
@@ -200,14 +198,14 @@ def outcome(mutant: Mutant, original: bytes) -> str:
 
 
 def tested(tree: Path) -> "subprocess.CompletedProcess[bytes]":
-    """Runs the tests of a tree, for so many seconds of the processor at most."""
+    """Runs the tests of a tree, within a limit of CPU seconds."""
     limited = ["sh", "-c", f'ulimit -t {PATIENCE}; exec "$@"', "sh"]
     command = [*limited, sys.executable, "-m", "pytest", *TESTS]
     return subprocess.run(command, cwd=tree, env=environment(tree), check=False, capture_output=True)
 
 
 def main() -> int:
-    """Prints what became of the mutants; 1 where less than 95 % were caught."""
+    """Prints the outcomes; returns 1 where less than 95 % were caught."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--mutants", type=int, default=300)
     parser.add_argument("--seed", type=int, default=1)

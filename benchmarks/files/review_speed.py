@@ -25,11 +25,11 @@ from mcap.writer import Writer
 from experiments.campaign.fly_campaign import campaign_library
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
-from flightlog.channels import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, TRUTH, WIND
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, topic_descriptors
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import COMMAND, CONTROLS, ESTIMATE, NAVIGATION, TRUTH, WIND
 from review.page.page import ReviewedFlight, review_page
 from review.summary.summary import summarise
 from scenarios.find import find_campaign

@@ -14,7 +14,7 @@ import numpy as np
 
 from experiments.mission.fly import mission_seed
 from experiments.mission.random_missions import random_missions
-from flightlog.channels import COMMAND, ESTIMATE
+from flightlog.topics import COMMAND, ESTIMATE
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
@@ -36,9 +36,9 @@ def velocity_error(trim: int, wind: str, seed: int) -> float:
     helicopter = SimulatedHelicopter(FlightSpecification(seed=seed, start_trim=trim, wind=wind), LIBRARY)
     helicopter.coast(HOLD_TIME)
     log = helicopter.log()
-    believed, asked = log[ESTIMATE], log[COMMAND]
-    off = [believed[name] - asked[name] for name in ("forward", "side")]
-    return float((off[0] ** 2 + off[1] ** 2 + believed["descent"] ** 2).mean())
+    estimate, command = log[ESTIMATE], log[COMMAND]
+    off = [estimate[name] - command[name] for name in ("forward", "side")]
+    return float((off[0] ** 2 + off[1] ** 2 + estimate["descent"] ** 2).mean())
 
 
 def innovations(wind: str, seed: int) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
 from flight.errors import AlreadyExistsError, BadFileError
 from flightlog.file.reader import read_log
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from identification.identify import TrimErrors
 from identification.segmentation.flight_evidence import StateJudged
 from runtime.atomic_write import write_atomically

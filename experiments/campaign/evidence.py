@@ -13,9 +13,9 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import PRIMITIVE
 from flightlog.file.reader import read_log
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
+from flightlog.topics import PRIMITIVE
 from identification.segmentation.flight_evidence import (
     FlightEvidence,
     StateJudged,

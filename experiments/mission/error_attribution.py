@@ -7,8 +7,8 @@ import numpy as np
 from scipy.stats import binom
 
 from flight.automaton.library import Library
-from flightlog.channels import PRIMITIVE
 from flightlog.log import FlightLog
+from flightlog.topics import PRIMITIVE
 from identification.segmentation.segmentation import CoastSegment, ManeuverSegment, segment
 
 

@@ -7,7 +7,7 @@ from flight.file_value import FileValue
 from flight.plan.plan import Plan, plan_text, with_mission
 from flight.schema import json_content
 from flightlog.attachment_names import MISSION_ATTACHMENT
-from flightlog.identity import flight_identity
+from flightlog.identity.flight_identity import flight_identity
 from flightlog.mission_attachments import LoggedPlan, plannings_text
 from planner.closed_loop.flight_record import FlightRecord
 from planner.closed_loop.settings import Settings

@@ -11,7 +11,7 @@ from flight.automaton.library_file import library_hash
 from flight.errors import BadFileError
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.identity import flight_identity, identity_difference
+from flightlog.identity.flight_identity import flight_identity, identity_difference
 from planner.kernel.build import SEARCH_BACKEND
 from runtime.atomic_write import check_output_folder, remove_partial_files
 from runtime.code_version import code_version, evaluation_version

@@ -7,8 +7,8 @@ from jaxtyping import Float
 from pydantic import PositiveFloat
 
 from flight.file_value import FileValue
-from flightlog.channels import COMMAND, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
+from flightlog.topics import COMMAND, ESTIMATE, TRUTH
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,4 +1,4 @@
-"""Proof of a lower bound: for each walk, trees of boxes of times.
+"""Proof of a lower bound: trees of boxes of coasting times.
 
 A box is cut in two at one coasting time, again and again; each part that is not cut is refuted by
 multipliers (`docs/planner.md` says how). A tree is written as a line of text, every node before its parts,

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from mcap.opcode import Opcode
 
-from flightlog.topic import Topic
+from flightlog.series import Topic
 
 _HEAD = [
     ("opcode", "u1"),

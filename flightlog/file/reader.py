@@ -23,12 +23,12 @@ from mcap.summary import Summary
 from flight.errors import BadFileError
 from flight.schema import check_schema_name
 from flightlog.alarm import ALARM
-from flightlog.channels import SCHEMA, TOPICS
 from flightlog.consistency import check_log_consistency
 from flightlog.decision import DECISION
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import SCHEMA, TOPICS
 
 from .message_block import constant_fields, empty_messages, topic_type, view_at_every_byte
 from .writer import (

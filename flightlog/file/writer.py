@@ -13,9 +13,9 @@ from mcap.data_stream import RecordBuilder
 from mcap.opcode import Opcode
 from mcap.writer import Writer
 
-from flightlog.channels import CONVENTIONS
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import CONVENTIONS
 from flightlog.viewers.viewer_channels import ViewerChannel, ViewerTopic, viewer_channels
 from runtime.atomic_write import write_atomically
 

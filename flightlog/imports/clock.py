@@ -28,29 +28,34 @@ class ClockError(FlightError):
     """Times of an imported file that are not those of one flight."""
 
 
-def check_unit(stamps: Column) -> None:
-    """Refuses stamps that cannot be seconds.
+def check_unit(stamps: Column, unit: TimeUnit | None) -> None:
+    """Refuses stamps that cannot be in a unit.
+
+    Args:
+        stamps: times as they are in the file.
+        unit: unit stated, which may be slow; seconds where None.
 
     Raises:
         ClockError: their rate is that of no flight; the message names the units that fit.
     """
     interval = _median_interval(stamps)
-    if interval is None or INTERVALS[0] <= interval <= INTERVALS[1]:
+    shortest, longest = INTERVALS
+    size = SECONDS[unit or "s"]
+    if interval is None or shortest <= size * interval <= (LONGEST_GAP if unit else longest):
         return
     fitting = [
-        f"{unit} ({1.0 / (size * interval):.4g} Hz)"
-        for unit, size in SECONDS.items()
-        if INTERVALS[0] <= size * interval <= INTERVALS[1]
+        f"{name} ({1.0 / (second * interval):.4g} Hz)"
+        for name, second in SECONDS.items()
+        if shortest <= second * interval <= longest
     ]
-    found = f"; found those of {' or '.join(fitting)}" if fitting else ""
     raise ClockError(
-        f"expected sample intervals of {INTERVALS[0]:g} to {INTERVALS[1]:g} s, got {interval:.3g} s if times "
-        f"are in seconds{found}: give --time-unit"
+        f"expected sample intervals of {shortest:g} to {longest:g} s, got {size * interval:.3g} s if times "
+        f"are in {unit or 's'}: give --time-unit {' or '.join(fitting)}".rstrip()
     )
 
 
 def check_clock(time: Column, *, sample: str) -> None:
-    """Refuses a clock that jumps ahead, or back over more than a few samples.
+    """Checks that a clock is slow enough, without jumps.
 
     Args:
         time: seconds; samples that are not finite are passed over.
@@ -68,6 +73,11 @@ def check_clock(time: Column, *, sample: str) -> None:
             f"{sample} {places[at + 1] + 1}: time jumps ahead by {steps[at]:.6g} s, from "
             f"{time[places[at]]:.12g} s; expected gaps of at most {LONGEST_GAP:g} s: correct the times, or "
             "cut the file there"
+        )
+    if len(steps) and 0.0 < np.ptp(time[places]) < INTERVALS[0] * len(steps):
+        raise ClockError(
+            f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {len(places)} in "
+            f"{np.ptp(time[places]):.3g} s: the unit of the times is another"
         )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())

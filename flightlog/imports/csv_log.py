@@ -9,9 +9,9 @@ import pandas as pd
 from jaxtyping import Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.channels import ACTUATORS, MAX_ACTUATORS
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import ACTUATORS, MAX_ACTUATORS
 
 from .axes import Axes, quaternions_from_euler
 from .clock import SECONDS, TimeUnit, check_clock, check_unit
@@ -53,9 +53,11 @@ def read_external_csv(
     try:
         chosen = _select_columns(table, columns)
         numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
-        numbers = dict(_in_ascending_order(numbers))
-        if time_unit is None:
-            check_unit(numbers["time"])
+        if not np.isfinite(numbers["time"]).any():
+            raise FlightError(f"column {chosen['time']!r}: expected times, got no finite number")
+        numbers["time"] = np.where(np.isfinite(numbers["time"]), numbers["time"], np.nan)
+        numbers = _in_ascending_order(numbers)
+        check_unit(numbers["time"], time_unit)
         time = SECONDS[time_unit or "s"] * numbers["time"]
         check_clock(time, sample="row")
         sources, velocity = _sources(numbers, time - np.nanmin(time), axes)
@@ -95,8 +97,8 @@ def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
         raise FlightError(f"column {heading!r}: expected numbers: {' '.join(str(error).split())}") from None
 
 
-def _in_ascending_order(numbers: Mapping[str, np.ndarray]) -> Mapping[str, np.ndarray]:
-    """Returns the rows of a table with the latest one first in reverse."""
+def _in_ascending_order(numbers: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Returns the rows of a descending table in reverse."""
     steps = np.diff(numbers["time"])
     descending = bool((steps <= 0.0).all() and (steps < 0.0).any())
     return {name: column[::-1] for name, column in numbers.items()} if descending else numbers

@@ -12,7 +12,7 @@ from flightlog.autopilot_messages import AutopilotMessage
 from flightlog.consistency import LONGEST_NAME
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
 from runtime.version import VERSION
 
 UNKNOWN = "not known"

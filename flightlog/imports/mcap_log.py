@@ -17,7 +17,7 @@ from mcap.reader import McapReader, make_reader
 from flight.errors import BadFileError, FlightError
 from flightlog.file.writer import LARGEST_LOG
 from flightlog.log import FlightLog
-from flightlog.topic import Topic
+from flightlog.series import Topic
 
 from .axes import Axes, BodyAxes, WorldAxes
 from .clock import ClockError, check_clock
@@ -182,7 +182,7 @@ def _sources(
         return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
 
     for name, table in tables.items():
-        check_clock(clock(table), sample=f"{name}, message")
+        check_clock(clock(table), sample=f"{name} message")
     sources = list(_pose_sources(pose, clock(pose), axes))
     if not sources:
         raise FlightError(f"{settings.pose} ({pose.schema}): expected a position or orientation, got none")

@@ -90,13 +90,14 @@ def find_quaternion(message: Any) -> VectorPath | None:
 
 
 def stamp_of(message: Any) -> int:
-    """Returns a message's stamp in nanoseconds; 0 without one."""
+    """Returns a message's stamp in nanoseconds; 0 without a valid one."""
     for owner in (_part(message, "header"), message):
         for name in ("stamp", "timestamp"):
             stamp = _part(owner, name)
             seconds = _first_part(stamp, ("sec", "seconds", "secs"))
             if seconds is not None:
-                return int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec")) or 0)
+                whole = int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec")) or 0)
+                return whole if 0 < whole < 2**63 else 0
     return 0
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 from flightlog.consistency import LARGEST_VALUE
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
 
 Column = Float[np.ndarray, "n"]
 

@@ -12,9 +12,9 @@ from jaxtyping import Bool, Float
 
 from flight.errors import BadFileError, FlightError
 from flightlog.autopilot_messages import AutopilotMessage
-from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 
 from .clock import check_clock
 from .imported_log import UNKNOWN, ExternalLog
@@ -60,7 +60,7 @@ def read_px4_log(path: Path) -> FlightLog:
         topics, known, messages = _read(whole.content)
         series = series_of(topics)
         for name in {ESTIMATE.name, TRUTH.name} & series.keys():
-            check_clock(series[name].time, sample=f"{name}, state")
+            check_clock(series[name].time, sample=f"{name} state")
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:

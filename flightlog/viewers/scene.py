@@ -20,10 +20,10 @@ from flight.plan.plan import Plan
 from flight.plan.planned_track import POINTS, planned_track, planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE, PRIMITIVE
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plans
 from flightlog.primitives import PrimitiveKind, merged_primitives
+from flightlog.topics import ESTIMATE, PRIMITIVE
 from flightlog.trim_labels import trim_palette
 
 from .z_up_frames import WORLD, positions
@@ -71,7 +71,7 @@ def estimated_pose(log: FlightLog, time: float) -> SE2:
 
 
 def tube_gamma(plan: Plan) -> float:
-    """Returns the uncertainty level up to which a plan's tube is drawn: its own, or 1 for a nominal plan."""
+    """Returns the gamma of a plan's tube; 1 for a nominal plan."""
     return plan.gamma or _TUBE_OF_NOMINAL
 
 
@@ -122,7 +122,7 @@ def _goal_disc(position: tuple[float, float], tolerance: float, height: float) -
 
 
 def _planned_track(log: FlightLog, library: Library, planning: LoggedPlan) -> SceneEntity:
-    """Draws a plan from where the vehicle believed to be when it was made, over its tube."""
+    """Draws a plan from the estimated pose at its time."""
     entity = SceneEntity(frame_id=WORLD, id="plan")
     plan, start = planning.plan, estimated_pose(log, planning.time)
     height = float(-np.interp(planning.time, log[ESTIMATE].time, log[ESTIMATE]["down"]))

@@ -21,10 +21,10 @@ from google.protobuf.timestamp_pb2 import Timestamp
 from jaxtyping import Int, UInt8
 
 from flight.errors import FlightError
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.events import Event, Level, flight_events
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 
 from .message_template import NANOSECONDS, SECONDS, fill_template
 from .scene import scene_entities

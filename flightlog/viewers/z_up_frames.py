@@ -3,7 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
-from flightlog.topic import Series
+from flightlog.series import Series
 
 WORLD = "world_east_north_up"
 VEHICLE = "vehicle_forward_left_up"

@@ -5,10 +5,10 @@ from typing import Literal
 
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 
 from .segmentation import Segments, segment
 
@@ -27,7 +27,8 @@ class FlightEvidence:
 
     Attributes:
         name: name of the log in errors.
-        sha256: hash of the log's content (`flightlog.fingerprint`), as hexadecimal digits.
+        sha256: hash of the log's content (`flightlog.identity.fingerprint`), as
+            hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.

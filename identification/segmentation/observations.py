@@ -13,7 +13,7 @@ from flightlog.log import FlightLog
 
 from .segmentation import Segments
 
-# Spacing of a track's points, seconds.
+# Spacing of a track's points, seconds, and the most of them.
 _SPACING, _MOST_POINTS = 0.1, 10_000
 
 

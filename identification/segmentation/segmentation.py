@@ -12,7 +12,7 @@ from flight.se2 import SE2, Twist
 from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, flown_primitives
-from flightlog.topic import Series
+from flightlog.series import Series
 
 
 @dataclass(frozen=True, slots=True)

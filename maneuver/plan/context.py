@@ -59,7 +59,7 @@ def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission
 
 
 def holds_no_plan(path: Path | None) -> bool:
-    """Returns whether a file holds an answer without a plan, a price or a proof."""
+    """Returns True where a file holds an answer without a plan."""
     if path is None or not path.is_file():
         return False
     try:

@@ -1,20 +1,19 @@
 """`maneuver plan`: a mission in, a plan out."""
 
 import sys
-from dataclasses import replace
 from math import inf
 from pathlib import Path
 from typing import Annotated
 
 from cyclopts import App, Parameter
 
+from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of
 from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
-from flight.automaton.library import Library
 from flight.errors import FlightError
-from flight.mission.mission import MAX_TRIMS, Mission
 from flight.plan.plan import Policy, plan_text, with_mission
 from flight.plan.time_bound import time_bounds_path
+from maneuver.options.depth import at_depth
 from maneuver.options.domain_warnings import warn_of_walk
 from maneuver.options.numbers import Count, Seconds
 from runtime.atomic_write import check_output_files, write_atomically
@@ -56,14 +55,15 @@ def plan(
 ) -> int:
     """Plans a mission: trims and coasting times of least total time.
 
-    The nominal policy believes the library. The worst-case policy plans for its errors, scaled by 0, -gamma
-    and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown are those of
-    the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case time stays, at
-    it and at every smaller one, within alpha times the nominal optimum; --pareto shows the whole curve.
-    The committed policy fixes the coasting times before gamma is known: they end within the tolerance at
-    every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do is shown.
-    Every plan is flown again by code that shares nothing with the search. The exit code is 1 where there is
-    no plan.
+    The nominal policy uses the values without errors. The worst-case policy plans for the errors, scaled by
+    0, -gamma and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown
+    are those of the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case
+    time stays, at it and at every smaller one, within alpha times the nominal optimum; --pareto shows the
+    whole curve. The committed policy fixes the coasting times before gamma is known: they end within the
+    tolerance at every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do
+    is shown. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
+    there is no plan; where longer sequences have one, and that is soon found, the answer names the
+    --max-trims.
 
     For example:
 
@@ -103,9 +103,9 @@ def plan(
         force: overwrite these files.
         json: print the plan as JSON.
     """
-    told = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
-    told |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
-    check_policy_options(policy, told, pareto=pareto)
+    given = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
+    given |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
+    check_policy_options(policy, given, pareto=pareto)
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
     read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]
@@ -114,7 +114,7 @@ def plan(
     check_output_files(out, force=replace_out)
     check_output_files(picture, force=force, ending=".png")
     primitives = find_library(library)
-    task = _find_mission(mission, primitives, max_trims)
+    task = at_depth(find_mission(mission, primitives), max_trims)
     if pareto:
         return print_prices(
             primitives, task, out=out, picture=picture, replace_out=replace_out, force=force, json=json
@@ -133,6 +133,7 @@ def plan(
         from planner.proof.certify_plan import certify_plan
 
         answer = certify_plan(answer, primitives, task)
+    answer = with_full_reason(answer, primitives, task)
     answer = with_time_bound(answer, task, planner, primitives, stated_time_bounds(library, primitives))
     if answer.found:
         warn_of_walk(primitives, answer.sequence, answer.coasting_times)
@@ -148,12 +149,3 @@ def plan(
     else:
         print_plan(answer, primitives)
     return 0 if answer.found else NO_PLAN
-
-
-def _find_mission(name: str, library: Library, max_trims: int | None) -> Mission:
-    task = find_mission(name, library)
-    if max_trims is not None:
-        task = replace(task, max_trims=max_trims)
-    if task.max_trims > MAX_TRIMS:
-        raise FlightError(f"--max-trims: expected at most {MAX_TRIMS}, got {task.max_trims}")
-    return task

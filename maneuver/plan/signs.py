@@ -50,7 +50,7 @@ def signs(
     their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
     and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
     misses those of the plan's. A plan without a gamma is looked at to gamma 1. The exit code is 1 where a
-    corner is slower than every single gamma: the plan's cost is too hopeful.
+    corner is slower than every single gamma: the plan's cost is optimistic.
 
     For example:
 

@@ -15,9 +15,9 @@ from jaxtyping import Float
 from PIL import Image, ImageDraw, ImageFont
 from scipy.ndimage import gaussian_filter1d
 
-from flightlog.channels import PRIMITIVE
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, merged_primitives
+from flightlog.topics import PRIMITIVE
 from flightlog.trim_labels import trim_label, trim_names
 from runtime.atomic_write import file_target
 
@@ -26,9 +26,11 @@ from .encoder import FilmError, Picture, film_encoder
 from .film_model import film_model
 from .film_tracks import FLOWN, PLANNED, FilmTracks
 
+LONGEST_FILM = 6.0 * 3600.0
+"""Longest flight filmed, seconds."""
+
 # Rotor speeds in the film, rad/s, the main rotor clockwise seen from above: at the true speed the frame rate
 # would alias the rotation.
-LONGEST_FILM = 6.0 * 3600.0
 _SHOWN_SPEEDS = (-11.0, 17.0)
 # Camera: distance behind, m; azimuth offset and elevation, deg; smoothing of place and of heading, s.
 _DISTANCE, _ASIDE, _DOWN = 7.0, -22.0, -13.0
@@ -63,7 +65,8 @@ class Film:
         settings: size and frame rate.
 
     Raises:
-        FlightError: the log lacks motion, an attachment is broken, or no OpenGL context can be opened.
+        FlightError: the log lacks motion or is too long, an attachment is broken, or no OpenGL context can be
+            opened.
     """
 
     def __init__(self, log: FlightLog, settings: FilmSettings) -> None:

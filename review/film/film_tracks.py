@@ -11,9 +11,9 @@ from jaxtyping import Float
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_goal, logged_plans, logged_sequence
+from flightlog.topics import ESTIMATE
 
 Points = Float[np.ndarray, "n 3"]
 FLOWN, PLANNED, GOAL = (0.90, 0.36, 0.05, 1.0), (0.10, 0.27, 0.62, 0.9), (0.0, 0.62, 0.45, 0.45)

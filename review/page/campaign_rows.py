@@ -10,9 +10,9 @@ from jaxtyping import Float
 
 from flight.automaton.library import Library
 from flight.errors import FlightError
-from flightlog.channels import COMMAND, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.log import FlightLog
+from flightlog.topics import COMMAND, TRUTH
 from review.summary.bound_check import bounding_library, compute_deviations, with_bounds_of
 from review.summary.summary import Summary, summarise
 from review.summary.tracking import tracking_error

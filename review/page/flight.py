@@ -7,13 +7,13 @@ from jaxtyping import Float
 
 from flight.plan.planned_track import planned_track, planned_tube
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.events import flight_events
 from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import LoggedPlan, logged_goal, logged_plans
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.trim_labels import trim_label, trim_names, trim_palette
 from flightlog.viewers.scene import estimated_pose, tube_gamma
 from review.summary.bound_check import BoundDeviation, bounding_library, compute_deviations

@@ -7,9 +7,9 @@ from math import degrees
 import numpy as np
 from jaxtyping import Float
 
-from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from review.summary.tracking import interpolate_field, navigation_error
 
 from .columns import PageColumns

@@ -6,9 +6,9 @@ import numpy as np
 from jaxtyping import Float
 from scipy.signal import detrend, welch
 
-from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, CONTROLS, ESTIMATE, TRUTH
 
 from .columns import pack_floats
 

@@ -15,8 +15,8 @@ from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.arrival import logged_arrival
-from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 
 from . import palette
 from .automaton_picture import draw_automaton
@@ -113,7 +113,7 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
 
 
 def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[float | None]) -> str:
-    """Returns what the plan predicted and what the flights did, in two lines."""
+    """Returns prediction and results of a plan in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
     predicted = f"predicted {plan.cost:.1f} s"

@@ -9,9 +9,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
-from flightlog.channels import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import merged_primitives
+from flightlog.topics import ACTUATORS, CONTROLS, ESTIMATE, TRUTH, WIND
 from review.summary.tracking import VELOCITIES
 from runtime.atomic_write import file_target, write_atomically
 

@@ -8,9 +8,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
-from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, merged_primitives
+from flightlog.topics import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.trim_labels import trim_palette
 from review.summary.bound_check import bounding_library
 from review.summary.tracking import navigation_error
@@ -178,7 +178,7 @@ def _finish(axes: Axes, log: FlightLog, title: str, *, least_span: float = 0.0) 
     palette.format_axes(axes)
     palette.draw_headline(axes, title)
     shade_primitives(axes, log)
-    axes.set_xlim(0.0, log.duration)
+    axes.set_xlim(0.0, log.duration or 1.0)
     low, high = axes.get_ylim()
     if high - low < least_span:
         middle = 0.5 * (low + high)

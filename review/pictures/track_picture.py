@@ -12,10 +12,10 @@ from matplotlib.patches import FancyArrowPatch
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE, WIND
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_goal, logged_plans
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
+from flightlog.topics import ESTIMATE, WIND
 from flightlog.trim_labels import trim_label, trim_names, trim_palette
 from review.summary.bound_check import pose_at
 

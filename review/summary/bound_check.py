@@ -10,9 +10,9 @@ from flight.automaton.library_file import library_text, parse_library
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
+from flightlog.topics import TRUTH
 
 from .tracking import VELOCITIES
 

@@ -9,12 +9,12 @@ from jaxtyping import Float
 from flight.mission.arrival import ArrivalVerdict
 from flightlog.arrival import logged_arrival
 from flightlog.attachment_names import PLANS_ATTACHMENT
-from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.fault_record import fault_occurrences
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_planned_time, logged_plannings
 from flightlog.primitives import FlownPrimitive, PrimitiveKind, merged_primitives
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.trim_labels import trim_names
 
 from .bound_check import BoundCheck, check_bounds

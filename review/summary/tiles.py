@@ -5,10 +5,10 @@ from collections.abc import Iterator
 import numpy as np
 
 from flight.plural import plural
-from flightlog.channels import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, COMMAND, CONTROLS, ESTIMATE, MOTION, NAVIGATION, TRUTH, WIND
 
 from .bound_check import BOUNDS_ATTACHMENT, IDENTIFICATION_KINDS
 from .summary import Summary

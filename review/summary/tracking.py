@@ -3,9 +3,9 @@
 import numpy as np
 from jaxtyping import Float
 
-from flightlog.channels import COMMAND, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import COMMAND, ESTIMATE, TRUTH
 
 VELOCITIES = ("forward", "side", "yaw_rate")
 """Fields of command, estimate and truth that a trim fixes."""

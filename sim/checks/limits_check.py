@@ -7,8 +7,8 @@ import numpy as np
 
 from flight.automaton.library import Library
 from flight.errors import FlightLostError
-from flightlog.channels import CONTROLS, TRUTH
 from flightlog.log import FlightLog
+from flightlog.topics import CONTROLS, TRUTH
 from sim.campaign_flight import fly_sequence
 from sim.control.gains import Gains
 from sim.loop.backend import Backend

@@ -9,7 +9,7 @@ from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.se2 import SE2, Twist
 from flight.units import FOOT
-from flightlog.channels import TRUTH
+from flightlog.topics import TRUTH
 from sim.loop.specification import FlightSpecification
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.vehicle.parameters import Parameters

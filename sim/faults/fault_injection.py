@@ -7,10 +7,10 @@ import numpy as np
 
 from flight.mission.fault import SENSORS, SERVOS, Fault
 from flightlog.attachment_names import FAULTS_ATTACHMENT
-from flightlog.channels import FAULT, FAULT_EFFECT
 from flightlog.fault_record import faults_text
 from flightlog.log import FlightLog
-from flightlog.topic import Series, Topic
+from flightlog.series import Series, Topic
+from flightlog.topics import FAULT, FAULT_EFFECT
 from sim.loop.signals import Signals
 from sim.loop.specification import CONTROL_PERIOD
 from sim.navigation.navigation import Navigation, Navigator

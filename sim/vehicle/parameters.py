@@ -18,7 +18,7 @@ SCHEMA = "maneuver-vehicle/1"
 
 @dataclass(frozen=True, slots=True)
 class Environment(FileValue):
-    """What surrounds the vehicle: gravity in m/s2, air density in kg/m3."""
+    """Environment: gravity in m/s2, air density in kg/m3."""
 
     gravity: PositiveFloat
     air_density: PositiveFloat
@@ -26,7 +26,7 @@ class Environment(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class Body(FileValue):
-    """Mass in kg and moments of inertia in kg m2 about the centre of mass, axes forward-right-down."""
+    """Mass in kg and moments of inertia in kg m2, axes forward-right-down."""
 
     mass: PositiveFloat
     inertia_xx: PositiveFloat
@@ -37,7 +37,7 @@ class Body(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class MainRotor(FileValue):
-    """The lifting rotor: lengths in m, speed in rad/s, hub spring in N m/rad, drag shares in 1/s."""
+    """Main rotor: m, rad/s, hub spring in N m/rad, drag in 1/s."""
 
     radius: PositiveFloat
     blades: int
@@ -58,7 +58,7 @@ class MainRotor(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class StabiliserBar(FileValue):
-    """The bar that damps body rates: time in s, gains in rad per rad."""
+    """Stabiliser bar: time constant in s, gains in rad/rad."""
 
     time: PositiveFloat
     gain_back: PositiveFloat
@@ -68,7 +68,7 @@ class StabiliserBar(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class TailRotor(FileValue):
-    """The rotor that holds the heading: lengths in m, speed in rad/s; its yaw-rate gyro in s and rad/s."""
+    """Tail rotor with yaw-rate gyro: m, rad/s, s."""
 
     radius: PositiveFloat
     blades: int
@@ -84,7 +84,7 @@ class TailRotor(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class Airframe(FileValue):
-    """Flat plates and surfaces: areas in m2, arms behind the centre of mass in m."""
+    """Flat plates and surfaces: areas in m2, arms in m."""
 
     plate_front: PositiveFloat
     plate_side: PositiveFloat
@@ -99,7 +99,7 @@ class Airframe(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class Servos(FileValue):
-    """Servo bandwidth in rad/s, travel in rad of blade pitch, rates in rad/s, transport delay in s."""
+    """Servos: bandwidth, travel, rates, transport delay; rad and s."""
 
     bandwidth: PositiveFloat
     cyclic_limit: PositiveFloat

@@ -13,12 +13,12 @@ from flight.mission.mission import read_mission
 from flight.mission.sequence import read_sequence
 from flight.plan.plan import read_plan
 from flightlog.attachment_names import PLANS_ATTACHMENT
-from flightlog.channels import CONVENTIONS
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_plannings, plannings_text
+from flightlog.topics import CONVENTIONS
 from maneuver.app import run
 from sim.vehicle.parameters import read_parameters
 

@@ -11,12 +11,12 @@ import pytest
 
 import models
 from flight.errors import FlightError
-from flightlog.channels import TRUTH
 from flightlog.consistency import check_log_consistency
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import TRUTH
 from flightlog.viewers.mjcf_check import parse_model
 from maneuver.app import run
 from tests.support.packages import ROOT, SHIPPED

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flightlog.channels import ACTUATORS, ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
+from flightlog.topics import ACTUATORS, ESTIMATE, TRUTH
 from identification.segmentation.segmentation import ObservedWalk, TrimEntry, cut_into_segments
 from maneuver.app import run
 from tests.support.synthetic_log import STILL, synthetic_library, synthetic_log

@@ -14,13 +14,13 @@ from scipy.spatial.transform import Rotation
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text, read_library
 from flightlog.attachment_names import IMPORT_ATTACHMENT
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.imports.axes import Axes, quaternions_from_euler
 from flightlog.imports.measured_motion import attitude_source
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 from flightlog.viewers.z_up_frames import attitudes
 from maneuver.app import run
 from tests.support.external_bags import plain_bag, ros2_bag

@@ -11,11 +11,11 @@ from google.protobuf.message_factory import GetMessageClass
 from mcap.reader import make_reader
 
 from flight.errors import AlreadyExistsError, BadFileError, CannotWriteError
-from flightlog.channels import CONTROLS, TOPICS, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog, MissingTopicError
 from flightlog.primitives import flown_primitives
+from flightlog.topics import CONTROLS, TOPICS, TRUTH
 from runtime.atomic_write import write_atomically
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 

@@ -8,11 +8,11 @@ import pytest
 
 from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
-from flightlog.channels import ACTUATORS, COMMAND, ESTIMATE, TRUTH, WIND
 from flightlog.events import Level, flight_events
 from flightlog.file.reader import read_log
 from flightlog.imports.px4_log import Messages, series_of
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, TRUTH, WIND
 from maneuver.app import run
 
 # Data beside the project, not part of it.

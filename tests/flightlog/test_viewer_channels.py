@@ -20,11 +20,11 @@ import models
 from flight.plan.planned_track import planned_tube
 from flight.se2 import SE2
 from flightlog.attachment_names import MODEL_ATTACHMENT, PLANS_ATTACHMENT
-from flightlog.channels import ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.events import Level, flight_events
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.viewers.message_template import NANOSECONDS, SECONDS, fill_template
 from flightlog.viewers.viewer_channels import EVENTS, PATH, SCENE, TRANSFORMS, ViewerTopic, viewer_channels
 from flightlog.viewers.z_up_frames import ESTIMATED_VEHICLE, VEHICLE, WORLD, attitudes, positions

@@ -19,11 +19,11 @@ from experiments.mission.mission_task import MissionTask
 from flight.mission.fault import parse_fault
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2
-from flightlog.channels import CONTROLS, NAVIGATION, TOPICS, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import CONTROLS, NAVIGATION, TOPICS, TRUTH
 from flightlog.viewers import z_up_frames as z_up
 from flightlog.viewers.viewer_channels import VIEWER_TOPICS
 from maneuver.app import run

@@ -11,10 +11,10 @@ from hypothesis import strategies as st
 from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
 from flight.errors import FlightError
-from flightlog.channels import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog, MissingTopicError
+from flightlog.topics import COMMAND, MOTION, PRIMITIVE, TRUTH, WIND
 from identification.design.schedule import schedule
 from identification.segmentation.motion_matching import MotionModel, TrimGraph, match_walk
 from identification.segmentation.motion_model import TooSlowLogError, sampled_motion
@@ -145,6 +145,49 @@ def test_a_vehicle_that_holds_one_velocity_has_no_automaton() -> None:
     log = motion_log(vehicle="steady", time=time, north=2 * time, east=0 * time, heading=0 * time)
     with pytest.raises(NoTrimsError, match="expected two trims or more"):
         discover_automaton([sampled_motion(log)], vehicle="steady")
+
+
+def held(folder: Path, name: str, *parts: tuple[float, float]) -> Path:
+    """Writes a log of forward speeds, each held for its seconds after a lag of 0.6 s."""
+    wanted = np.concatenate([np.full(round(seconds / 0.02), speed) for seconds, speed in parts])
+    speed, lag = np.array(wanted), 0.02 / 0.6
+    for place in range(1, len(speed)):
+        speed[place] = speed[place - 1] + lag * (wanted[place] - speed[place - 1])
+    time = 0.02 * np.arange(len(speed))
+    log = motion_log(
+        vehicle="any", time=time, north=np.cumsum(0.02 * speed), east=0 * time, heading=0 * time, name=name
+    )
+    write_log(log, folder / f"{name}.mcap")
+    return folder / f"{name}.mcap"
+
+
+@pytest.mark.parametrize(
+    "flights",
+    [
+        [[(30.0, 2.0)]],
+        [[(30.0, 2.0)], [(30.0, 4.0)]],
+        [[(30.0, 2.0)], [(30.0, 4.0)], [(30.0, 0.0)]],
+        [[(20.0, 2.0), (1.7, 4.0)]],
+    ],
+)
+def test_flights_without_a_whole_step_give_no_library(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], flights: list[list[tuple[float, float]]]
+) -> None:
+    logs = [held(tmp_path, f"{place}", *parts) for place, parts in enumerate(flights)]
+    out = tmp_path / "found.json"
+    assert run(["identify", *map(str, logs), "--out", str(out), "--workers", "1"]) == 2
+    refusal = capsys.readouterr().err.splitlines()[-1]
+    assert refusal.startswith("maneuver: expected ")
+    assert "change --resolution, give --trims, or longer flights with steps" in refusal
+    assert not out.exists()
+
+
+def test_one_step_between_two_trims_is_a_library(tmp_path: Path) -> None:
+    log, out = held(tmp_path, "step", (20.0, 2.0), (20.0, 4.0)), tmp_path / "found.json"
+    assert run(["identify", str(log), "--out", str(out), "--workers", "1"]) == 0
+    library = read_library(out)
+    assert [trim.velocity.forward for trim in library.trims] == pytest.approx([2.0, 4.0], abs=0.02)
+    assert len(library.maneuvers) == 1
 
 
 def test_a_log_without_motion_says_what_it_lacks(logs: list[FlightLog]) -> None:

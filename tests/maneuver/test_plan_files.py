@@ -1,4 +1,4 @@
-"""Plan files: complete with their mission, and replaced where they hold no plan."""
+"""Tests of plan files: stated missions, and replacement of files without plans."""
 
 import json
 from collections.abc import Callable

@@ -11,9 +11,9 @@ from flight.automaton.library_file import library_text
 from flight.errors import FlightError
 from flight.se2 import Twist
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import ESTIMATE, TRUTH, WIND
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
+from flightlog.topics import ESTIMATE, TRUTH, WIND
 from maneuver.app import run
 from review.summary.bound_check import check_bounds, with_bounds_of
 from review.summary.summary import summarise

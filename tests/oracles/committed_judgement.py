@@ -10,11 +10,12 @@ from flight.plan.plan import Plan
 
 from .coasting_problem import all_walks
 from .committed_times import CommittedTimes, CommittedWalk
+from .goal_region import slack
 from .least_time import natural_units, worst_of_each
-from .plan_judgement import BLURRED, FORGIVEN, FORGIVEN_SHARE, SLOWER, Judgement, Reference
+from .plan_judgement import BLURRED, SLOWER, Judgement, Reference
 
 GAP = 6e-4
-"""Seconds by which committed plans may be slower than the best: 5e-4 is promised."""
+"""Seconds by which committed plans may be slower than the best: 5e-4 is the stated gap."""
 
 WALKS = 3
 """Walks on which committed times are sought, the most promising first."""
@@ -36,9 +37,8 @@ def judge_committed(
         rng: of the grids.
     """
     if plan.found:
-        size = abs(complex(*mission.goal)) + abs(complex(mission.start.x, mission.start.y))
-        slack = 1.001 * max(FORGIVEN, FORGIVEN_SHARE * size)
-        if CommittedWalk(library, mission, plan.sequence, plan.gamma).misses(plan.coasting_times, slack):
+        most = 1.001 * slack(mission)
+        if CommittedWalk(library, mission, plan.sequence, plan.gamma).misses(plan.coasting_times, most):
             return Judgement("misses at some level", True, Reference(inf), plan)
     best = committed_reference(plan, library, mission, rng=rng)
     most = best.cost * (1 + SLOWER) + GAP

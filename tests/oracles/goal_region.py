@@ -14,6 +14,13 @@ ROUNDING = 4e-15
 """Rounding slack of an end, as a share of path length and of radians turned."""
 
 
+FORGIVEN = 1e-9
+"""Metres and radians by which a plan may be beyond its tolerance, 0 or more ..."""
+
+FORGIVEN_SHARE = 1e-12
+"""... and share of numbers in metres that are larger than a thousand."""
+
+
 @dataclass(frozen=True, slots=True)
 class GoalRegion:
     """Closed disc and heading interval; zero tolerance means equality.
@@ -56,3 +63,9 @@ class GoalRegion:
 def wrapped(angle: Float[np.ndarray, "*n"]) -> Float[np.ndarray, "*n"]:
     """Returns angles brought into [-pi, pi]."""
     return angle - 2 * pi * np.round(angle / (2 * pi))
+
+
+def slack(mission: Mission) -> float:
+    """Returns metres by which a plan may be beyond the tolerance."""
+    sizes = (*mission.start.position, *mission.goal, mission.tolerance)
+    return max(FORGIVEN, FORGIVEN_SHARE * sum(map(abs, sizes)))

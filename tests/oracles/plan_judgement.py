@@ -11,7 +11,7 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 
 from .coasting_problem import all_walks
-from .goal_region import ROUNDING, GoalRegion
+from .goal_region import FORGIVEN, FORGIVEN_SHARE, ROUNDING, GoalRegion, slack
 from .least_time import natural_units, worst_of_each
 
 SLOWER = 1e-6
@@ -22,6 +22,9 @@ BLURRED = 1e-7
 
 INSIDE = 1e-5
 """Share of a tolerance inside which a reference is away from the edge."""
+
+RESOLVED = 0.1
+"""Share of the slack that rounding must not exceed for a plan to be demanded."""
 
 DIGITS = 40
 
@@ -34,11 +37,13 @@ class Reference:
         cost: seconds at the level that takes longest; infinite without a plan.
         walk: trim ids.
         times: seconds in each trim, level by level.
+        rounding: metres by which double precision may miss the ends.
     """
 
     cost: float
     walk: tuple[int, ...] = ()
     times: tuple[tuple[float, ...], ...] = ()
+    rounding: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,27 +93,35 @@ def judge(
         return Judgement(wrong, True, Reference(inf), plan)
     best = reference(plan, library, mission, rng=rng, known=known)
     _metres, seconds = natural_units(library, mission)
-    least = best.cost * (1 + SLOWER) + BLURRED * seconds
-    bound = plan.lower_bound or 0.0
+    blur = BLURRED * seconds
+    least = best.cost * (1 + SLOWER) + blur
+    if plan.status == "unknown" and best.rounding > RESOLVED * slack(mission):
+        return Judgement("unknown, ends below resolution", False, best, plan)
     if plan.cost > least:
         kind = {"infeasible": "false infeasible", "unknown": "plan not found"}.get(plan.status, "slower")
-        narrow = replace(
-            mission,
-            tolerance=mission.tolerance * (1 - INSIDE),
-            heading_tolerance=mission.heading_tolerance * (1 - INSIDE),
-        )
-        inner = reference(plan, library, narrow, rng=rng)
-        clear = inner.cost * (1 + SLOWER) + BLURRED * seconds < plan.cost
-        where = "" if clear and mission.tolerance > 0 else ", goal met exactly" if clear else ", at an edge"
-        return Judgement(kind + where, True, best, plan)
-    if isfinite(best.cost) and bound > least:
+        return Judgement(kind + _where(plan, library, mission, blur, rng), True, best, plan)
+    if isfinite(best.cost) and (plan.lower_bound or 0.0) > least:
         return Judgement("lower bound above a plan", True, best, plan)
     if plan.status in ("feasible", "unknown"):
-        return Judgement(f"{plan.status} without a stop", False, best, plan)
-    if not plan.found:
-        return Judgement("no plan", False, best, plan)
-    slower = best.cost > plan.cost * (1 + SLOWER) + BLURRED * seconds
-    return Judgement("reference slower" if slower else "same", False, best, plan)
+        kind = f"{plan.status} without a stop"
+    elif not plan.found:
+        kind = "no plan"
+    else:
+        kind = "reference slower" if best.cost > plan.cost * (1 + SLOWER) + blur else "same"
+    return Judgement(kind, False, best, plan)
+
+
+def _where(plan: Plan, library: Library, mission: Mission, blur: float, rng: np.random.Generator) -> str:
+    """Returns whether a better plan needs the edge of a tolerance."""
+    narrow = replace(
+        mission,
+        tolerance=mission.tolerance * (1 - INSIDE),
+        heading_tolerance=mission.heading_tolerance * (1 - INSIDE),
+    )
+    inner = reference(plan, library, narrow, rng=rng)
+    if inner.cost * (1 + SLOWER) + blur >= plan.cost:
+        return ", at an edge"
+    return "" if mission.tolerance > 0 else ", goal met exactly"
 
 
 def reference(
@@ -130,11 +143,10 @@ def reference(
             break
         walk = walks[place]
         every = tuple(tuple(one[place, : len(walk)].tolist()) for one in times)
-        if all(
-            ends_inside(library, mission, walk, held, gamma)
-            for held, gamma in zip(every, gammas, strict=True)
-        ):
-            found = Reference(float(costs[place]), walk, every)
+        levels = list(zip(every, gammas, strict=True))
+        if all(ends_inside(library, mission, walk, held, gamma) for held, gamma in levels):
+            ways = [flown_beyond(library, mission, walk, held, gamma)[2] for held, gamma in levels]
+            found = Reference(float(costs[place]), walk, every, ROUNDING * max(ways))
             break
     if known is None or gammas != (0.0,) or known[0] not in walks:
         return found
@@ -195,18 +207,11 @@ def flown_beyond(
         return float(beyond), float(turned), float(way)
 
 
-FORGIVEN = 1e-9
-"""Metres and radians by which a plan may be beyond its tolerance, 0 or more ..."""
-
-FORGIVEN_SHARE = 1e-12
-"""... and share of a way that is longer than a kilometre."""
-
-
 def end_problem(plan: Plan, library: Library, mission: Mission) -> str:
     """Returns the fault in a plan's ends or costs; empty without."""
     for one in plan.scenarios:
         beyond, turned, way = flown_beyond(library, mission, plan.sequence, one.coasting_times, one.gamma)
-        if beyond > 1.001 * max(FORGIVEN, FORGIVEN_SHARE * way):
+        if beyond > 1.001 * max(slack(mission), FORGIVEN_SHARE * way):
             return "ends outside the disc"
         if turned > 1.001 * FORGIVEN:
             return "ends with another heading"

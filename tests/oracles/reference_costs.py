@@ -16,7 +16,7 @@ import numpy as np
 
 from planner.policies.nominal import nominal_planner
 from planner.policies.worst_case import worst_case_planner
-from tests.support.odd_missions import OddCase, odd_case
+from tests.support.planning.odd_missions import OddCase, odd_case
 
 from .plan_judgement import judge
 

@@ -64,7 +64,8 @@ def seeds(
         rng: shifts the grid.
     """
     points, bearing, times = _grid(problem, start, goal, ceiling, rng)
-    total = problem.fixed[:, None] + times.sum(axis=-1)
+    with np.errstate(invalid="ignore"):
+        total = problem.fixed[:, None] + times.sum(axis=-1)
     total = np.where((times >= 0).all(axis=-1) & (total <= (1 + STEEPEST) * ceiling), total, inf)
     free = _cheapest(times, total, bearing)
     if goal.heading is None:

@@ -12,12 +12,6 @@ from tests.support.packages import PYPROJECT, ROOT, SHIPPED, UNSHIPPED
 TOOLS = PYPROJECT["tool"]
 
 
-def checked_shapes() -> list[str]:
-    """Returns the packages whose shapes are checked while testing."""
-    (names,) = re.findall(r"--jaxtyping-packages=(\S+)", TOOLS["pytest"]["ini_options"]["addopts"])
-    return str(names).split(",")[:-1]
-
-
 def layers() -> list[str]:
     contracts: list[dict[str, Any]] = TOOLS["importlinter"]["contracts"]
     (contract,) = (one for one in contracts if one["type"] == "layers")
@@ -34,9 +28,8 @@ def test_every_folder_of_code_is_a_package_that_is_named() -> None:
     [
         (TOOLS["importlinter"]["root_packages"], [*SHIPPED, *UNSHIPPED]),
         (layers(), [*SHIPPED, *UNSHIPPED]),
-        (checked_shapes(), SHIPPED),
     ],
-    ids=["import-linter", "layers", "jaxtyping"],
+    ids=["import-linter", "layers"],
 )
 def test_every_copy_of_the_list_is_the_same(copy: list[str], expected: list[str]) -> None:
     assert sorted(copy) == sorted(expected)

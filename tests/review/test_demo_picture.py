@@ -12,8 +12,8 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
-from flightlog.channels import TRUTH
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 from review.pictures.demo_picture import (
     FLOWN,
     MISSED,

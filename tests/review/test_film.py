@@ -15,9 +15,9 @@ from experiments.mission.mission_task import MissionTask
 from flight.automaton.library import Library
 from flight.errors import AlreadyExistsError, BadFileError
 from flightlog.attachment_names import MODEL_ATTACHMENT
-from flightlog.channels import TRUTH
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 from maneuver.app import run
 from review.film import film as filming
 from review.film.canvas import NoCanvasError, check_canvas

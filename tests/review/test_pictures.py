@@ -18,10 +18,10 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.plan.planned_track import planned_track
 from flight.se2 import SE2
-from flightlog.channels import CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.log import FlightLog
 from flightlog.primitives import merged_primitives
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import CONTROLS, ESTIMATE, TRUTH, WIND
 from flightlog.trim_labels import trim_colors
 from review.pictures import palette
 from review.pictures.flight_picture import track_picture, write_picture, write_pictures

@@ -13,11 +13,11 @@ from flight.automaton.library import Library
 from flight.errors import BadFileError, FlightError
 from flight.mission.destination import Destination, Track, first_arrival
 from flightlog.attachment_names import MISSION_ATTACHMENT
-from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_goal, logged_plannings, logged_plans
 from flightlog.primitives import PrimitiveKind, merged_primitives
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import COMMAND, ESTIMATE, PRIMITIVE, TRUTH
 from review.summary.bound_check import check_bounds
 from review.summary.summary import summarise
 from tests.support.altered_logs import (

@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flightlog.channels import ACTUATORS, ESTIMATE, TRUTH
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ACTUATORS, ESTIMATE, TRUTH
 from tests.support.browser import Tab, browser
 from tests.support.reviewed_flights import page_of, whole_flight
 

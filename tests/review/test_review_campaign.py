@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flightlog.channels import TRUTH
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 from maneuver.app import run
 from review.page.campaign_page import campaign_page
 from review.page.campaign_rows import FlightRow, flight_row, sort_outliers_first

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from flight.errors import FlightError
-from flightlog.channels import ESTIMATE, TRUTH
+from flightlog.topics import ESTIMATE, TRUTH
 from review.page.columns import MOST_POINTS
 from review.page.decimation import decimate
 from review.summary.summary import summarise

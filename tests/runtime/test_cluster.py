@@ -13,8 +13,8 @@ import pytest
 from flight.errors import FlightError
 from maneuver.app import run
 from runtime.cluster import NoClusterError, cluster_executor
-from tests.support.local_cluster import Cluster, local_cluster
 from tests.support.small_campaign import write_small_campaign
+from tests.support.studies.local_cluster import Cluster, local_cluster
 
 pytest.importorskip("distributed")
 

@@ -38,7 +38,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         ("sim/supervisor.py", True, False),
         ("models/gtmax.toml", True, False),
-        ("planner/kernel/times.c", True, False),
+        ("planner/kernel/walks/search.c", True, False),
         ("planner/check/plan_check.py", True, False),
         ("runtime/compiler.py", True, False),
         ("experiments/mission/fly.py", True, True),

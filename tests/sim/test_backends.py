@@ -10,9 +10,9 @@ import pytest
 from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.fault import parse_fault
-from flightlog.channels import TRUTH
-from flightlog.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH
 from runtime import compiler as machine_code
 from runtime.compiler import NoMachineCodeError, shared_library
 from scenarios.find import find_campaign

@@ -13,12 +13,12 @@ from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.errors import FlightError, FlightLostError
 from flight.mission.fault import FAULT_KINDS, BadFaultError, Fault, parse_fault
-from flightlog.channels import CONTROLS, ESTIMATE, FAULT, FAULT_EFFECT, TRUTH, WIND
 from flightlog.events import flight_events
 from flightlog.fault_record import fault_occurrences, logged_faults
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, write_log
 from flightlog.log import FlightLog
+from flightlog.topics import CONTROLS, ESTIMATE, FAULT, FAULT_EFFECT, TRUTH, WIND
 from maneuver.app import run
 from review.summary.summary import summarise
 from scenarios.find import find_campaign

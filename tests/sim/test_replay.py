@@ -8,12 +8,12 @@ import pytest
 
 from experiments.mission.repeat import repeat_flight
 from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
-from flightlog.channels import ESTIMATE
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes, write_log
+from flightlog.identity.log_diff import count_differing_bytes, differences
 from flightlog.log import FlightLog
-from flightlog.log_diff import count_differing_bytes, differences
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
@@ -168,7 +168,7 @@ def test_a_log_without_specification_is_not_replayed(
     log = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)
     write_log(log, tmp_path / "planted.mcap")
     assert run(["replay", str(tmp_path / "planted.mcap")]) == 2
-    assert "has no specification.json" in capsys.readouterr().err
+    assert "expected a log of this program's simulator with specification.json" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("broken", [b"[]", b"{}", b"no", b'{"policy": "fast", "gamma": 1, "max_nodes": 1}'])

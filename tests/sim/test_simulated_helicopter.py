@@ -15,10 +15,10 @@ from flight.automaton.vehicle import Vehicle
 from flight.errors import FlightLostError, NoManeuverEndError
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2, Twist
-from flightlog.channels import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.file.writer import log_bytes
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind, flown_primitives
+from flightlog.topics import CONTROLS, ESTIMATE, PRIMITIVE, TRUTH, WIND
 from sim.campaign_flight import fly_sequence, fly_specification
 from sim.loop.specification import FlightSpecification, parse_specification, specify_sequence
 from sim.loop.streams import Stream, random_stream

@@ -21,13 +21,13 @@ from flight.errors import FlightLostError
 from flight.mission.fault import parse_fault
 from flight.se2 import SE2
 from flightlog.alarm import ADVICE, ALARM, Alarm, AlarmKind, alarms_from_series
-from flightlog.channels import ESTIMATE, TRUTH
 from flightlog.decision import DecisionKind
 from flightlog.events import flight_events
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, TRUTH
 from maneuver.app import run
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.receding_horizon import fly_closed_loop
@@ -179,7 +179,7 @@ def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
     assert flown.claimed
     assert not flown.reached
     assert flown.closest > mission.tolerance
-    assert flown.reason.startswith("took itself to be at the goal")
+    assert flown.reason.startswith("vehicle declared arrival, but")
 
 
 def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:

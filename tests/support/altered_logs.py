@@ -14,7 +14,7 @@ from flight.se2 import SE2
 from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.log import FlightLog
 from flightlog.mission_attachments import LoggedPlan, plannings_text
-from flightlog.topic import Topic
+from flightlog.series import Topic
 
 
 def with_changed_topic(

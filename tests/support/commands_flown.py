@@ -6,8 +6,8 @@ import numpy as np
 from jaxtyping import Float
 
 from flightlog.attachment_names import INITIAL_STATE_ATTACHMENT, SPECIFICATION_ATTACHMENT
-from flightlog.channels import CONTROLS, WIND
 from flightlog.log import FlightLog
+from flightlog.topics import CONTROLS, WIND
 from sim.faults.vehicle_faults import vehicle_fault_schedule
 from sim.loop.motion import Controls, Wind
 from sim.loop.specification import CONTROL_PERIOD, parse_specification

@@ -19,7 +19,7 @@ from mcap.writer import Writer
 from mcap_ros2.writer import Writer as RosWriter
 from scipy.spatial.transform import Rotation
 
-from flightlog.topic import Series
+from flightlog.series import Series
 
 START = 1_700_000_000.0
 """Start of the bags, seconds since the epoch."""

@@ -4,10 +4,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
-from flightlog.channels import MOTION
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import MOTION
 
 Column = Float[np.ndarray, "n"]
 

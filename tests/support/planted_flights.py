@@ -16,11 +16,11 @@ from flight.automaton.trim import Trim
 from flight.mission.sequence import Sequence
 from flight.se2 import SE2, Twist
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import PRIMITIVE, TRUTH
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import PRIMITIVE, TRUTH
 
 # Seconds from a row outside the band to the start of the dwell.
 _JUST_BEFORE = 1e-3

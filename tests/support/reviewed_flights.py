@@ -7,9 +7,9 @@ import numpy as np
 from flight.plan.plan import Plan, Policy, Scenario, Status
 from flight.se2 import SE2
 from flightlog.attachment_names import VEHICLE_ATTACHMENT
-from flightlog.channels import CONTROLS, NAVIGATION, TRUTH
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import CONTROLS, NAVIGATION, TRUTH
 from review.page.page import ReviewedFlight, review_page
 from review.summary.control_limits import control_limits
 from review.summary.summary import summarise

@@ -22,11 +22,11 @@ from flight.automaton.sign_convention import signed_maneuver_error, signed_trim_
 from flight.automaton.trim import Trim
 from flight.se2 import SE2, Twist
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.channels import COMMAND, ESTIMATE, PRIMITIVE, TRUTH, WIND
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
-from flightlog.topic import Series
+from flightlog.series import Series
+from flightlog.topics import COMMAND, ESTIMATE, PRIMITIVE, TRUTH, WIND
 
 from .reference_model import STEP, at_rest, integrate, reference_response
 

@@ -68,10 +68,10 @@ static void two_turns(Chain *c)
     double opening = PI - corner(cabs(A), cabs(B), cabs(c->rest), c->problem->slack);
     heading[3] = c->last;
     for (int side = -1; side <= 1 && opening == opening; side += 2) {
-        cplx bent = unit_complex(side * opening - carg(B / A));
-        heading[1] = c->rest / (A + bent * B);
+        cplx rotation = unit_complex(side * opening - carg(B / A));
+        heading[1] = c->rest / (A + rotation * B);
         heading[1] /= cabs(heading[1]);
-        heading[2] = heading[1] * bent;
+        heading[2] = heading[1] * rotation;
         propose_headings(c->problem, c->on, heading, straight, 0);
     }
 }

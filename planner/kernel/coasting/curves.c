@@ -131,7 +131,7 @@ static void at_the_end(const Chain *c, unsigned choice)
 static int close_way(Chain *c)
 {
     Stretch *goal = &c->stretch[c->free];
-    *goal = (Stretch){.A = -c->rest, .size = cabs(c->rest), .straight = -1, .other = -1};
+    *goal = (Stretch){.A = -c->rest, .size = cabs(c->rest), .straight = -1};
     for (int j = 0; j < c->free; j++) goal->a -= c->stretch[j].a;
     goal->limit = goal->size / fabs(goal->a);
     if (!(goal->limit < LIMITLESS)) {

@@ -10,10 +10,10 @@ cplx motion(const Problem *p, const double *times, cplx *velocity, double *turne
         position += factor * p->D[k];
         if (times[k] != 0) {
             double half = 0.5 * p->rate[k] * times[k];
-            cplx bent = unit_complex(half);
+            cplx rotation = unit_complex(half);
             double shrunk = half != 0 ? sin(half) / half : 1.0;
-            position += factor * p->W[k] * times[k] * shrunk * bent;
-            factor *= bent * bent;
+            position += factor * p->W[k] * times[k] * shrunk * rotation;
+            factor *= rotation * rotation;
             psi += 2 * half;
         }
         own[k] = factor * p->W[k];

@@ -26,20 +26,20 @@ from scenarios.find import find_library, find_mission
 from tests.support.planning.planned_case import case, proved_case
 from tests.support.refusal import refusal
 
-Told = dict[str, Any]
+Report = dict[str, Any]
 
 
 def check(
-    folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Told, *more: str
-) -> tuple[int, Told, str]:
+    folder: Path, capsys: pytest.CaptureFixture[str], plan: Plan | Report, *more: str
+) -> tuple[int, Report, str]:
     """Returns exit code, JSON output and text of `plan check`."""
     path = folder / "plan.json"
     path.write_text(plan_text(plan) if isinstance(plan, Plan) else json.dumps(plan))
     capsys.readouterr()
     code = run(["plan", "check", str(path), "--json", *more])
-    told = json.loads(capsys.readouterr().out)
+    report = json.loads(capsys.readouterr().out)
     assert run(["plan", "check", str(path), *more]) == code
-    return code, told, capsys.readouterr().out
+    return code, report, capsys.readouterr().out
 
 
 @cache
@@ -62,12 +62,12 @@ def test_a_certificate_is_what_makes_a_bound_proved() -> None:
         ] == [True]
 
 
-def test_proved_and_claimed_are_told_apart_in_text_and_json(
+def test_proved_and_claimed_are_report_apart_in_text_and_json(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, told, text = check(tmp_path, capsys, case()[0])
-    assert (code, told["passed"], told["problems"]) == (0, True, [])
-    assert [word.split(":")[0] for word in told["unproved"]] == ["optimal"]
+    code, report, text = check(tmp_path, capsys, case()[0])
+    assert (code, report["passed"], report["problems"]) == (0, True, [])
+    assert [word.split(":")[0] for word in report["unproved"]] == ["optimal"]
     assert "valid\n  proved:     the sequence ends" in text
     assert "  not proved: optimal: no plan takes less than" in text
 
@@ -106,7 +106,7 @@ def test_a_committed_plan_shows_its_miss_at_every_level() -> None:
 
 
 @cache
-def promised(max_trims: int = 4) -> str:
+def time_bound_plan(max_trims: int = 4) -> str:
     library, mission = find_library("gtmax-sim"), replace(find_mission("gtmax-2"), max_trims=max_trims)
     planner = nominal_planner(library)
     plan = with_time_bound(
@@ -115,7 +115,7 @@ def promised(max_trims: int = 4) -> str:
     return plan_text(plan)
 
 
-FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
+FORGERIES: dict[str, tuple[Callable[[Report], object], str]] = {
     "a time of its own": (
         lambda plan: plan["time_promise"].update(time=5.0),
         "time_promise.time: expected at least",
@@ -142,14 +142,14 @@ FORGERIES: dict[str, tuple[Callable[[Told], object], str]] = {
 @pytest.mark.parametrize("name", FORGERIES)
 def test_a_forged_plan_fails_its_check(name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     forge, words = FORGERIES[name]
-    plan = json.loads(promised())
-    code, told, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
-    assert (code, told["problems"]) == (0, [])
-    assert any(word.startswith("time_promise: ") for word in told["unproved"])
+    plan = json.loads(time_bound_plan())
+    code, report, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
+    assert (code, report["problems"]) == (0, [])
+    assert any(word.startswith("time_promise: ") for word in report["unproved"])
     forge(plan)
-    code, told, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
-    assert (code, told["passed"], told["proved"], told["unproved"]) == (1, False, [], [])
-    assert any(problem.startswith(words) for problem in told["problems"])
+    code, report, _ = check(tmp_path, capsys, plan, "--library", "gtmax-sim")
+    assert (code, report["passed"], report["proved"], report["unproved"]) == (1, False, [], [])
+    assert any(problem.startswith(words) for problem in report["problems"])
 
 
 def test_the_signs_of_a_plan_are_not_judged_with_another_library_or_mission(
@@ -174,7 +174,7 @@ def test_a_plan_for_a_mission_of_ones_own_says_how_to_name_it(
         assert "give --mission MISSION.toml" in line
 
 
-def test_a_curve_of_prices_is_told_from_a_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_curve_of_prices_is_report_from_a_plan(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "prices.json"
     pareto = ["plan", "kinematic-1", "--library", "thesis-kinematic", "--pareto"]
     assert run([*pareto, "--out", str(path)]) == 0
@@ -243,8 +243,8 @@ def test_where_there_is_no_plan_no_walk_is_called_faster() -> None:
 def test_an_honest_promise_passes_whatever_the_longest_sequence_asked_for(
     max_trims: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, told, _ = check(tmp_path, capsys, json.loads(promised(max_trims)))
-    assert (code, told["problems"]) == (0, [])
+    code, report, _ = check(tmp_path, capsys, json.loads(time_bound_plan(max_trims)))
+    assert (code, report["problems"]) == (0, [])
 
 
 @pytest.mark.parametrize(
@@ -267,7 +267,7 @@ def test_a_price_is_never_called_optimal() -> None:
 
 
 def test_a_promise_of_other_plans_is_found_out_where_none_stands_beside_the_library(tmp_path: Path) -> None:
-    (tmp_path / "plan.json").write_text(promised())
+    (tmp_path / "plan.json").write_text(time_bound_plan())
     plan, library = read_plan(tmp_path / "plan.json"), thesis_gtmax()
     other = replace(plan, policy="worst-case", gamma=0.5)
     (problem,) = time_bound_problems(other, find_mission("gtmax-2"), library, ())

@@ -151,8 +151,8 @@ def broken_proof(plan: Plan, rng: np.random.Generator) -> Plan:
         short = tuple(kept for kept in every if len(kept.sequence) < certificate.max_trims)
         return replace(plan, certificate=replace(certificate, max_trims=1, refutations=short))
     lie = wrong[int(rng.integers(len(wrong)))]
-    told = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
-    return replace(plan, certificate=replace(certificate, refutations=tuple(told)))
+    altered = [*every[:place], *([] if lie is None else [lie]), *every[place + 1 :]]
+    return replace(plan, certificate=replace(certificate, refutations=tuple(altered)))
 
 
 def broken(plan: Plan, rng: np.random.Generator) -> Plan:

@@ -56,6 +56,13 @@ def random_walk(rng: np.random.Generator, *, slow: float) -> WalkProblem:
     velocities = [_velocity(rng) for _ in range(count)]
     if rng.random() < 0.2:
         rates[-1], velocities[-1] = rates[0], velocities[0]
+    if count > 1 and rng.random() < 0.1:
+        # Turns that lead into straight lines at equal speed, with nothing between.
+        rates = [rate if place % 2 == count % 2 else 0.0 for place, rate in enumerate(rates)]
+        velocities = velocities[:1] * count
+        if rng.random() < 0.5:
+            velocities[0] = _velocity(rng)
+        return WalkProblem(tuple(velocities), tuple(rates))
     kind = rng.random()
     moved = [complex(*rng.uniform(-3, 3, 2)) if kind > 0.3 else 0j for _ in range(count - 1)]
     turned = [float(rng.uniform(-1, 1)) if kind > 0.45 else 0.0 for _ in range(count - 1)]

@@ -161,8 +161,8 @@ def test_a_goal_is_out_of_reach_where_in_some_direction_nothing_leads_far_enough
         seconds = float(rng.exponential(3.0))
         beyond = beyond_reach(asked, seconds)
         # Cosines are bounded from above: at most by 2.6 % of what is turned, at the far side of a turn.
-        told = 0.03 * (sum(map(abs, walk.displacements)) + seconds * max(map(abs, walk.velocities))) + 1e-3
-        if beyond > told:
+        margin = 0.03 * (sum(map(abs, walk.displacements)) + seconds * max(map(abs, walk.velocities))) + 1e-3
+        if beyond > margin:
             out += 1
             assert out_of_reach(asked, seconds), seed
         elif beyond < 0:

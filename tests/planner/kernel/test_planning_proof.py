@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.support.planning_study import prove, tallied
+from tests.support.planning.planning_study import prove, tallied
 from tests.support.studies.study import Study
 
 

@@ -21,8 +21,8 @@ AT_THE_EDGE = 1e-4
 def problems_of(one: Planted) -> list[str]:
     cost, times = one.walk.solved()
     known = sum(one.times)
-    told = AT_THE_EDGE if one.worth == inf else TELLABLE + 5 * SLACK * one.worth
-    found = [f"{cost} s, {known} s do"] if cost > known + told else []
+    margin = AT_THE_EDGE if one.worth == inf else TELLABLE + 5 * SLACK * one.worth
+    found = [f"{cost} s, {known} s do"] if cost > known + margin else []
     if cost < inf:
         found += unreached(one.walk, times, cost)
     return found
@@ -71,5 +71,5 @@ def test_stationary_times_are_found_at_every_size(scale: float) -> None:
             tolerance=walk.tolerance * scale,
         )
         cost, _ = large.solved()
-        told = 5 * SLACK * max(1.0, 1 / scale) * one.worth
-        assert cost <= sum(one.times) + TELLABLE + told, number
+        margin = 5 * SLACK * max(1.0, 1 / scale) * one.worth
+        assert cost <= sum(one.times) + TELLABLE + margin, number

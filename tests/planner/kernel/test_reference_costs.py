@@ -9,7 +9,7 @@ from planner.policies.worst_case import worst_case_planner
 from tests.oracles.least_time import natural_units
 from tests.oracles.plan_judgement import BLURRED, SLOWER
 from tests.oracles.reference_costs import SEED, ReferenceCosts, digest, read_costs
-from tests.support.odd_missions import odd_case
+from tests.support.planning.odd_missions import odd_case
 
 pytestmark = pytest.mark.kernel
 

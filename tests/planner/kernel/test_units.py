@@ -73,6 +73,7 @@ def test_only_faster_times_count() -> None:
 
 
 def test_no_more_times_are_used_than_asked_for() -> None:
+    """With a limit of as many times as trims a walk is solved exactly."""
     rng = np.random.default_rng(2)
     fewer = 0
     for _ in range(30):
@@ -82,10 +83,23 @@ def test_no_more_times_are_used_than_asked_for() -> None:
         for most in (1, 2, 3, 12):
             cost, times = solved(replace(walk, goal=goal, tolerance=1.0), 1e-9, most=most)
             assert sum(time > 0 for time in times) <= most
+            assert most < len(walk.rates) or cost == solved(replace(walk, goal=goal, tolerance=1.0), 1e-9)[0]
             costs.append(cost)
         assert costs == sorted(costs, reverse=True)
+        assert costs[0] == least_of_one(walk, goal)
         fewer += costs[0] > costs[1] or costs[1] > costs[2]
     assert fewer > 5
+
+
+def least_of_one(walk: WalkProblem, goal: complex) -> float:
+    """Returns the least time with one coast, to 1 m."""
+    found = [np.inf]
+    for place in range(len(walk.rates)):
+        velocities = tuple(v if k == place else 0j for k, v in enumerate(walk.velocities))
+        rates = tuple(r if k == place else 0.0 for k, r in enumerate(walk.rates))
+        alone = replace(walk, velocities=velocities, rates=rates, goal=goal, tolerance=1.0)
+        found.append(solved(alone, 1e-9)[0])
+    return min(found)
 
 
 def test_seconds_in_maneuvers_count() -> None:

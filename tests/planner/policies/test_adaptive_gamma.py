@@ -15,10 +15,10 @@ from flight.automaton.vehicle import Leg
 from flight.errors import FlightError
 from flight.mission.wind_change import WindChange, parse_wind_change
 from flightlog.alarm import ADVICE, AlarmKind
-from flightlog.channels import TRUTH, WIND
 from flightlog.file.reader import read_log
 from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
+from flightlog.topics import TRUTH, WIND
 from maneuver.app import run
 from planner.policies.adaptive_gamma import GAMMAS, AdaptiveGammaPlanner
 from scenarios.find import find_library, find_mission

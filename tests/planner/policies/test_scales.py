@@ -116,5 +116,5 @@ def test_straight_trims_that_are_nearly_parallel_divide_the_way(angle: float, sp
     assert plan.status == "optimal"
     assert plan.cost == pytest.approx(3001.0)
     # What the slack is worth in seconds aside.
-    told = mission.destination.slack / (speed * angle)
-    assert plan.coasting_times == pytest.approx((2e3, 1e3), abs=told + 1e-6)
+    slack = mission.destination.slack / (speed * angle)
+    assert plan.coasting_times == pytest.approx((2e3, 1e3), abs=slack + 1e-6)

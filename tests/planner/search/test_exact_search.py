@@ -50,6 +50,7 @@ def random_mission(rng: np.random.Generator, library: Library, max_trims: int) -
     return replace(mission, goal_heading=float(rng.uniform(-pi, pi)), heading_tolerance=width)
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("seed", range(40))
 def test_bounds_leave_out_no_walk_that_is_best(seed: int) -> None:
     """Compares with `least_costs`, which excludes no walk."""
@@ -71,6 +72,7 @@ def test_bounds_leave_out_no_walk_that_is_best(seed: int) -> None:
         assert reaches_goal(walk_motion(library, answer.walk, gamma).end(mission.start, times), mission)
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("seed", range(8))
 def test_a_search_that_is_stopped_gives_a_bound_that_holds_and_a_plan_no_better(seed: int) -> None:
     rng = np.random.default_rng(seed)
@@ -84,6 +86,7 @@ def test_a_search_that_is_stopped_gives_a_bound_that_holds_and_a_plan_no_better(
     assert worst_case_planner(library, 0.7, max_nodes=40).plan(mission).scenarios == stopped.scenarios
 
 
+@pytest.mark.kernel
 def test_a_longer_walk_is_never_slower() -> None:
     mission = Mission("deep", SE2.identity(), 2, (20.0, -14.0), 0.0)
     costs = [
@@ -92,6 +95,7 @@ def test_a_longer_walk_is_never_slower() -> None:
     assert costs == sorted(costs, reverse=True)
 
 
+@pytest.mark.kernel
 def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
     library = shipped()[1]
     rng = np.random.default_rng(5)
@@ -106,6 +110,7 @@ def test_the_walk_that_cost_its_own_bound_does_not_exclude_itself() -> None:
         assert there.cost <= walk_motion(library, plan.sequence, 0.0).fixed_time + 1e-9
 
 
+@pytest.mark.kernel
 def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> None:
     # The root lies 8e-6 rad before the end of its curve, beyond the last sample.
     mission = Mission(
@@ -118,6 +123,7 @@ def test_a_turn_that_leads_almost_exactly_into_a_straight_line_is_found() -> Non
     assert costs[walk] == pytest.approx(by_ipopt, abs=1e-5)
 
 
+@pytest.mark.kernel
 def test_a_deadline_gives_the_best_so_far_with_a_bound() -> None:
     library = shipped()[0]
     mission = Mission("soon", SE2.identity(), 3, (49.0, 8.0), 0.5, max_trims=8)
@@ -144,6 +150,7 @@ def test_machine_code_is_made_where_the_cache_is_and_only_once(
     assert made.stat().st_mtime_ns == written
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("seed", range(6))
 def test_a_wider_tolerance_never_costs_time_however_small_both_are(seed: int) -> None:
     rng, library = np.random.default_rng([77, seed]), shipped()[seed % 3]
@@ -158,6 +165,7 @@ def test_a_wider_tolerance_never_costs_time_however_small_both_are(seed: int) ->
             assert wide <= narrow + 1e-6, mission
 
 
+@pytest.mark.kernel
 @pytest.mark.parametrize("aside", [0.0, 1e-9, -1e-8, 1e-7, 1e-6])
 def test_a_turn_that_ends_along_the_straight_before_it_is_found(aside: float) -> None:
     """Newton's equations are singular: both coasts move the end alike."""

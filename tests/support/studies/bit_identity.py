@@ -20,8 +20,9 @@ from typing import Any
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
 from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
-from tests.support.local_cluster import local_cluster
 from tests.support.small_campaign import write_small_campaign
+
+from .local_cluster import local_cluster
 
 SEED = 5
 

@@ -1,4 +1,4 @@
-"""Whether 95 % with 95 % confidence is what it says.
+"""Calibration of coverage claims on planted laws.
 
 Campaigns of planted flights: 153 for the bounds, 30 for the values, cut and identified from their logs like
 any others. The deviations follow laws whose joint coverage is known exactly, so every primitive's true

@@ -32,7 +32,7 @@ AGREEMENT = 1e-3
 
 @dataclass(slots=True)
 class Counts:
-    """What went wrong, and how far brute force came."""
+    """Counts of faults and of what brute force found."""
 
     statuses: dict[str, int] = field(default_factory=dict)
     failed: int = 0
@@ -44,7 +44,7 @@ class Counts:
 
     @property
     def wrong(self) -> int:
-        """How many plans failed, missed, or were beaten by more than the agreement."""
+        """Number of plans that failed, missed, or were beaten by brute force."""
         beaten = [gap for gap in (*self.slower, *self.wider) if gap > AGREEMENT]
         return self.failed + self.missed + self.overlooked + len(beaten)
 

@@ -18,7 +18,7 @@ _PAGE = 4096
 
 
 class Loss(StrEnum):
-    """What a crash takes away, beyond the steps that were still to come."""
+    """Losses of a crash beyond the steps that were still to come."""
 
     KILLED = "killed"
     DROPPED = "all unsynced dropped"

@@ -27,7 +27,8 @@ from flightlog.viewers.mjcf_check import parse_model
 from maneuver.app import BAD_INPUT, run
 from scenarios.find import CAMPAIGNS, MISSIONS, SEQUENCES
 from sim.vehicle.parameters import read_parameters
-from tests.support.mutations import changed_bytes, changed_json, changed_log, changed_toml, changed_xml
+
+from .mutations import changed_bytes, changed_json, changed_log, changed_toml, changed_xml
 
 LONGEST = 5
 """Seconds of computing: the machine may be busy with something else."""
@@ -39,7 +40,7 @@ Change = Callable[[bytes, Random], bytes]
 
 
 class _TooLongError(BaseException):
-    """What a program that handles its own errors cannot swallow."""
+    """Error that a program's own handlers cannot catch."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from tests.oracles.plan_judgement import Judgement, judge, levels_of
 
 from .odd_missions import OddCase, odd_case
 
-COMPARED = 10
+COMPARED = 5
 """Every so many missions the committed policy and certificates are compared, too."""
 
 FEW_WALKS = 10
@@ -31,7 +31,7 @@ COMMITTED_NODES = 1000
 
 @dataclass(slots=True)
 class Tally:
-    """What became of missions.
+    """Counts of planned missions, by outcome.
 
     Attributes:
         missions: how many.

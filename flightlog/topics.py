@@ -1,6 +1,6 @@
 """Topics of a flight log: fields, units, meanings and conventions."""
 
-from .topic import Field, Topic
+from .series import Field, Topic
 
 SCHEMA = "maneuver-flight-log/1"
 """Version of this contract, assumed for logs that name none."""

@@ -5,8 +5,8 @@ from dataclasses import asdict
 
 import numpy as np
 
-from .log import FlightLog
-from .topic import Series
+from flightlog.log import FlightLog
+from flightlog.series import Series
 
 
 def differences(expected: FlightLog, got: FlightLog) -> tuple[str, ...]:

@@ -58,7 +58,7 @@ def _path(library: Library, rng: np.random.Generator) -> list[Trim]:
 
 
 def _needs_speed(trim: Trim, path: list[Trim]) -> bool:
-    """Whether a coast meets its condition by its heading alone."""
+    """Returns True where a coast meets its condition by heading alone."""
     return trim is path[-1] or trim.velocity.yaw_rate == 0
 
 

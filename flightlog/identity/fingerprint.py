@@ -4,7 +4,7 @@ import json
 from dataclasses import asdict
 from hashlib import sha256
 
-from .log import FlightLog
+from flightlog.log import FlightLog
 
 
 def fingerprint(log: FlightLog) -> str:

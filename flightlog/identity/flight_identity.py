@@ -4,14 +4,14 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from hashlib import sha256
 
-from .attachment_names import (
+from flightlog.attachment_names import (
     LIBRARY_ATTACHMENT,
     MISSION_ATTACHMENT,
     MODEL_ATTACHMENT,
     SPECIFICATION_ATTACHMENT,
     VEHICLE_ATTACHMENT,
 )
-from .header import FlightHeader
+from flightlog.header import FlightHeader
 
 _INPUTS = (
     SPECIFICATION_ATTACHMENT,

@@ -15,7 +15,7 @@ from flight.errors import FlightError
 from flightlog.file.writer import log_bytes
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
-from flightlog.topic import Series
+from flightlog.series import Series
 
 HOSTILE: tuple[Any, ...] = (
     *(float("nan"), float("inf"), -float("inf"), -1, 0, 1e308, -1e-320, 10**400, 2**63, -(2**31)),

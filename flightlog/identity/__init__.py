@@ -1,0 +1,1 @@
+"""Identity of flights, fingerprints of logs, and differences of logs."""

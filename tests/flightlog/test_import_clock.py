@@ -1,0 +1,121 @@
+"""Tests of the clocks of imported files."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from jaxtyping import Float
+
+from flightlog.file.reader import read_log
+from flightlog.file.writer import log_bytes
+from flightlog.imports.clock import SECONDS, ClockError, check_clock, check_unit
+from flightlog.imports.measured_motion import velocity_disagreement
+from flightlog.topics import ESTIMATE
+from maneuver.app import run
+from review.page.spectra import amplitude_density
+from tests.support.motion_log import motion_log
+
+RATE, SAMPLES = 50, 500
+TIME = np.arange(SAMPLES) / RATE
+
+Column = Float[np.ndarray, "n"]
+
+
+def circle(folder: Path, stamps: Column) -> Path:
+    """Writes a circle of 20 m radius at 4 m/s, sampled at `TIME`, with these stamps."""
+    path, turned = folder / "flight.csv", 0.2 * TIME
+    columns = [stamps, 20 * np.sin(turned), 20 * (1 - np.cos(turned)), 4 * np.cos(turned), 4 * np.sin(turned)]
+    rows = np.column_stack([*columns, turned])
+    np.savetxt(path, rows, delimiter=",", header="time,x,y,vx,vy,yaw", comments="", fmt="%.9f")
+    return path
+
+
+def shifted(place: int, seconds: float) -> Column:
+    return TIME + np.where(np.arange(SAMPLES) >= place, seconds, 0.0)
+
+
+@pytest.mark.parametrize(
+    ("stamps", "words"),
+    [
+        ((1.7e9 + TIME) * 1e9, "give --time-unit ns (50 Hz)"),
+        (TIME * 1e6, "give --time-unit us (50 Hz)"),
+        (TIME * 1e3, "give --time-unit ms (50 Hz)"),
+        (TIME / 86400, "expected sample intervals of 0.0001 to 10 s"),
+        (shifted(300, 1.7e9), "row 301: time jumps ahead by 1.7e+09 s, from 5.98 s"),
+        (np.where(np.arange(SAMPLES) == 300, 1e6, TIME), "row 301: time jumps ahead by 999994 s"),
+        (shifted(300, -4.0), "row 301: time goes back by 3.98 s, from 5.98 s, and 199 of 500 times"),
+        (np.full(SAMPLES, np.nan), "column 'time': expected times, got no finite number"),
+        (np.full(SAMPLES, 5.0), "expected at least two usable rows"),
+    ],
+)
+def test_times_of_no_flight_are_refused_in_one_line(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], stamps: Column, words: str
+) -> None:
+    out = tmp_path / "flight.mcap"
+    assert run(["import", str(circle(tmp_path, stamps)), "--out", str(out)]) == 2
+    refusal = capsys.readouterr().err
+    assert words in refusal
+    assert refusal.count("\n") == 1
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("unit", SECONDS)
+def test_the_unit_that_is_named_is_the_one_to_give(tmp_path: Path, unit: str) -> None:
+    out = tmp_path / "flight.mcap"
+    path = circle(tmp_path, (1.7e9 + TIME) / SECONDS[unit])  # type: ignore[index]
+    assert run(["import", str(path), "--time-unit", unit, "--out", str(out)]) == 0
+    estimate = read_log(out)[ESTIMATE]
+    # Nanoseconds since 1970 leave a double 256 ns.
+    np.testing.assert_allclose(estimate.time, TIME, atol=1e-6)
+    np.testing.assert_allclose(estimate["forward"], 4.0, atol=1e-6)
+
+
+def test_a_stated_unit_may_be_slow_and_not_impossibly_fast() -> None:
+    minutes = 60.0 * np.arange(20)
+    check_unit(minutes, "s")
+    with pytest.raises(ClockError, match="got 60 s if times are in s: give --time-unit ms"):
+        check_unit(minutes, None)
+    with pytest.raises(ClockError, match=r"got 2e-11 s if times are in ns: give --time-unit s \(50 Hz\)"):
+        check_unit(TIME, "ns")
+
+
+def test_a_table_with_the_latest_row_first_is_read_from_its_end(tmp_path: Path) -> None:
+    path, out = circle(tmp_path, TIME), tmp_path / "flight.mcap"
+    headings, *rows = path.read_text().splitlines()
+    path.write_text("\n".join([headings, *reversed(rows)]))
+    assert run(["import", str(path), "--out", str(out)]) == 0
+    estimate = read_log(out)[ESTIMATE]
+    np.testing.assert_allclose(estimate.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(estimate["north"], 20 * np.sin(0.2 * TIME), atol=1e-6)
+
+
+@given(st.floats(-3.9, 0.99), st.floats(0.0, 1.7e9), st.integers(2, 400))
+def test_an_even_clock_of_a_flight_is_seconds(exponent: float, start: float, count: int) -> None:
+    time = start + 10.0**exponent * np.arange(count)
+    check_unit(time, None)
+    check_clock(time, sample="row")
+
+
+def test_a_few_samples_out_of_order_or_without_a_time_are_no_jump() -> None:
+    time = np.array(TIME)
+    time[[100, 101, 250]] = time[101], time[100], np.nan
+    check_clock(time, sample="row")
+    with pytest.raises(ClockError, match="row 11: time goes back"):
+        check_clock(np.concatenate([TIME[:10], TIME[:10]]), sample="row")
+
+
+def test_a_rate_of_no_sensor_is_another_unit() -> None:
+    with pytest.raises(ClockError, match=r"expected a message every 0\.0001 s or less often, got 500 in"):
+        check_clock(TIME / 1e3, sample="message")
+
+
+def test_what_is_made_of_a_log_does_not_grow_with_its_time_alone() -> None:
+    """Gives a thousand samples over 31 years, which would need gigabytes."""
+    time = np.concatenate([TIME, 1e9 + TIME])
+    log = motion_log(vehicle="any", time=time, north=2.0 * time / 1e3, east=0 * time, heading=0 * time)
+    assert len(log_bytes(log)) < 1_000_000
+    assert velocity_disagreement(log.motion) is not None
+    assert amplitude_density(time, np.sin(time)) is None
+    assert amplitude_density(TIME, np.sin(TIME)) is not None

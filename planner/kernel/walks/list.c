@@ -1,10 +1,10 @@
 /* The most promising walks. */
 #include "walks.h"
 
-/* The walks of least bound whose bounds are below a limit, at most so many: their trims, how many, and their bounds.
- * Returns how many they are, -1 where there is no memory; rest: a bound of all others. */
+/* The walks of least bound, at most so many, whose bounds are below a limit: their trims, and how many each has.
+ * Returns how many they are, -1 where there is no memory; rest: seconds that all others take at least. */
 PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims, long *lengths,
-                       double *bounds, double *rest)
+                       double *rest)
 {
     Answer answer = {.cost = limit};
     Search s = {.task = task, .automaton = automaton, .answer = &answer};
@@ -13,7 +13,7 @@ PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limi
     Entry first = {.trims = 1};
     long count = 0;
     int made = make_room(&s);
-    *rest = INFINITY;
+    *rest = limit;
     if (made) push(f, &first);
     while (f->count) {
         Entry one = pop(f);
@@ -25,8 +25,7 @@ PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limi
             Walk walk;
             read_walk(automaton, task, &one, &walk);
             for (int k = 0; k < walk.length; k++) trims[MOST * count + k] = walk.trim[k];
-            lengths[count] = walk.length;
-            bounds[count++] = one.bound;
+            lengths[count++] = walk.length;
             continue;
         }
         find_ways(&s, &one, 1, (int)task->max_trims);

@@ -17,6 +17,9 @@
 #define MOST_NUMBERS (4 << 20) /* kept of sets: 32 MB */
 #define AND_MORE 1.02     /* of the seconds that would do */
 #define EACH 4            /* sets that are near the first of their like */
+#define LEARNING 2000     /* sets; then it is looked at how near they are, ... */
+#define MUCH 8            /* ... and if they are that much nearer */
+#define LEAST 1e-4        /* of the nearness at first: how near they are taken to be at least */
 
 struct AlikeSets {
     KnownSets *sets;
@@ -24,6 +27,8 @@ struct AlikeSets {
     int used;
     double near, aside;          /* m, rad */
     long first, others;          /* sets that were the first of their like, and that were near one */
+    double spread[2];            /* m, rad; by which these differed most, twice */
+    int learnt;                  /* whether that was looked at */
 };
 
 AlikeSets *make_alike_sets(double way, double speed)
@@ -68,23 +73,37 @@ static int numbers_of(const Problem *p, const Marks *marks, unsigned mask, doubl
     return 4 * count + 3;
 }
 
-/* Whether the same times, with so many seconds in all, lead to nearly the same. */
-static int are_near(const AlikeSets *alike, const double *one, const double *other, int held, double seconds)
+/* By how much the same times, with so many seconds in all, lead elsewhere, twice: m, and rad. */
+static void set_apart(const double *one, const double *other, int held, double seconds, double *apart)
 {
     double way = 0, swing = 0;
     for (int i = 0; i <= 2 * held; i++) {
-        double apart = hypot(one[2 * i] - other[2 * i], one[2 * i + 1] - other[2 * i + 1]);
-        if (i <= held) way += apart;
-        else swing = greater(swing, apart);
+        double off = hypot(one[2 * i] - other[2 * i], one[2 * i + 1] - other[2 * i + 1]);
+        if (i <= held) way += off;
+        else swing = greater(swing, off);
     }
-    double aside = fabs(off_turns(one[4 * held + 2] - other[4 * held + 2]));
-    return 2 * (way + swing * seconds) <= alike->near && 2 * aside <= alike->aside;
+    apart[0] = 2 * (way + swing * seconds);
+    apart[1] = 2 * fabs(off_turns(one[4 * held + 2] - other[4 * held + 2]));
+}
+
+/* Begins anew where all sets are much nearer each other than need be: goals need be less wide then. */
+static void learn_nearness(AlikeSets *alike)
+{
+    if (alike->others < LEARNING || alike->learnt) return;
+    alike->learnt = 1;
+    if (alike->spread[0] * MUCH > alike->near || alike->spread[1] * MUCH > alike->aside) return;
+    alike->near = greater(2 * alike->spread[0], LEAST * alike->near);
+    alike->aside = greater(2 * alike->spread[1], LEAST * alike->aside);
+    memset(alike->sets->sets, 0, sizeof(KnownSet) * (size_t)alike->sets->room);
+    alike->sets->count = 0;
+    alike->used = 1;
+    alike->first = 0;
 }
 
 /* Whether a set is near the first one like it; it may be the first itself. */
 static int is_near(AlikeSets *alike, const Problem *p, const Marks *marks, unsigned mask, KnownSet *set)
 {
-    double numbers[4 * MOST + 3];
+    double numbers[4 * MOST + 3], apart[2];
     int count = numbers_of(p, marks, mask, numbers), first = !set->numbers;
     if (first) {
         if (alike->used + count > MOST_NUMBERS) return 0;
@@ -92,12 +111,14 @@ static int is_near(AlikeSets *alike, const Problem *p, const Marks *marks, unsig
         set->numbers = alike->used;
         alike->used += count;
         alike->first++;
+        /* Worth a look with a wider goal only where others near it will follow. */
+        return alike->others > EACH * alike->first;
     }
-    const double *others = alike->numbers + set->numbers;
-    if (!are_near(alike, numbers, others, __builtin_popcount(mask), p->best - p->fixed)) return 0;
-    alike->others += !first;
-    /* The first is worth a look with a wider goal only where others near it will follow. */
-    return !first || alike->others > EACH * alike->first;
+    set_apart(numbers, alike->numbers + set->numbers, __builtin_popcount(mask), p->best - p->fixed, apart);
+    if (apart[0] > alike->near || apart[1] > alike->aside) return 0;
+    alike->others++;
+    for (int i = 0; i < 2; i++) alike->spread[i] = greater(alike->spread[i], apart[i]);
+    return 1;
 }
 
 /* How much wider the goal of a set with so many times is. */
@@ -133,6 +154,7 @@ static int is_there(const Problem *p, const AlikeSets *alike, const Marks *marks
 void exclude_alike(const Problem *p, unsigned useful, const Given *given, KnownSet **sets, char *out)
 {
     AlikeSets *alike = given->help->alike;
+    learn_nearness(alike);
     Problem si = *given->problem;
     si.best = si.fixed + (p->best - p->fixed) * given->second;
     Marks marks;

@@ -12,6 +12,21 @@
 #define MOST 12           /* trims in a walk, and uncertainty levels */
 #define PI 3.14159265358979323846
 
+/* What there is room for, and from when on something is learnt. Tests build with little of it (-DLITTLE). */
+#ifdef LITTLE
+enum { MOST_WAITING = 40, MOST_LEFT = 20, MANY = 2, PATIENCE = 5, TRIALS = 10, RARELY = 2, LEARNING = 20 };
+#else
+enum {
+    MOST_WAITING = 1500000,      /* walks and beginnings that wait, 48 MB; beyond, they come depth first */
+    MOST_LEFT = 1000000,         /* walks that were looked at, 32 MB; beyond, each is solved at once */
+    MANY = 256,                  /* walks; from so many on, what is known of some is worth knowing for others */
+    PATIENCE = 1000,             /* walks in vain, or as many as before; then they are left for later without a try */
+    TRIALS = 1000,               /* bounds that are computed before it is said that they rarely exclude, ... */
+    RARELY = 20,                 /* ... which is one of so many; then so many are passed by for each that is computed */
+    LEARNING = 2000,             /* sets of times; then it is looked at how near those that are alike are */
+};
+#endif
+
 typedef double complex cplx;
 
 /* A walk at one uncertainty level, and where it is to end. Positions are complex (north + i east), seen from the start

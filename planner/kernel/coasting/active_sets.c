@@ -2,8 +2,6 @@
 #include "coasting.h"
 
 #define ROUNDS 4          /* climbs of a bound */
-#define TRIALS 1000       /* multipliers that are sought before it is said that they rarely help, ... */
-#define RARELY 20         /* ... which is one of so many; then so many sets are passed by for each that is not */
 #define IN_VAIN 2         /* sets like one for which no multiplier was found: then none is sought */
 #define SAME_RATE 1e-12   /* of a yaw rate: closer ones are one */
 #define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */

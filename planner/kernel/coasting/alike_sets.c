@@ -17,7 +17,6 @@
 #define MOST_NUMBERS (4 << 20) /* kept of sets: 32 MB */
 #define AND_MORE 1.02     /* of the seconds that would do */
 #define EACH 4            /* sets that are near the first of their like */
-#define LEARNING 2000     /* sets; then it is looked at how near they are, ... */
 #define MUCH 8            /* ... and if they are that much nearer */
 #define LEAST 1e-4        /* of the nearness at first: how near they are taken to be at least */
 

@@ -2,8 +2,6 @@
 #include "walks.h"
 
 #define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
-#define TRIALS 1000       /* walks that are bounded before it is said that this rarely excludes one, ... */
-#define RARELY 20         /* ... which is one of so many; then so many are passed by for each that is bounded */
 #define TIE 1e-12         /* of the best seconds */
 #define POLISHING 0.1     /* of the seconds allowed, on top of them */
 

@@ -3,7 +3,6 @@
 
 #define SHORT 4           /* trims */
 #define WAYS 1000         /* ways on from walks, that take as long to find as a node to solve, or longer */
-#define PATIENCE 1000     /* walks in vain, or as many as before; then they are left for later without a try */
 #define NEARLY 1e-3       /* of the way, of the speed, rad: what makes little difference */
 #define ROUNDED 1e-12     /* likewise: what makes none */
 

@@ -5,8 +5,6 @@
 #include "../kernel.h"
 #include <stdlib.h>
 
-#define MANY 256          /* walks; from so many on, what is known of some is worth knowing for others */
-
 /* Trims and maneuvers have places, not ids; numbers are laid out level after level. */
 typedef struct {
     const int *first;            /* the first maneuver that leaves each trim, and one past the last of all */

@@ -1,9 +1,6 @@
 /* The ways on from the beginning of a walk, and what bounds them. */
 #include "walks.h"
 
-#define MOST_WAITING 1500000 /* walks and beginnings that wait, 48 MB; beyond, they come depth first */
-#define MOST_LEFT 1000000 /* walks that were looked at, 32 MB; beyond, each is solved at once */
-
 /* The bound of a walk at its worst level. */
 static double bound_of_walk(const Search *s, const Walk *walk)
 {

@@ -40,7 +40,7 @@ This page is made from `flightlog/topics.py` and `flightlog/viewers/viewer_chann
 ```python
 from pathlib import Path
 
-from flightlog.channels import COMMAND, TRUTH
+from flightlog.topics import COMMAND, TRUTH
 from flightlog.file.reader import read_log
 from flightlog.primitives import flown_primitives
 

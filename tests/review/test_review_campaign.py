@@ -122,7 +122,7 @@ def test_two_flights_of_one_mission_stand_side_by_side(
         paths.append(str(tmp_path / f"{name}.mcap"))
     assert run(["review", *paths, "--html", "--out", str(tmp_path / "review")]) == 0
     said = capsys.readouterr().out
-    assert "missed by" in said
+    assert "not reached: " in said
     assert "reached after" in said
     assert (tmp_path / "review" / "nominal-and-worst-case.html").is_file()
 

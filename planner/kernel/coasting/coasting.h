@@ -32,7 +32,7 @@
 #define LIMITLESS 1e100   /* u; a limit that is none */
 
 typedef struct {                 /* times that are taken to be not 0 */
-    int count, place[MOST];
+    int count, place[MOST + 1];  /* -1 after the last */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */

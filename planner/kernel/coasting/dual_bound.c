@@ -51,8 +51,8 @@ static int lay_grid(HeadingGrid *c, double left, double right)
     while (stride < COARSEST && reach > finest * stride * ENOUGH) stride *= 2;
     c->step = finest * stride;
     if (!(reach < c->step * (ANGLES - 5))) return 0;
-    c->left = (int)ceil(left * c->seconds / c->step) + 1;
-    c->angles = c->left + (int)ceil(right * c->seconds / c->step) + 2;
+    c->left = (int)(left * c->seconds / c->step) + 1;
+    c->angles = c->left + (int)(right * c->seconds / c->step) + 2;
     cplx factor = unit_complex(-c->left * c->step), onward = unit_complex(c->step);
     for (int i = 0; i < c->angles; i++, factor *= onward) {
         c->cosine[i] = creal(factor);

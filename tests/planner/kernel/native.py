@@ -64,7 +64,7 @@ class ActiveSet(ctypes.Structure):
 
     _fields_ = (
         ("count", ctypes.c_int),
-        ("place", ctypes.c_int * MOST),
+        ("place", ctypes.c_int * (MOST + 1)),
         ("turns", ctypes.c_int),
         ("bound_heading", ctypes.c_int),
         ("target", ctypes.c_double),

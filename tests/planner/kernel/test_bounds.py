@@ -236,3 +236,13 @@ def test_a_walk_that_cannot_beat_the_best_is_known_by_its_bounds() -> None:
     assert not out_of_reach(walk, 0.9 * cost)
     assert problem.multiplier.value != first
     assert refuted(walk, 0.9 * cost, problem.multiplier.value, rounds=1)[0]
+
+
+def test_seconds_in_maneuvers_are_no_time_to_coast() -> None:
+    """Turns too slow for a grid of headings leave the reach alone to tell."""
+    walk = WalkProblem((3, 2), (1e-5, 0.0), (1,), (0.1,), goal=31, tolerance=0.0)
+    problem = problem_of(walk)
+    problem.fixed = 50.0
+    for coasting, known in ((9.9, True), (10.1, False)):
+        problem.best = 50.0 + coasting
+        assert bool(native().cannot_beat(ctypes.byref(problem))) == known

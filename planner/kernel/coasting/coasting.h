@@ -70,7 +70,7 @@ typedef struct {                 /* the stretches that a set of times makes */
 typedef struct {                 /* a point of a curve */
     double u;
     cplx alpha;                  /* exp(i alpha) */
-    cplx chi[MOST + 2];          /* exp(i chi_j) */
+    cplx chi[MOST + 2];          /* exp(i chi_j), times any length */
     double straight[MOST];
 } Point;
 

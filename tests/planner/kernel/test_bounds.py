@@ -222,6 +222,8 @@ def test_a_heading_that_no_turn_has_in_time_is_refuted() -> None:
     assert refuted(right, 4.99, 0j)[0]
     assert not refuted(right, 5.01, 0j)[0]
     assert not refuted(replace(walk, heading=-1.0), 1.0, 0j)[0]
+    # A tolerance of no heading is of no matter.
+    assert not refuted(replace(walk, heading_tolerance=0.3), 1.0, 0j)[0]
 
 
 def test_a_walk_that_cannot_beat_the_best_is_known_by_its_bounds() -> None:

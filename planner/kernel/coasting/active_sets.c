@@ -7,7 +7,6 @@
 #define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */
 #define HARDLY_BENT 1e-5  /* rad in all; ... and those that turn less than this in both ways */
 #define LONG 1e6          /* as long as no plan is known that says how long a coast can be */
-#define SHORTEST 1e-4     /* coasts are no shorter, where rates are told apart by what they turn in them */
 
 /* Whether all times are turns at one rate. With the heading at the end bound they then take as long in whatever way
  * they share it: no multiplier is worth their seconds, and the times that are best form a family. Where it has no
@@ -39,7 +38,7 @@ static int cut_walk(const Problem *p, const ActiveSet *on, Cut *cut)
     *cut = (Cut){0};
     for (int k = 0; k < p->trims; k++) {
         cut->A[cut->last] += p->D[k];
-        if (next >= on->count || on->place[next] != k) continue;
+        if (on->place[next] != k) continue;
         next++;
         if (fabs(p->rate[k]) > p->straight) {
             cut->A[cut->last++] -= p->C[k];
@@ -211,8 +210,8 @@ static double set_straight(Problem *p, double distance)
         longest = LONG;
         shortest = distance / fastest;
     }
-    p->straight = ALL_BUT_STRAIGHT / greater(longest, SHORTEST);
-    p->hardly_bent = HARDLY_BENT / greater(shortest, SHORTEST);
+    p->straight = ALL_BUT_STRAIGHT / longest;
+    p->hardly_bent = HARDLY_BENT / shortest;
     return slowest;
 }
 

@@ -15,6 +15,7 @@ void choose(const Problem *p, ActiveSet *on, unsigned mask)
         on->turns += rate > p->straight;
         if (rate > 0 && rate < on->slowest) on->slowest = rate;
     }
+    on->place[on->count] = -1;
     on->slow = on->slowest <= p->straight;
     on->blurred = on->slowest <= BLURRED * p->hardly_bent;
 }
@@ -71,7 +72,6 @@ double time_to_turn(const Problem *p, const ActiveSet *on)
 static double best_cosine(double angle, double low, double high)
 {
     double half = 0.5 * (high - low);
-    if (half >= PI) return 1.0;
     double beyond = fabs(off_turns(angle + 0.5 * (low + high))) - half;
     if (beyond <= 0) return 1.0;
     double x = beyond * beyond;

@@ -33,7 +33,7 @@
 #define LIMITLESS 1e100   /* u; a limit that is none */
 
 typedef struct {                 /* times that are taken to be not 0 */
-    int count, place[MOST];
+    int count, place[MOST + 1];  /* -1 after the last */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */
@@ -71,7 +71,7 @@ typedef struct {                 /* the stretches that a set of times makes */
 typedef struct {                 /* a point of a curve */
     double u;
     cplx alpha;                  /* exp(i alpha) */
-    cplx chi[MOST + 2];          /* exp(i chi_j) */
+    cplx chi[MOST + 2];          /* exp(i chi_j), times any length */
     double straight[MOST];
 } Point;
 

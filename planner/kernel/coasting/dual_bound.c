@@ -63,8 +63,8 @@ static int lay_grid(HeadingGrid *c, double left, double right, double fastest, d
     double wanted = sqrt(8 * HIDDEN * c->seconds * fastest / c->sizes);
     int most = slowest * c->seconds < SLOW ? ANGLES - 6 : ENOUGH;
     if (wanted > 0 && wanted < c->step) c->step = greater(wanted, reach / most);
-    c->left = (int)ceil(left * c->seconds / c->step) + 1;
-    c->angles = c->left + (int)ceil(right * c->seconds / c->step) + 2;
+    c->left = (int)(left * c->seconds / c->step) + 1;
+    c->angles = c->left + (int)(right * c->seconds / c->step) + 2;
     cplx factor = unit_complex(-c->left * c->step), onward = unit_complex(c->step);
     for (int i = 0; i < c->angles; i++, factor *= onward) {
         c->cosine[i] = creal(factor);

@@ -14,26 +14,23 @@ typedef struct {
     cplx W[MOST], C[MOST], D[MOST];
 } InUnits;
 
-/* The power of two that is next above a number; 1 for numbers that have none. */
+/* The power of two that is next above a number. */
 static double power_of_two(double number)
 {
     int exponent;
-    if (!(number > 0 && number < INFINITY)) return 1;
     frexp(number, &exponent);
     return ldexp(1, exponent);
 }
 
 static void to_units(const Problem *p, InUnits *u)
 {
-    double size = cabs(p->goal), speed = 0, rate = 0;
+    double size = cabs(p->goal), speed = 0;
     for (int k = 0; k < p->trims; k++) {
         size += p->size_D[k];
         speed = greater(speed, p->speed[k]);
-        rate = greater(rate, fabs(p->rate[k]));
     }
-    if (!(size > 0)) size = speed > 0 && rate > 0 ? speed / rate : 1;
-    u->metre = power_of_two(size);
-    u->second = power_of_two(speed > 0 ? u->metre / speed : 1 / rate);
+    u->metre = size > 0 ? power_of_two(size) : 1;
+    u->second = speed > 0 ? power_of_two(u->metre / speed) : 1;
     for (int k = 0; k < p->trims; k++) {
         u->rate[k] = p->rate[k] * u->second;
         u->size_D[k] = p->size_D[k] / u->metre;

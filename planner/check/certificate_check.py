@@ -72,8 +72,8 @@ def certificate_problems(
 
 
 def _walks(library: Library, mission: Mission) -> Iterator[tuple[int, ...]]:
-    """Yields every walk that the mission allows, in the order of trim ids, by following the maneuvers."""
-    open_ = [(mission.start_trim,)]
+    """Yields every walk that the mission allows, by trim ids."""
+    open_: list[tuple[int, ...]] = [(mission.start_trim,)]
     while open_:
         walk = open_.pop()
         if mission.goal_trim in (None, walk[-1]):
@@ -96,9 +96,7 @@ def _count_walks(library: Library, mission: Mission) -> int:
     return count
 
 
-def _allowed(
-    listed: Iterable[tuple[int, ...]], library: Library, mission: Mission
-) -> set[tuple[int, ...]]:
+def _allowed(listed: Iterable[tuple[int, ...]], library: Library, mission: Mission) -> set[tuple[int, ...]]:
     """Returns those of some sequences that are walks which the mission allows."""
     joined = {(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers}
     return {

@@ -1,7 +1,7 @@
 """Committed policy: coasting times chosen before gamma is known (thesis, 8.1).
 
-The same times must end within the tolerance at every level between -gamma and gamma, ends and interior alike,
-with the heading wanted there; of all that do, the ones whose slowest level is fastest are taken.
+The same times must end within the tolerance, with the heading wanted, at every level between -gamma and gamma; of
+all that do, the ones whose slowest level is fastest are taken.
 """
 
 from collections.abc import Iterable
@@ -46,7 +46,7 @@ WALKS_AT_ONCE = 64
 """Walks solved between two checks of the deadline."""
 
 SHARE = 0.25
-"""Of the time that is left: what planning without errors and for the worst case may take each."""
+"""Of the time left: for planning without errors, and again for the worst case."""
 
 NOTHING = Incumbent((), None, inf, 0.0, False, 0)
 
@@ -55,7 +55,7 @@ UNFINISHED = "not proved optimal: the search stopped before every box of coastin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PreparedMission:
-    """Walks of a mission, with fixed and least times.
+    """Walks of a mission with fixed and least times.
 
     Attributes:
         left_out: seconds that every walk takes at least that is not among them; infinite if all are.
@@ -129,13 +129,12 @@ class CommittedPlanner:
             if near.value <= enough and near.found is not None:
                 seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
                 fast = self._fastest(case, replace(near, value=seconds))
-        plan = (
-            self._infeasible_plan(case, near, fast) if fast.found is None else self._optimal_plan(case, fast)
-        )
+        found = fast.found is not None
+        plan = self._optimal_plan(case, fast) if found else self._infeasible_plan(case, near, fast)
         return replace(plan, solve_time=perf_counter() - began)
 
     def _fastest(self, case: _PreparedMission, best: Incumbent) -> Incumbent:
-        """Returns the fastest times, with a bound that holds for the walks left out, too."""
+        """Returns the fastest times, with a bound of all walks."""
         fast = case.search.minimise_time(case.bounds, best, GAP, limit=case.horizon)
         enough = min(fast.value - GAP, case.horizon)
         complete = fast.complete and case.left_out >= enough

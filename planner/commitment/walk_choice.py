@@ -1,4 +1,4 @@
-"""Walks of a mission to commit to: all, or the most promising of too many."""
+"""Walks to commit to: all, or the most promising of too many."""
 
 from math import inf
 from time import perf_counter

@@ -100,7 +100,7 @@ class ExactSearch:
     def promising_walks(
         self, mission: Mission, *, limit: float, most: int, deadline: float = inf
     ) -> tuple[tuple[Walk, ...], float]:
-        """Returns the walks of least lower bound, and seconds that all others take at least.
+        """Returns walks of least bound, and a bound of the others.
 
         Args:
             mission: from where to where.

@@ -84,7 +84,7 @@ def test_each_stretch_that_bends_the_cost_down_takes_an_equation() -> None:
     assert [choice for choice in range(8) if may_be(ctypes.byref(chain), choice)] == [0, 2]
 
 
-def times_of(turned: tuple[float, ...], *, blurred: bool = False, full: int = 0) -> tuple[int, list[float]]:
+def times_of(turned: tuple[float, ...], *, blurred: bool = False, full: int = 0) -> tuple[int, object]:
     """Returns how many times are unclear, and the times, of turns by some angles and a straight coast."""
     rates = [0.5 if k % 2 == 0 else -0.25 for k in range(len(turned))]
     problem = problem_of(WalkProblem((1,) * (len(rates) + 1), (*rates, 0.0)))

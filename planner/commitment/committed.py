@@ -1,6 +1,6 @@
 """Committed policy: coasting times chosen before gamma is known (thesis, 8.1).
 
-The same times must end within the tolerance, with the heading wanted, at every level between -gamma and gamma; of
+The same times must end within the tolerance, with the heading wanted, at every level from -gamma to gamma; of
 all that do, the ones whose slowest level is fastest are taken.
 """
 

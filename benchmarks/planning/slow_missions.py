@@ -36,7 +36,7 @@ KEPT = 12
 LIMIT = 1.0
 """CPU seconds that a mission may take."""
 
-PATIENCE = 10.0
+PATIENCE = 60.0
 """Seconds after which a search is stopped."""
 
 SIZES = (0.0, 0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0)

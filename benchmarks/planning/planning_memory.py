@@ -2,7 +2,7 @@
 
 Run by `python -m benchmarks.planning.planning_memory 2`; argument: the deadline in seconds.
 
-Each plan is made in a process of its own: 70 trims, 500 maneuvers, sequences of at most eight trims. A library
+Each plan is made in a process of its own: 70 trims, 500 maneuvers, sequences of up to eight trims. A library
 is by the kinematic equations; in another all maneuvers cost next to nothing, and bounds exclude little.
 """
 
@@ -17,6 +17,7 @@ from flight.mission.mission import Mission
 from flight.se2 import SE2
 from planner.commitment.committed import CommittedPlanner
 from planner.policies.nominal import nominal_planner
+from planner.policies.policy import Planner
 from planner.policies.worst_case import worst_case_planner
 
 from .planning_missions import synthetic_library
@@ -52,11 +53,11 @@ def main(deadline: float) -> None:
 def one(deadline: float, library: str, place: int, policy: str) -> None:
     """Prints seconds, memory and the answer of one plan."""
     chosen, mission = large_library(library), MISSIONS[place]
-    planner = {
-        "nominal": lambda: nominal_planner(chosen, deadline=deadline),
-        "worst-case": lambda: worst_case_planner(chosen, GAMMA, deadline=deadline),
-        "committed": lambda: CommittedPlanner(chosen, GAMMA, deadline=deadline),
-    }[policy]()
+    planner: Planner = CommittedPlanner(chosen, GAMMA, deadline=deadline)
+    if policy == "nominal":
+        planner = nominal_planner(chosen, deadline=deadline)
+    elif policy == "worst-case":
+        planner = worst_case_planner(chosen, GAMMA, deadline=deadline)
     plan = planner.plan(mission)
     print(
         f"{library:<10}{mission.name:<8}{policy:<11}{plan.solve_time:6.3f} s "

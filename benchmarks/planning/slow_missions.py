@@ -173,12 +173,12 @@ def _primitives(
             *(float(value) * size for value, size in zip(off, (speed, 1.0, abs(rate)), strict=True))
         )
         trims.append(Trim(number, f"trim {number}", Twist(speed, side, rate), error))
-    pairs = [(one.id, other.id) for one in trims for other in trims]
-    rng.shuffle(pairs)
+    every = [(one.id, other.id) for one in trims for other in trims]
+    pairs = [every[int(place)] for place in rng.permutation(len(every))[:MOST_MANEUVERS]]
     size, same = float(rng.choice(SIZES)), rng.random() < 0.3
     shared = rng.random(), rng.normal(size=3)
     maneuvers = []
-    for number, pair in enumerate(sorted(map(tuple, pairs[:MOST_MANEUVERS])), start=1):
+    for number, pair in enumerate(sorted(pairs), start=1):
         duration, moved = shared if same else (rng.random(), rng.normal(size=3))
         displacement = SE2(*(size * moved).tolist())
         maneuvers.append(

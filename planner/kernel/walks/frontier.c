@@ -9,9 +9,9 @@ static int before(const Entry *one, const Entry *other)
     if (one->bound != other->bound) return one->bound < other->bound;
     if (one->closed != other->closed) return one->closed < other->closed;
     if (one->trims != other->trims) return one->trims < other->trims;
-    for (int k = 0; k < one->trims - 1; k++)
-        if (one->step[k] != other->step[k]) return one->step[k] < other->step[k];
-    return 0;
+    int k = 0;
+    while (k < one->trims - 2 && one->step[k] == other->step[k]) k++;
+    return one->step[k] < other->step[k];
 }
 
 int in_order(const void *one, const void *other)

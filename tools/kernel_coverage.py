@@ -1,6 +1,6 @@
 """Lines of the kernel's C that no test executes: `python -m tools.kernel_coverage -m kernel tests/planner`.
 
-Arguments go to pytest. The kernel is compiled with the counters of gcov, not optimised, in a cache of its own.
+Arguments go to pytest. The kernel is compiled with counters of gcov, not optimised, in a cache of its own.
 """
 
 import gzip

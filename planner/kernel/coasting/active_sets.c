@@ -150,50 +150,50 @@ static int too_slow(const Problem *p, const ActiveSet *on, double distance)
 }
 
 /* Whether multipliers refute sets of times often enough to be sought; where they do not, some still are. */
-static int worth_a_climb(KnownSets *known)
+static int worth_a_climb(SetCache *cache)
 {
-    if (!known) return 1;
-    int rarely = known->sought > TRIALS && known->refuted * RARELY < known->sought;
-    if (rarely && known->passed++ % RARELY) return 0;
-    known->sought++;
+    if (!cache) return 1;
+    int rarely = cache->climbs > MIN_TRIALS && cache->prunings * RARE_SUCCESS < cache->climbs;
+    if (rarely && cache->skipped++ % RARE_SUCCESS) return 0;
+    cache->climbs++;
     return 1;
 }
 
 /* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
  * left of them without one of the times; 2 for those with too many straight coasts, and those that other walks had. */
-static void exclude(const Problem *p, unsigned useful, double distance, const Given *given, const Marks *marks,
+static void exclude(const Problem *p, unsigned useful, double distance, const Unscaled *unscaled, const WalkHash *walk_hash,
                     char *out)
 {
-    const Help *help = given->help;
+    const SolveContext *context = unscaled->context;
     cplx multiplier = p->multiplier;
-    double seconds = (p->best - p->fixed) * given->second;
-    KnownSet *like[1 << MOST];
+    double seconds = (p->best - p->fixed) * unscaled->second;
+    CachedSet *clusters[1 << MOST];
     memset(out, 0, (size_t)useful + 1);
-    if (help->alike) exclude_alike(p, useful, given, like, out);
+    if (context->similar) exclude_similar(p, useful, unscaled, clusters, out);
     for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
         ActiveSet on;
-        if (late(help->until)) return;
+        if (past_deadline(context->deadline)) return;
         for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
             out[mask] = out[mask | (rest & -rest)] == 1;
         if (out[mask]) continue;
-        KnownSet *known = help->known ? known_set(help->known, marks, mask) : 0;
-        if (known && known->coasting >= seconds) {
+        CachedSet *set = context->cache ? cached_set(context->cache, walk_hash, mask) : 0;
+        if (set && set->bound >= seconds) {
             out[mask] = 1;
             continue;
         }
-        if (straights_in(p, mask) > 2 || (known && known->inside >= seconds)) {
+        if (straights_in(p, mask) > 2 || (set && set->interior_bound >= seconds)) {
             out[mask] = 2;
             continue;
         }
         choose(p, &on, mask);
-        KnownSet *near = help->alike ? like[mask] : 0;
+        CachedSet *cluster = context->similar ? clusters[mask] : 0;
         out[mask] = too_slow(p, &on, distance);
-        if (!out[mask] && !(near && near->unrefuted >= IN_VAIN) && worth_a_climb(help->known)) {
+        if (!out[mask] && !(cluster && cluster->failed_climbs >= IN_VAIN) && worth_a_climb(context->cache)) {
             out[mask] = refuted(p, mask, ROUNDS, &multiplier);
-            if (help->known) help->known->refuted += out[mask];
-            if (near && !out[mask]) near->unrefuted++;
+            if (context->cache) context->cache->prunings += out[mask];
+            if (cluster && !out[mask]) cluster->failed_climbs++;
         }
-        if (out[mask] && known) known->coasting = seconds;
+        if (out[mask] && set) set->bound = seconds;
     }
 }
 
@@ -235,7 +235,7 @@ void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
 }
 
 /* Solves a problem in its own units, with at most so many times that are not 0, until it is late. */
-void solve_in_units(Problem *p, int most, const Given *given)
+void solve_in_units(Problem *p, int most, const Unscaled *unscaled)
 {
     double distance = to_cover(p), slowest = set_straight(p, distance), began = p->best, nothing[MOST] = {0};
     unsigned useful = 0;
@@ -246,27 +246,27 @@ void solve_in_units(Problem *p, int most, const Given *given)
     double excluded_at = INFINITY;
     int every = most >= p->trims && p->best < INFINITY, bends = slowest <= p->hardly_bent;
     /* What is found while it is not known which turns count as straight lines is of no use to other walks. */
-    Help own = {0, 0, given->help->until};
-    Given now = {given->problem, given->metre, given->second, began == INFINITY && bends ? &own : given->help};
-    KnownSets *known = now.help->known;
-    Marks marks;
-    if (known) set_marks(&marks, given->problem, known);
+    SolveContext own = {0, 0, unscaled->context->deadline};
+    Unscaled now = {unscaled->problem, unscaled->metre, unscaled->second, began == INFINITY && bends ? &own : unscaled->context};
+    SetCache *cache = now.context->cache;
+    WalkHash walk_hash;
+    if (cache) hash_walk(&walk_hash, unscaled->problem, cache);
     if (every) {
-        exclude(p, useful, distance, &now, &marks, out);
+        exclude(p, useful, distance, &now, &walk_hash, out);
         excluded_at = p->best;
     }
     for (int size = 1; size <= most && size <= p->trims; size++)
         for (unsigned mask = 1; mask < 1u << p->trims; mask++) {
             if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
-            if (late(given->help->until)) return;
-            KnownSet *set = known ? known_set(known, &marks, mask) : 0;
-            if (set && set->inside >= (p->best - p->fixed) * given->second) continue;
+            if (past_deadline(unscaled->context->deadline)) return;
+            CachedSet *set = cache ? cached_set(cache, &walk_hash, mask) : 0;
+            if (set && set->interior_bound >= (p->best - p->fixed) * unscaled->second) continue;
             ActiveSet on;
             choose(p, &on, mask);
             if (p->best < excluded_at && too_slow(p, &on, distance)) continue;
             try_both_ways(p, &on, mask);
-            if (set) set->inside = known->once ? INFINITY : (p->best - p->fixed) * given->second;
+            if (set) set->interior_bound = cache->once ? INFINITY : (p->best - p->fixed) * unscaled->second;
         }
     /* Which turns hardly bend is known now. */
-    if (began == INFINITY && p->best < INFINITY && most >= p->trims && bends) solve_in_units(p, most, given);
+    if (began == INFINITY && p->best < INFINITY && most >= p->trims && bends) solve_in_units(p, most, unscaled);
 }

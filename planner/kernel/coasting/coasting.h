@@ -75,34 +75,34 @@ typedef struct {                 /* a point of a curve */
     double straight[MOST];
 } Point;
 
-/* A set of times that walks share. */
+/* An active set found in several walks, with lower bounds of its coasting seconds. */
 typedef struct {
-    uint64_t mark[2];
-    double coasting, inside;     /* s that it takes: with all times 0 or more, with all more than 0 */
-    int numbers, unrefuted;      /* alike_sets.c: place of its numbers; how often a multiplier was sought in vain */
-} KnownSet;
+    uint64_t hash[2];
+    double bound, interior_bound; /* s; with times of at least 0, and with all of them above 0 */
+    int coefficients, failed_climbs; /* similar_sets.c: where they stand; how often no multiplier was found */
+} CachedSet;
 
-struct KnownSets {
-    KnownSet *sets;
-    long count, room;
-    double way, speed, angle;    /* m, m/s, rad; what makes no difference */
+struct SetCache {
+    CachedSet *sets;
+    long count, capacity;
+    double length_step, speed_step, angle_step; /* m, m/s, rad; coefficients are rounded to these */
     int once;
-    long sought, refuted, passed; /* sets for which multipliers were sought, that these refuted, and passed by */
+    long climbs, prunings, skipped; /* of multipliers: climbs, those that pruned, and those left out as too rarely useful */
 };
 
-/* The numbers of a walk from which the marks of its sets of times are made. */
+/* The parts of a walk that the hashes of its active sets are made from. */
 typedef struct {
     uint64_t coast[MOST][2];
-    cplx before[MOST];           /* what the maneuvers before have displaced */
+    cplx before[MOST];           /* displacement of the maneuvers up to each trim */
     uint64_t end[2];
-} Marks;
+} WalkHash;
 
-/* What a problem in its own units was given as. */
+/* A scaled problem's original, and the units in which it is scaled. */
 typedef struct {
     const Problem *problem;
-    double metre, second;        /* the units, in those of the problem given */
-    const Help *help;
-} Given;
+    double metre, second;
+    const SolveContext *context;
+} Unscaled;
 
 /* motion.c: where times lead. */
 cplx motion(const Problem *p, const double *times, cplx *velocity, double *turned);
@@ -141,13 +141,13 @@ int out_of_reach(const Problem *p, const ActiveSet *on, double seconds);
 int refuted(const Problem *p, unsigned mask, int rounds, cplx *m);
 
 /* known_sets.c, alike_sets.c: sets of times that other walks have, too. */
-void set_marks(Marks *marks, const Problem *p, const KnownSets *known);
-KnownSet *known_set(KnownSets *known, const Marks *marks, unsigned mask);
-void exclude_alike(const Problem *p, unsigned useful, const Given *given, KnownSet **sets, char *out);
+void hash_walk(WalkHash *walk_hash, const Problem *p, const SetCache *known);
+CachedSet *cached_set(SetCache *known, const WalkHash *walk_hash, unsigned mask);
+void exclude_similar(const Problem *p, unsigned useful, const Unscaled *unscaled, CachedSet **sets, char *out);
 
 /* active_sets.c: every set of times. */
 int straights_in(const Problem *p, unsigned mask);
 void try_both_ways(Problem *p, ActiveSet *on, unsigned mask);
-void solve_in_units(Problem *p, int most, const Given *given);
+void solve_in_units(Problem *p, int most, const Unscaled *unscaled);
 
 #endif

@@ -56,13 +56,13 @@ static void to_units(const Problem *p, InUnits *u)
 
 /* The best times of a walk at one level, with at most so many that are not 0; they count if they are faster than the
  * best so far. Where the time runs out they are the best that were found. */
-void solve_with(Problem *p, int most, const Help *help)
+void solve_with(Problem *p, int most, const SolveContext *context)
 {
     InUnits u;
     to_units(p, &u);
-    double known = u.problem.best;
-    solve_in_units(&u.problem, most, &(Given){p, u.metre, u.second, help});
-    if (!(u.problem.best < known)) return;
+    double began = u.problem.best;
+    solve_in_units(&u.problem, most, &(Unscaled){p, u.metre, u.second, context});
+    if (!(u.problem.best < began)) return;
     p->best = p->fixed;
     for (int k = 0; k < p->trims; k++) {
         /* No -0. */
@@ -71,7 +71,7 @@ void solve_with(Problem *p, int most, const Help *help)
     }
 }
 
-void solve(Problem *p, int most) { solve_with(p, most, &(Help){0, 0, INFINITY}); }
+void solve(Problem *p, int most) { solve_with(p, most, &(SolveContext){0, 0, INFINITY}); }
 
 /* Seconds that a walk takes at least at one level; infinite where its heading cannot be as wanted. */
 double lower_bound(const Problem *p)

@@ -1,7 +1,7 @@
 /* The maneuver automaton at every level, and walks in it. */
 #include "walks.h"
 
-void read_walk(const Automaton *a, const Task *task, const Entry *entry, Walk *walk)
+void read_walk(const Automaton *a, const Task *task, const Node *entry, Walk *walk)
 {
     walk->length = entry->trims;
     walk->trim[0] = (int)task->start_trim;

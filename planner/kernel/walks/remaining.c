@@ -81,12 +81,12 @@ int make_remaining(Remaining *r, const Automaton *a, const Task *task)
 void free_remaining(Remaining *r) { free(r->group); free(r->least); }
 
 /* Seconds that every walk takes that begins so, is at a trim, and may have so many trims more. */
-double least_seconds(const Remaining *r, int level, const Beginning *begun, int trim, int left)
+double least_seconds(const Remaining *r, int level, const Prefix *prefix, int trim, int left)
 {
     double least = INFINITY, alone = least_from(r, level, SPEEDS, left)[trim];
-    for (int g = begun->group; g < r->speeds[level]; g++)
-        least = lesser(least, r->slowness[level][g] * begun->distance + least_from(r, level, g, left)[trim]);
-    least = begun->fixed + greater(least, alone);
+    for (int g = prefix->group; g < r->speeds[level]; g++)
+        least = lesser(least, r->slowness[level][g] * prefix->distance + least_from(r, level, g, left)[trim]);
+    least = prefix->fixed + greater(least, alone);
     /* Rounding does not make it more than the bound of a walk. */
     return least - 1e-12 * fabs(least);
 }

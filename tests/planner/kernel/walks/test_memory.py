@@ -14,7 +14,7 @@ WITH_LITTLE_MEMORY = """
 import ctypes
 import resource
 from tests.planner.kernel.native import native
-make = native().make_alike_sets
+make = native().make_similar_sets
 make.restype = ctypes.c_void_p
 assert make(ctypes.c_double(1.0), ctypes.c_double(1.0))
 pages = int(open("/proc/self/statm").read().split()[0])
@@ -25,7 +25,7 @@ print(make(ctypes.c_double(1.0), ctypes.c_double(1.0)))
 
 
 def test_sets_are_not_kept_where_there_is_no_memory() -> None:
-    make = native().make_known_sets
+    make = native().make_set_cache
     make.restype = ctypes.c_void_p
     share = ctypes.c_double(1e-3), ctypes.c_double(1.0), ctypes.c_double(1.0), ctypes.c_int(0)
     assert make(ctypes.c_long(2**60), *share) is None

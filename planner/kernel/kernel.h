@@ -23,7 +23,7 @@ enum {
     MOST_QUEUED = 1500000,       /* nodes in the queue, 48 MB; beyond, the search goes depth first */
     MOST_DEFERRED = 1000000,     /* walks deferred to the second pass, 32 MB; beyond, each is solved at once */
     MANY_WALKS = 256,            /* walks from which on results of some are kept for others */
-    PATIENCE = 1000,             /* least number of walks without an improvement after which the first pass only bounds */
+    PATIENCE = 1000,             /* walks without an improvement after which the first pass only bounds */
     MIN_TRIALS = 1000,           /* bounds computed before their success rate is judged */
     RARE_SUCCESS = 20,           /* a bound that prunes less often than once in so many is computed once in so many */
     SETS_TO_LEARN = 2000,        /* active sets after which the radius of clusters is judged */

@@ -1,14 +1,14 @@
-/* Sets of times that many walks share.
+/* Hash table of active sets that several walks have in common.
  *
- * Where maneuvers cost nothing, or different ways lead to the same place, many walks hold the same trims with the same
- * displacements between: their sets of times are one problem. It is told by its numbers, rounded to what makes no
- * difference; 128 bits mixed from them are kept.
+ * Where maneuvers cost nothing, or different maneuvers lead to the same place, many walks have the same trims with the
+ * same displacements between: their active sets are one problem. Its key is a hash of 128 bits of the coefficients,
+ * rounded to a step.
  */
 #include "coasting.h"
 #include <stdlib.h>
 
-/* Room for a power of 2 of sets whose numbers are rounded to a share of the way, of the speed, and of a radian; none
- * where there is no memory. With once, a set is looked at once only, whatever the best is then. */
+/* Allocates a table for a power of 2 of active sets, with coefficients rounded to a share of length, speed and a
+ * radian; 0 without memory. With once, each set is solved only once, whatever the incumbent is then. */
 SetCache *make_set_cache(long capacity, double share, double way, double speed, int once)
 {
     SetCache *cache = malloc(sizeof(SetCache));
@@ -47,7 +47,7 @@ static void mix_vector(uint64_t *hash, cplx value, double unit)
     mix_number(hash, cimag(value), unit);
 }
 
-/* The marks of a walk from which those of its sets are made. */
+/* Hashes the parts of a walk. */
 void hash_walk(WalkHash *walk_hash, const Problem *p, const SetCache *cache)
 {
     cplx before = 0;
@@ -64,7 +64,7 @@ void hash_walk(WalkHash *walk_hash, const Problem *p, const SetCache *cache)
     if (p->wants_heading) mix_number(walk_hash->end, off_turns(p->heading), cache->angle_step);
 }
 
-/* Where a set is known, or a free place for it; none where there is no room. */
+/* Finds or inserts an active set; 0 where the table is full. */
 CachedSet *cached_set(SetCache *cache, const WalkHash *walk_hash, unsigned mask)
 {
     uint64_t hash[2] = {walk_hash->end[0], walk_hash->end[1]};

@@ -1,33 +1,33 @@
-/* Sets of times that are nearly one problem, in many walks: looked at together.
+/* Lower bounds for clusters of similar active sets.
  *
- * Where maneuvers differ by little, many walks hold the same trims with nearly the same displacements between. If the
- * goal were wider by as much as one of them differs from another, every plan of the one would be a plan of the other.
- * So a look at one set with a wider goal tells what all sets near it take at least.
+ * Where maneuvers differ by little, many walks have the same trims with nearly the same displacements between. If the
+ * tolerance is enlarged by the difference, every plan of one set is a plan of the other: one solution with an enlarged
+ * tolerance is a lower bound for all sets of a cluster.
  *
- * Such a look finds the candidates with all times more than 0. The best plan of a set may have fewer; then it is one of
- * a set with fewer times, whose goal is wider still: by as much as the sets that two looks were at may differ. So what a
- * set takes at least is the least that it, or any set with fewer of its times, was found to take.
+ * That solution has all times above 0. The best plan of a set may have fewer; then it belongs to a smaller set, whose
+ * tolerance is enlarged by more, as members of two clusters differ. So the bound of a set is the least of its own and
+ * those of all smaller sets.
  */
 #include "coasting.h"
 #include <stdlib.h>
 
-#define HASH_STEP 1e-3      /* of the way, of the speed, rad: numbers that are told apart */
-#define RADIUS 1e-3         /* of the way, rad: sets that are near each other differ by half of it at most */
-#define CAPACITY (1 << 19)    /* sets */
-#define MOST_COEFFICIENTS (4 << 20) /* kept of sets: 32 MB */
-#define HEADROOM 1.02     /* of the seconds that would do */
-#define MEMBERS_PER_CLUSTER 4            /* sets that are near the first of their like */
-#define TIGHTEN_BY 8            /* ... and if they are that much nearer */
-#define LEAST_RADIUS 1e-4        /* of the nearness at first: how near they are taken to be at least */
+#define HASH_STEP 1e-3    /* of length, speed and rad: rounding of the hashed coefficients */
+#define RADIUS 1e-3       /* of length, rad; members differ from the first of their cluster by at most half of it */
+#define CAPACITY (1 << 19) /* active sets */
+#define MOST_COEFFICIENTS (4 << 20) /* of the first members: 32 MB */
+#define HEADROOM 1.02     /* of the incumbent's coasting time: the limit of a relaxed solution */
+#define MEMBERS_PER_CLUSTER 4 /* members of a cluster, on average, from which a relaxed solution pays */
+#define TIGHTEN_BY 8      /* times: clusters that are so much narrower get a smaller radius */
+#define LEAST_RADIUS 1e-4 /* of the first radius */
 
 struct SimilarSets {
     SetCache *sets;
-    double *coefficients;             /* of the first sets of each like */
+    double *coefficients;        /* of the first member of each cluster */
     int used;
-    double radius, angle_radius;          /* m, rad */
-    long clusters, members;          /* sets that were the first of their like, and that were near one */
-    double spread[2];            /* m, rad; by which these differed most, twice */
-    int tightened;                  /* whether that was looked at */
+    double radius, angle_radius; /* m, rad */
+    long clusters, members;      /* how many there are */
+    double spread[2];            /* m, rad; twice the largest distance of a member */
+    int tightened;               /* whether the radius was adapted */
 };
 
 SimilarSets *make_similar_sets(double way, double speed)
@@ -56,7 +56,7 @@ static void put(double *numbers, cplx value)
     numbers[1] = cimag(value);
 }
 
-/* Displacements before the coasts and after the last, velocities, and the heading; returns how many they are. */
+/* Lists the coefficients of a set: displacements, velocities, heading. Returns their number. */
 static int coefficients_of(const Problem *p, const WalkHash *walk_hash, unsigned mask, double *numbers)
 {
     int held = 0, count = __builtin_popcount(mask);
@@ -72,7 +72,7 @@ static int coefficients_of(const Problem *p, const WalkHash *walk_hash, unsigned
     return 4 * count + 3;
 }
 
-/* By how much the same times, with so many seconds in all, lead elsewhere, twice: m, and rad. */
+/* Twice the difference of the ends, m and rad, that the same times lead to in two sets. */
 static void set_distance(const double *one, const double *other, int held, double seconds, double *distance)
 {
     double way = 0, swing = 0;
@@ -85,12 +85,13 @@ static void set_distance(const double *one, const double *other, int held, doubl
     distance[1] = 2 * fabs(off_turns(one[4 * held + 2] - other[4 * held + 2]));
 }
 
-/* Begins anew where all sets are much nearer each other than need be: goals need be less wide then. */
+/* Starts again with a smaller radius where all clusters are much narrower than the first one allows. */
 static void tighten_radius(SimilarSets *similar)
 {
     if (similar->members < SETS_TO_LEARN || similar->tightened) return;
     similar->tightened = 1;
-    if (similar->spread[0] * TIGHTEN_BY > similar->radius || similar->spread[1] * TIGHTEN_BY > similar->angle_radius) return;
+    if (similar->spread[0] * TIGHTEN_BY > similar->radius) return;
+    if (similar->spread[1] * TIGHTEN_BY > similar->angle_radius) return;
     similar->radius = greater(2 * similar->spread[0], LEAST_RADIUS * similar->radius);
     similar->angle_radius = greater(2 * similar->spread[1], LEAST_RADIUS * similar->angle_radius);
     memset(similar->sets->sets, 0, sizeof(CachedSet) * (size_t)similar->sets->capacity);
@@ -99,7 +100,7 @@ static void tighten_radius(SimilarSets *similar)
     similar->clusters = 0;
 }
 
-/* Whether a set is near the first one like it; it may be the first itself. */
+/* Whether a set is a member of its cluster, and the cluster large enough to pay. */
 static int in_cluster(SimilarSets *similar, const Problem *p, const WalkHash *walk_hash, unsigned mask, CachedSet *set)
 {
     double numbers[4 * MOST + 3], distance[2];
@@ -110,20 +111,21 @@ static int in_cluster(SimilarSets *similar, const Problem *p, const WalkHash *wa
         set->coefficients = similar->used;
         similar->used += count;
         similar->clusters++;
-        /* Worth a look with a wider goal only where others near it will follow. */
+        /* The first member pays only where clusters have several. */
         return similar->members > MEMBERS_PER_CLUSTER * similar->clusters;
     }
-    set_distance(numbers, similar->coefficients + set->coefficients, __builtin_popcount(mask), p->best - p->fixed, distance);
+    const double *first_member = similar->coefficients + set->coefficients;
+    set_distance(numbers, first_member, __builtin_popcount(mask), p->best - p->fixed, distance);
     if (distance[0] > similar->radius || distance[1] > similar->angle_radius) return 0;
     similar->members++;
     for (int i = 0; i < 2; i++) similar->spread[i] = greater(similar->spread[i], distance[i]);
     return 1;
 }
 
-/* How much wider the goal of a set with so many times is. */
+/* Radii by which the tolerance is enlarged for a set of so many times. */
 static double relaxation(int held) { return MOST + 1.5 - held; }
 
-/* Seconds that a set takes at least with all of its times more than 0, with a wider goal; all in units. */
+/* Lower bound of the seconds with all times above 0, for an enlarged tolerance; in scaled units. */
 static double relaxed_bound(const Problem *p, unsigned mask, double radius, double angle_radius)
 {
     Problem wide = *p;
@@ -140,16 +142,16 @@ static double relaxed_bound(const Problem *p, unsigned mask, double radius, doub
     return greater(wide.best - wide.fixed, 1e-300);
 }
 
-/* Whether a wider goal is reached without coasting. */
+/* Whether the enlarged tolerance is reached without coasting. */
 static int reached_without_coasting(const Problem *p, const SimilarSets *similar, const WalkHash *walk_hash)
 {
     double away = cabs(walk_hash->before[p->trims - 1] - p->goal) - p->tolerance;
     double aside = fabs(off_turns(p->heading)) - p->heading_tolerance;
-    return away <= relaxation(0) * similar->radius && (!p->wants_heading || aside <= relaxation(0) * similar->angle_radius);
+    if (!(away <= relaxation(0) * similar->radius)) return 0;
+    return !p->wants_heading || aside <= relaxation(0) * similar->angle_radius;
 }
 
-/* Marks the sets of times that cannot be faster than the best so far, as those near them cannot; sets: where each is
- * known. */
+/* Prunes the active sets whose clusters cannot beat the incumbent; lists the entries of all sets. */
 void exclude_similar(const Problem *p, unsigned useful, const Unscaled *unscaled, CachedSet **sets, char *out)
 {
     SimilarSets *similar = unscaled->context->similar;
@@ -163,13 +165,15 @@ void exclude_similar(const Problem *p, unsigned useful, const Unscaled *unscaled
     for (unsigned mask = -useful & useful; mask; mask = (mask - useful) & useful) {
         CachedSet *set = sets[mask] = cached_set(similar->sets, &walk_hash, mask);
         least[mask] = out[mask] = 0;
-        if (!set || past_deadline(unscaled->context->deadline) || !in_cluster(similar, &si, &walk_hash, mask, set)) continue;
+        if (!set || past_deadline(unscaled->context->deadline)) continue;
+        if (!in_cluster(similar, &si, &walk_hash, mask, set)) continue;
         if (set->bound == 0) {
             double others = INFINITY;
             for (unsigned rest = mask; rest; rest &= rest - 1) others = lesser(others, least[mask & ~(rest & -rest)]);
-            if (others >= seconds)
-                set->bound = lesser(
-                    others, relaxed_bound(p, mask, similar->radius / unscaled->metre, similar->angle_radius) * unscaled->second);
+            if (others >= seconds) {
+                double own = relaxed_bound(p, mask, similar->radius / unscaled->metre, similar->angle_radius);
+                set->bound = lesser(others, own * unscaled->second);
+            }
         }
         least[mask] = set->bound;
         out[mask] = least[mask] >= seconds;

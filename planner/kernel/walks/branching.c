@@ -1,7 +1,7 @@
-/* The ways on from the beginning of a walk, and what bounds them. */
+/* Children of a node of the search tree, with their lower bounds. */
 #include "walks.h"
 
-/* The bound of a walk at its worst level. */
+/* Lower bound of a walk: that of its worst level. */
 static double bound_of_walk(const Search *s, const Walk *walk)
 {
     double bound = 0;
@@ -13,7 +13,7 @@ static double bound_of_walk(const Search *s, const Walk *walk)
     return bound;
 }
 
-/* What all walks have in common that begin alike, at every level. */
+/* Sums up a prefix at every level. */
 static void measure_prefix(const Search *s, const Walk *walk, Prefix *prefix)
 {
     const Automaton *a = s->automaton;
@@ -31,7 +31,7 @@ static void measure_prefix(const Search *s, const Walk *walk, Prefix *prefix)
     }
 }
 
-/* The bound of all walks that go on with one more trim. */
+/* Lower bound of all walks that continue a prefix with one maneuver. */
 static double bound_beyond(const Search *s, const Prefix *prefix, int maneuver, int left)
 {
     const Automaton *a = s->automaton;
@@ -45,7 +45,7 @@ static double bound_beyond(const Search *s, const Prefix *prefix, int maneuver, 
     return bound;
 }
 
-/* The bound of all walks there are. */
+/* Lower bound of all walks. */
 double root_bound(const Search *s)
 {
     Walk walk = {.length = 1, .trim = {(int)s->task->start_trim}};
@@ -58,7 +58,7 @@ double root_bound(const Search *s)
     return bound;
 }
 
-/* The walk itself, and the ways on from it, unless some bound excludes them. */
+/* Finds the children of a node that the incumbent does not prune: its prefix as a leaf, and one node a maneuver. */
 void branch(Search *s, const Node *entry, int fewest, int most)
 {
     Walk walk;
@@ -86,7 +86,7 @@ void branch(Search *s, const Node *entry, int fewest, int most)
     }
 }
 
-/* The sizes of things, for what makes a difference. */
+/* Sets the scales of length and speed by which small differences are judged. */
 static void set_scales(Search *s)
 {
     const Automaton *a = s->automaton;

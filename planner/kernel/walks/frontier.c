@@ -1,9 +1,9 @@
-/* Walks and beginnings of walks that wait, the one with the least bound first. */
+/* Priority queue of nodes, a heap with four children, least lower bound first. */
 #include "walks.h"
 
-#define FIRST_CAPACITY 1024         /* entries that there is room for at first */
+#define FIRST_CAPACITY 1024 /* entries allocated at first */
 
-/* By bound; then beginnings before walks, short walks before long ones, and in the order of the library. */
+/* Orders by bound; then inner nodes before leaves, short prefixes before long ones, and by the library's order. */
 static int before(const Node *one, const Node *other)
 {
     if (one->bound != other->bound) return one->bound < other->bound;
@@ -19,7 +19,7 @@ int in_order(const void *one, const void *other)
     return before(one, other) ? -1 : before(other, one);
 }
 
-/* Makes room for so many more; 0 if there is none to be had. */
+/* Reserves space for more nodes; returns 0 where the limit or the memory is exhausted. */
 int reserve(Frontier *f, long more)
 {
     if (f->count + more <= f->capacity) return 1;

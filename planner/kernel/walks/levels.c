@@ -1,12 +1,11 @@
-/* One walk at every level: excluded by a bound, or solved. */
+/* Pruning and solution of one walk at every uncertainty level. */
 #include "walks.h"
 
-#define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
-#define TIE 1e-12         /* of the best seconds */
-#define POLISHING 0.1     /* of the seconds allowed, on top of them */
+#define NEAR_THE_EDGE 0.999 /* of the tolerance: the distance at which closed forms aim */
+#define TIE 1e-12         /* of the incumbent's cost: smaller improvements are rounding */
+#define POLISHING 0.1     /* of the seconds allowed, in addition to them */
 
-/* The level to look at next: that with the largest bound; where many walks were looked at, first the one that decided the best
- * walk, or without one that at which the walk before does not reach the goal. */
+/* The next level to bound: that with the largest lower bound; after many walks, the deciding level first. */
 static int next_level(const Search *s, const double *bounds, int done)
 {
     int level = 0;
@@ -15,7 +14,7 @@ static int next_level(const Search *s, const double *bounds, int done)
     return level;
 }
 
-/* Whether bounds exclude walks often enough to be computed; where they do not, some still are. */
+/* Whether multipliers prune walks often enough; where they rarely do, most walks skip them. */
 static int is_worth_bounding(Search *s)
 {
     int rarely = s->bounded > MIN_TRIALS && s->pruned * RARE_SUCCESS < s->bounded;
@@ -24,7 +23,7 @@ static int is_worth_bounding(Search *s)
     return 1;
 }
 
-/* Whether some level cannot beat the best so far. */
+/* Whether a lower bound at some level is no better than the incumbent. */
 int pruned_by_bounds(Search *s, const Node *entry, Levels *every)
 {
     int levels = s->automaton->levels;
@@ -54,14 +53,14 @@ int pruned_by_bounds(Search *s, const Node *entry, Levels *every)
     return 0;
 }
 
-/* Solves a walk at every level; keeps it if its worst level is best. With a limit, no more times are not 0, and the
- * goal is the point where the tolerance is used up best. Returns whether it was kept. */
+/* Solves a walk at every level and replaces the incumbent if the worst level is faster. With a limit on the number of
+ * nonzero times, the goal is one point near the edge of the tolerance. Returns whether the incumbent was replaced. */
 int improves_incumbent(Search *s, const Levels *every, int most)
 {
     const SolveContext *context = most < MOST ? &s->first_pass : &s->second_pass;
     int levels = s->automaton->levels;
     double costs[MOST], times[MOST * MOST], worst = 0, enough = s->answer->cost;
-    /* Among many walks that take as long, rounding makes none the better. */
+    /* Among many walks of one cost, rounding makes none the better. */
     if (s->examined >= MANY_WALKS && enough < INFINITY) enough -= TIE * enough;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
@@ -91,7 +90,7 @@ int improves_incumbent(Search *s, const Levels *every, int most)
     return 1;
 }
 
-/* The winner once more at the levels that do not decide. */
+/* Solves the incumbent again at the levels that do not decide. */
 void polish(Search *s)
 {
     Answer *answer = s->answer;

@@ -1,10 +1,10 @@
-/* The most promising walks. */
+/* List of the walks with the least lower bounds. */
 #include "walks.h"
 
-/* The walks of least bound, at most so many, whose bounds are below a limit: their trims, and how many each has.
- * Returns how many they are, -1 where there is no memory; rest: seconds that all others take at least. */
-PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims, long *lengths,
-                       double *rest)
+/* Lists at most so many walks, least lower bound first, with bounds below a limit: their trims and lengths. Returns
+ * their number, -1 without memory; *rest becomes the lower bound of all other walks. */
+PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims,
+                       long *lengths, double *rest)
 {
     Answer answer = {.cost = limit};
     Search s = {.task = task, .automaton = automaton, .answer = &answer};

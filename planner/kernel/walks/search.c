@@ -1,36 +1,43 @@
-/* The best walk: walks come one by one, the one with the least bound first. */
+/* Branch and bound over walks, in two passes.
+ *
+ * The first pass takes walks best first and solves closed forms only, which soon gives an incumbent that prunes most
+ * of the others. The second pass solves what is left, with every active set.
+ */
 #include "walks.h"
 
-#define FIRST_DEPTH 4           /* trims */
-#define BRANCHES_PER_NODE 1000         /* ways on from walks, that take as long to find as a node to solve, or longer */
-#define COARSE_STEP 1e-3       /* of the way, of the speed, rad: what makes little difference */
-#define FINE_STEP 1e-12     /* likewise: what makes none */
+#define FIRST_DEPTH 4     /* trims; longer walks are searched once these are */
+#define BRANCHES_PER_NODE 1000 /* children that cost about as much as a solved walk */
+#define COARSE_STEP 1e-3  /* of length, speed and rad: rounding of coefficients in the first pass ... */
+#define FINE_STEP 1e-12   /* ... and in the second */
 
-#define FIRST_CACHE (1 << 17)   /* sets of times that there is room for: 5 MB ... */
-#define SECOND_CACHE (1 << 19)   /* ... and 20 MB; alike_sets.c has 52 MB */
+#define FIRST_CACHE (1 << 17) /* active sets, 5 MB ... */
+#define SECOND_CACHE (1 << 19) /* ... and 20 MB; similar_sets.c has 52 MB */
 
 /* Whether the nodes or the seconds allowed are used up. */
 static int limit_reached(const Search *s)
 {
-    return s->answer->nodes + s->branched / BRANCHES_PER_NODE >= s->task->most_nodes || past_deadline(s->second_pass.deadline);
+    long nodes = s->answer->nodes + s->branched / BRANCHES_PER_NODE;
+    return nodes >= s->task->most_nodes || past_deadline(s->second_pass.deadline);
 }
 
-/* Looks at a walk: with as many times as equations only, which soon gives a plan that excludes most of the others.
- * One that has become the best is solved to the end at once. Returns whether there was time for it. */
+/* Visits a leaf in the first pass. A walk that improves the incumbent is solved completely at once; others are
+ * deferred. Returns 0 after the deadline. */
 static int visit(Search *s, const Node *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
-    if (++s->examined == MANY_WALKS) s->first_pass.cache = make_set_cache(FIRST_CACHE, COARSE_STEP, s->length_scale, s->speed_scale, 1);
+    if (++s->examined == MANY_WALKS)
+        s->first_pass.cache = make_set_cache(FIRST_CACHE, COARSE_STEP, s->length_scale, s->speed_scale, 1);
     if (pruned_by_bounds(s, walk, &every)) return 1;
-    int hopeful = s->examined - s->improved_at <= larger(PATIENCE, s->improved_at), kept = hopeful && improves_incumbent(s, &every, equations);
+    int hopeful = s->examined - s->improved_at <= larger(PATIENCE, s->improved_at);
+    int kept = hopeful && improves_incumbent(s, &every, equations);
     if (kept) s->improved_at = s->examined;
     if (kept || !reserve(&s->deferred, 1)) improves_incumbent(s, &every, MOST);
     else append(&s->deferred, walk);
     return !past_deadline(s->second_pass.deadline);
 }
 
-/* Stops the search: nothing undercuts the bound given, nor those of the walks that are left, nor of longer ones. */
+/* Stops the search with the least lower bound of the open nodes, the deferred walks and the longer walks. */
 static void stop_search(Search *s, double bound, int most)
 {
     s->answer->complete = 0;
@@ -39,7 +46,7 @@ static void stop_search(Search *s, double bound, int most)
     s->answer->bound = bound;
 }
 
-/* Looks at all walks that begin alike, depth first. */
+/* Depth-first search below a node, in constant memory. */
 static void depth_first(Search *s, const Node *first, int fewest, int most)
 {
     Frontier *stack = &s->stack, *branches = &s->branches;
@@ -56,7 +63,7 @@ static void depth_first(Search *s, const Node *first, int fewest, int most)
     }
 }
 
-/* Looks at all walks of so many trims, by bound. */
+/* Best-first search over walks of some lengths. */
 static void best_first(Search *s, int fewest, int most)
 {
     Frontier *f = &s->frontier;
@@ -76,7 +83,7 @@ static void best_first(Search *s, int fewest, int most)
     }
 }
 
-/* Solves what is left, with every set of times. */
+/* The second pass. */
 static void solve_deferred(Search *s)
 {
     Levels every;
@@ -90,11 +97,15 @@ static void solve_deferred(Search *s)
         if (one->bound >= s->answer->cost) break;
         int stopped = limit_reached(s);
         if (!stopped && !pruned_by_bounds(s, one, &every)) improves_incumbent(s, &every, MOST);
-        if (stopped || past_deadline(s->second_pass.deadline)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
+        if (stopped || past_deadline(s->second_pass.deadline)) {
+            s->answer->complete = 0;
+            s->answer->bound = one->bound;
+            return;
+        }
     }
 }
 
-/* The walk whose worst level is best; 1 where there is no memory. */
+/* Finds the walk with the fastest worst level; returns 1 without memory. */
 PUBLIC int search(const Task *task, const Automaton *automaton, Answer *answer)
 {
     Search s = {.task = task, .automaton = automaton, .answer = answer};

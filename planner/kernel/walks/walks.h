@@ -71,7 +71,7 @@ typedef struct {
     double length_scale, speed_scale; /* m, m/s */
     int deciding_level;          /* of the incumbent; without one, the level at which the last walk was infeasible */
     long examined, improved_at, branched; /* walks, the number of the last that improved; children */
-    long bounded, pruned, skipped; /* walks: bounded by multipliers, pruned by that, and left out as too rarely pruned */
+    long bounded, pruned, skipped; /* walks: bounded by multipliers, pruned by them, left out */
     SolveContext first_pass, second_pass; /* closed forms only; all active sets */
 } Search;
 

@@ -113,10 +113,12 @@ class _Numbers:
         moved = [[one.displacement for one in level] for level in outcomes]
         return cls(
             velocity=np.array([[complex(one.forward, one.side) for one in level] for level in twists]),
-            rate=np.array([[one.yaw_rate for one in level] for level in twists]),
-            displacement=np.array([[complex(one.x, one.y) for one in level] for level in moved]),
-            turn=np.array([[one.heading for one in level] for level in moved]),
-            duration=np.array([[one.duration for one in level] for level in outcomes]),
+            rate=np.array([[one.yaw_rate for one in level] for level in twists], dtype=float),
+            displacement=np.array(
+                [[complex(one.x, one.y) for one in level] for level in moved], dtype=complex
+            ),
+            turn=np.array([[one.heading for one in level] for level in moved], dtype=float),
+            duration=np.array([[one.duration for one in level] for level in outcomes], dtype=float),
         )
 
     def table(

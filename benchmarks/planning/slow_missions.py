@@ -162,7 +162,7 @@ KINDS: dict[str, Callable[[np.random.Generator, int], list[float]]] = {
 def _primitives(
     rates: list[float], rng: np.random.Generator, *, mirrored: bool
 ) -> tuple[tuple[Trim, ...], tuple[Maneuver, ...]]:
-    """Returns trims of some rates, and maneuvers between as many pairs as may be."""
+    """Returns trims of some rates, and maneuvers between pairs of them."""
     one_speed, errors = rng.random() < 0.4, rng.random() < 0.6
     trims = []
     for number, rate in enumerate(rates, start=1):
@@ -178,12 +178,11 @@ def _primitives(
     size, same = float(rng.choice(SIZES)), rng.random() < 0.3
     shared = rng.random(), rng.normal(size=3)
     maneuvers = []
-    for number, pair in enumerate(sorted(map(tuple, pairs[:MOST_MANEUVERS])), start=1):
+    exact = ManeuverError(0.0, 0.0, 0.0, 0.0)
+    for number, (left, reached) in enumerate(sorted(map(tuple, pairs[:MOST_MANEUVERS])), start=1):
         duration, moved = shared if same else (rng.random(), rng.normal(size=3))
         displacement = SE2(*(size * moved).tolist())
-        maneuvers.append(
-            Maneuver(number, *pair, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0))
-        )
+        maneuvers.append(Maneuver(number, left, reached, size * float(duration), displacement, exact))
     return tuple(trims), tuple(maneuvers)
 
 

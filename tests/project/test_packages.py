@@ -52,6 +52,13 @@ def test_no_folder_of_tests_holds_more_than_seventeen_files() -> None:
     assert max(Counter(path.parent for path in set(files)).values()) <= 17
 
 
+def test_every_marker_is_used() -> None:
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+    markers = [line.split(":")[0] for line in TOOLS["pytest"]["ini_options"]["markers"]]
+    assert len(markers) == 4
+    assert [name for name in markers if f"pytest.mark.{name}\n" not in tests] == []
+
+
 def test_no_test_imports_another() -> None:
     imports = re.compile(r"^\s*(?:from|import) .*\btest_\w+", flags=re.MULTILINE)
     assert imports.search("from .test_plans import case")

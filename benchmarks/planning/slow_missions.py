@@ -178,11 +178,14 @@ def _primitives(
     size, same = float(rng.choice(SIZES)), rng.random() < 0.3
     shared = rng.random(), rng.normal(size=3)
     maneuvers = []
-    exact = ManeuverError(0.0, 0.0, 0.0, 0.0)
-    for number, (left, reached) in enumerate(sorted(map(tuple, pairs[:MOST_MANEUVERS])), start=1):
+    for number, (leaves, joins) in enumerate(sorted(pairs[:MOST_MANEUVERS]), start=1):
         duration, moved = shared if same else (rng.random(), rng.normal(size=3))
         displacement = SE2(*(size * moved).tolist())
-        maneuvers.append(Maneuver(number, left, reached, size * float(duration), displacement, exact))
+        maneuvers.append(
+            Maneuver(
+                number, leaves, joins, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0)
+            )
+        )
     return tuple(trims), tuple(maneuvers)
 
 

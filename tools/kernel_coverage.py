@@ -50,7 +50,7 @@ def executions(folder: Path) -> Counter[tuple[str, int]]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Prints the lines that were not executed; returns 1 where there are some."""
+    """Prints lines that were not executed; returns 1 for some."""
     with TemporaryDirectory() as name:
         own = {FOLDER: name, "XDG_CACHE_HOME": name}
         command = [sys.executable, "-m", "pytest", "-q", "-p", "tools.kernel_coverage", *arguments]

@@ -52,6 +52,7 @@ class PolicyStatement(FileValue):
         library_hash: SHA-256 of the library's text.
         stated_mission: the mission.
         policy: `feedback`.
+        tolerance: metres from the goal within which arrival is declared; inside the mission's tolerance.
         table: SHA-256 of the table of costs.
         rollouts: number of flights rolled out by the library's law.
         seed: of their chance.
@@ -73,6 +74,7 @@ class PolicyStatement(FileValue):
     library_hash: str
     stated_mission: Mission
     policy: Literal["feedback"] = "feedback"
+    tolerance: NonNegativeFloat
     table: str
     rollouts: PositiveInt
     seed: NonNegativeInt

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field, replace
 from math import inf
 
+from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
 from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
@@ -10,6 +11,7 @@ from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
+from planner.recourse.policy import Choice
 
 from .remaining_plan import PlanStep
 
@@ -26,7 +28,7 @@ class FlightRecord:
         flown_time: seconds to there; the whole flight's where it was not reached.
         predicted_time: seconds that the policy predicts from the start to the part of the tolerance that
             plans aim at, planning included; infinite without a plan.
-        replans: number of replans.
+        replans: number of replans, and of decisions of a policy with feedback.
         failures: replans without an acceptable plan: none found, late, or refused by the check.
         safe_stops: number of safe stops begun.
         plans: every plan of the planner, in order.
@@ -78,12 +80,16 @@ class FlightRecorder:
         goal: as it is judged.
         certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
         predicted_time: seconds predicted at the start.
+        declared_within: metres from the goal within which arrival is declared, where fewer than the above.
+        choices: number of decisions of a policy with feedback.
         claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
     certainty: float = 0.0
     predicted_time: float = inf
+    declared_within: float = inf
+    choices: int = 0
     plans: list[Plan] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
     latencies: list[float] = field(default_factory=list)
@@ -113,7 +119,7 @@ class FlightRecorder:
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
     def _believes_arrival(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
+        sure = min(self.goal.tolerance - self.certainty * leg.standard_deviation, self.declared_within)
         estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)
         return sure > 0 and first_arrival([estimated], goal).time is not None
@@ -127,6 +133,19 @@ class FlightRecorder:
         tolerance = self.missions[-1].tolerance if self.missions else self.goal.tolerance
         latency = self.latencies[-1] if self.latencies else 0.0
         self.decisions.append(Decision(time, kind, len(self.plans), cost, latency, tolerance, level))
+
+    def choose(self, time: float, choice: Choice, *, latency: float, changes: bool) -> None:
+        """Records a decision of a policy with feedback."""
+        self.choices += 1
+        kind = DecisionKind.ADOPTED if changes else DecisionKind.KEPT
+        self.decisions.append(
+            Decision(
+                *(time, kind, self.choices, choice.value, latency, self.declared_within, 0.0),
+                choice=_number(choice.maneuver),
+                runner_up=_number(choice.runner_up),
+                runner_up_cost=choice.runner_up_value,
+            )
+        )
 
     @property
     def refused(self) -> bool:
@@ -166,7 +185,7 @@ class FlightRecorder:
             arrival=arrival,
             flown_time=time if arrival.time is None else arrival.time,
             predicted_time=self.predicted_time,
-            replans=len(self.plans),
+            replans=len(self.plans) + self.choices,
             failures=sum(kind in REFUSALS for kind in kinds),
             safe_stops=kinds.count(DecisionKind.FALLBACK),
             plans=tuple(self.plans),
@@ -178,3 +197,7 @@ class FlightRecorder:
             steps=tuple(self.steps),
             reason=reason,
         )
+
+
+def _number(maneuver: Maneuver | None) -> int:
+    return 0 if maneuver is None else maneuver.id

@@ -6,7 +6,7 @@ from math import inf
 
 from flight.automaton.library import Library
 from flight.automaton.vehicle import Leg, Vehicle
-from flight.errors import FlightError, FlightLostError
+from flight.errors import FlightError
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from flight.se2 import SE2
@@ -17,6 +17,7 @@ from planner.walks.safe_stop import safe_stop_path
 from .acceptance import Acceptance, judge_plan
 from .flight_record import FlightRecord, FlightRecorder
 from .gamma_estimator import GammaEstimator
+from .primitive_flyer import PrimitiveFlyer
 from .remaining_plan import SHORTEST_COAST, PlanStep, RemainingPlan
 from .settings import Settings
 
@@ -60,7 +61,33 @@ def fly_closed_loop(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    return _Loop(vehicle, goal, planner, library, settings, on_leg=on_leg).fly_closed_loop()
+    loop = _Loop(vehicle, goal, planner, library, settings, FlightRecorder(goal, settings.certainty), on_leg)
+    loop.predict()
+    return loop.fly_on()
+
+
+def continue_closed_loop(
+    vehicle: Vehicle,
+    goal: Mission,
+    *,
+    planner: Planner,
+    library: Library,
+    settings: Settings,
+    record: FlightRecorder,
+    on_leg: Callable[[Leg], None] | None = None,
+) -> FlightRecord:
+    """Flies a mission on in closed loop, after another rule.
+
+    Args:
+        vehicle: the vehicle, under way.
+        goal: mission with the tolerance that is judged.
+        planner: the policy from here.
+        library: of the maneuvers that plans name.
+        settings: of the closed loop.
+        record: of the flight so far.
+        on_leg: called with every flown leg.
+    """
+    return _Loop(vehicle, goal, planner, library, settings, record, on_leg).fly_on()
 
 
 class _Loop:
@@ -71,23 +98,25 @@ class _Loop:
         planner: Planner,
         library: Library,
         settings: Settings,
-        *,
+        record: FlightRecorder,
         on_leg: Callable[[Leg], None] | None,
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
-        self._library, self._settings, self._on_leg = library, settings, on_leg
-        self._record = FlightRecorder(goal, settings.certainty)
+        self._library, self._settings, self._record = library, settings, record
+        self._flyer = PrimitiveFlyer(vehicle, library, record, on_leg)
         self._left = RemainingPlan(vehicle.trim, tail=safe_stop_path(library, vehicle.trim))
         self._levels = GammaEstimator(library, goal.goal)
         self._level = 0.0
-        self._lost = False
 
-    def fly_closed_loop(self) -> FlightRecord:
+    def predict(self) -> None:
+        """Records the time predicted at the start."""
         # The predicted time is for the final tolerance; plans flown earlier may aim at a wider one.
         latency = self._settings.latency.configured
         steps, _ = self._left.window(latency)
         bound = self._planner.plan(self._mission_ahead(steps, share=0.0))
         self._record.predicted_time = latency + bound.cost
+
+    def fly_on(self) -> FlightRecord:
         reason = f"{self._settings.max_activations} replans did not reach the goal"
         for _ in range(self._settings.max_activations):
             ended = self._replan()
@@ -97,7 +126,7 @@ class _Loop:
             if ended:
                 reason = ended
                 break
-        if not self._record.claimed and not self._lost and self._record.legs:
+        if not self._record.claimed and not self._flyer.lost and self._record.legs:
             self._stop_safely()
         return self._record.close(self._vehicle.time, reason)
 
@@ -228,27 +257,14 @@ class _Loop:
         Returns:
             The reason for the end of the flight; empty if it continues.
         """
-        vehicle = self._vehicle
         for step in steps:
-            begin = vehicle.pose
-            try:
-                if step.to_trim is None:
-                    leg = vehicle.coast(step.duration)
-                else:
-                    leg = vehicle.perform(self._library.maneuver(step.trim, step.to_trim))
-            except FlightLostError as error:
-                self._lost = True
-                self._record.add_lost_leg(step, error)
-                return str(error)
+            begin = self._vehicle.pose
             on_a_plan = not self._record.refused or not self._record.plans
-            self._record.add_leg(step, leg, on_a_plan=on_a_plan and not self._left.is_safe_stop)
-            if leg.alarm:
-                self._record.decide(vehicle.time, DecisionKind.ALARM, cost=inf, level=self._level)
-                return f"alarm: {leg.alarm}"
-            if not leg.settled:
-                return f"a maneuver to trim {vehicle.trim} timed out after {leg.duration:.1f} s"
+            ended = self._flyer.fly(
+                step, on_a_plan=on_a_plan and not self._left.is_safe_stop, level=self._level
+            )
+            if ended:
+                return ended
             if self._record.decisions:
-                self._levels.update(step, begin, vehicle.pose)
-            if self._on_leg is not None:
-                self._on_leg(leg)
+                self._levels.update(step, begin, self._vehicle.pose)
         return ""

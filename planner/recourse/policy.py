@@ -8,7 +8,7 @@ from jaxtyping import Bool, Float, Int
 
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
 
 from .law import transition_law
 from .problem import COASTS, STRAIGHT, Action
@@ -77,13 +77,17 @@ class FeedbackPolicy:
         self._first = problem.first
         self._maneuvers = {one.id: one for one in library.maneuvers}
         self._place = {trim: place for place, trim in enumerate(problem.trims)}
-        velocity = np.array([law.mean for law in transition_law(library).trims])
-        self._longest = np.array([_longest_coast(row) for row in velocity])
+        self._velocity = np.array([law.mean for law in transition_law(library).trims])
+        self._longest = np.array([_longest_coast(row) for row in self._velocity])
         self._leads_on = np.diff(self._first) > len(COASTS)
 
     def action(self, trim: int, choice: int) -> Action:
         """Returns an action of the trim at a place."""
         return self.table.problem.actions[self._first[trim] + choice]
+
+    def mean_velocity(self, trim: int) -> Twist:
+        """Returns the mean velocity of the trim with an id."""
+        return Twist(*self._velocity[self._place[trim]].tolist())
 
     def costs(self, states: States) -> Float[np.ndarray, "n actions"]:
         """Returns the expected seconds of every action, those not allowed infinite."""

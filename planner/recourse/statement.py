@@ -26,6 +26,13 @@ SHORTEST_PATIENCE, ERROR_FREE_TIMES = 120.0, 5.0
 """Seconds, and error-free times, within which a flight should arrive."""
 
 
+BELIEVED_DEVIATION = 0.05
+"""Standard deviation in metres that the vehicle believes of its position; of `rtk` at most."""
+
+CERTAINTY = 3.0
+"""Of these it must be inside the goal's tolerance before it declares arrival."""
+
+
 class WantedHeadingError(FlightError):
     """A heading is wanted at the goal, which the policy does not aim at."""
 
@@ -34,6 +41,17 @@ class WantedHeadingError(FlightError):
             f"mission {mission}: the policy with feedback needs a goal without a heading, got one; "
             "plan it with --policy worst-case"
         )
+
+
+def declared_tolerance(tolerance: float) -> float:
+    """Returns the metres from the goal within which arrival is declared.
+
+    The table, the stated times and the declaration in flight all use it.
+
+    Args:
+        tolerance: of the mission, in metres.
+    """
+    return max(tolerance - CERTAINTY * BELIEVED_DEVIATION, 0.5 * tolerance)
 
 
 def feedback_policy(library: Library, mission: Mission) -> FeedbackPolicy:
@@ -45,7 +63,10 @@ def feedback_policy(library: Library, mission: Mission) -> FeedbackPolicy:
     if mission.destination.wants_heading:
         raise WantedHeadingError(mission.name)
     return FeedbackPolicy(
-        library, find_table(library, tolerance=mission.tolerance, goal_trim=mission.goal_trim)
+        library,
+        find_table(
+            library, tolerance=declared_tolerance(mission.tolerance), goal_trim=mission.goal_trim
+        ),
     )
 
 
@@ -97,6 +118,7 @@ def state_policy(
         library=policy.library.name,
         library_hash=library_hash(policy.library),
         stated_mission=mission,
+        tolerance=policy.table.problem.tolerance,
         table=policy.table.digest,
         rollouts=len(times),
         seed=seed,

@@ -18,6 +18,9 @@ PLANS_ATTACHMENT = "plans.json"
 MISSION_PLAN_ATTACHMENT = "mission_plan.json"
 """The plan for the mission as stated, as `maneuver plan` makes it: a `maneuver-plan/2`."""
 
+POLICY_ATTACHMENT = "policy.json"
+"""What the policy with feedback states about the mission, its table named: a `maneuver-policy/1`."""
+
 MISSION_ATTACHMENT = "mission.json"
 """The mission of a flight in receding horizon."""
 

@@ -20,7 +20,7 @@ from experiments.faults.fault_report import (
 )
 from experiments.mission.fly import mission_seed
 from experiments.mission.mission_task import MissionTask
-from experiments.mission.policies import FlownPolicy
+from experiments.mission.policies import ONE_LEVEL, FlownPolicy
 from experiments.mission.random_missions import random_missions
 from experiments.mission.result import MissionResult
 from experiments.mission.result_store import fly_tasks
@@ -125,7 +125,7 @@ class _MatrixFlights:
                 mission=mission,
                 library=self.library,
                 policy=self.policy,
-                gamma=0.0 if self.policy == "nominal" else 1.0,
+                gamma=0.0 if self.policy in ONE_LEVEL else 1.0,
                 wind=self.wind,
                 seed=mission_seed(self.seed, mission.name, 0),
                 settings=settings,

@@ -10,7 +10,8 @@ from typing import Annotated
 from cyclopts import Parameter
 from cyclopts.validators import Number
 
-from experiments.mission.fly import fly_mission, plan_as_stated
+from experiments.mission.flight_rule import plan_as_stated
+from experiments.mission.fly import fly_mission
 from experiments.mission.mission_task import MissionTask
 from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import FlownPolicy
@@ -294,7 +295,7 @@ def _fly_mission(
     )
     warn_of_flight(library, wind=task.wind)
     done = fly_mission(task)
-    if done.planned_time is None:
+    if done.planned_time is None and policy != "feedback":
         stated = with_full_reason(plan_as_stated(task), library, task.stated_mission)
         print(f"{mission.name}: {stated.status}: {stated.reason}", file=sys.stderr)
     if done.legs:

@@ -78,6 +78,10 @@ ATTACHMENTS = (
         "plan for the mission as stated, a `maneuver-plan/2`; its cost is the planned time",
     ),
     (
+        attachment_names.POLICY_ATTACHMENT,
+        "instead of plans, what the policy with feedback states, its table named: a `maneuver-policy/1`",
+    ),
+    (
         attachment_names.PLANS_ATTACHMENT,
         "its plans in order, each `maneuver-plan/1` with time and duration of the planning",
     ),

@@ -9,8 +9,11 @@ from planner.policies.nominal import nominal_planner
 from planner.policies.policy import Planner
 from planner.policies.worst_case import worst_case_planner
 
-FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
-"""Policies for flights; `adaptive-gamma` is the worst case at a gamma that follows the turbulence."""
+PlanningPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
+"""Policies that make plans in flight; `adaptive-gamma` is the worst case at a gamma that follows the turbulence."""
+
+FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed", "feedback"]
+"""Policies for flights; `feedback` decides by a table and makes no plans."""
 
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = get_args(FlownPolicy)
 
@@ -22,12 +25,15 @@ DEFAULT_POLICY: PlannedPolicy = "worst-case"
 GAMMA, ALPHA = 1.0, 1.2
 """What is planned for where nothing is asked."""
 
+ONE_LEVEL: tuple[FlownPolicy, ...] = ("nominal", "feedback")
+"""Policies that know no gamma."""
+
 CERTIFIABLE: tuple[PlannedPolicy, ...] = ("nominal", "worst-case")
 """Policies whose optima at known gammas `planner.proof.certify_plan` can prove."""
 
 
 def planner_of(
-    policy: FlownPolicy | PlannedPolicy,
+    policy: PlanningPolicy | PlannedPolicy,
     library: Library,
     *,
     gamma: float = GAMMA,

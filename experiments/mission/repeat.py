@@ -5,9 +5,16 @@ from dataclasses import replace
 from flight.errors import BadFileError, FlightError
 from flight.mission.mission import Mission
 from flight.schema import parse_json
-from flightlog.attachment_names import MISSION_ATTACHMENT, SPECIFICATION_ATTACHMENT, VEHICLE_ATTACHMENT
+from flight.plan.policy_statement import PolicyStatement
+from flightlog.attachment_names import (
+    MISSION_ATTACHMENT,
+    POLICY_ATTACHMENT,
+    SPECIFICATION_ATTACHMENT,
+    VEHICLE_ATTACHMENT,
+)
 from flightlog.log import FlightLog
 from planner.kernel.build import SEARCH_BACKEND
+from planner.recourse.statement import feedback_policy
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
@@ -52,7 +59,18 @@ def _fly_mission(
         raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
         raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
+    if POLICY_ATTACHMENT in log.attachments:
+        _check_table(log, task)
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
+
+
+def _check_table(log: FlightLog, task: MissionTask) -> None:
+    """Checks that the table of costs is the one flown with."""
+    text = log.attachments[POLICY_ATTACHMENT]
+    flown = parse_json(text, POLICY_ATTACHMENT, PolicyStatement)
+    made = feedback_policy(task.library, task.stated_mission).table.digest
+    if flown.table != made:
+        raise VehicleMismatchError("table of costs", flown.table, made)
 
 
 def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionTask:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from experiments.mission.fly import mission_seed
 from experiments.mission.mission_task import MissionTask, Plant
-from experiments.mission.policies import FlownPolicy
+from experiments.mission.policies import ONE_LEVEL, FlownPolicy
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
@@ -44,7 +44,7 @@ class Grid:
     def _task(
         self, mission: Mission, policy: FlownPolicy, gamma: float, *, plant: Plant, wind: str, number: int
     ) -> MissionTask:
-        level = 0.0 if policy == "nominal" else gamma
+        level = 0.0 if policy in ONE_LEVEL else gamma
         name = f"{mission.name}-{policy}-{level:g}-{wind}-{number:04d}.mcap"
         return MissionTask(
             mission=mission,

@@ -122,7 +122,11 @@ def _draw_map(
 def _plans(
     mission: Mission, library: Library, policies: Sequence[FlownPolicy], gamma: float
 ) -> dict[str, Plan]:
-    return {policy: planner_of(policy, library, gamma=gamma).plan(mission) for policy in policies}
+    return {
+        policy: planner_of(policy, library, gamma=gamma).plan(mission)
+        for policy in policies
+        if policy != "feedback"
+    }
 
 
 def _worlds(library: Library) -> list[Library]:

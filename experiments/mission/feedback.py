@@ -1,0 +1,94 @@
+"""The policy with feedback for one mission: its table, its statement, its flight."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from flight.automaton.library import Library
+from flight.automaton.vehicle import Leg, Vehicle
+from flight.errors import FlightError
+from flight.mission.mission import Mission
+from flight.plan.policy_statement import PolicyStatement, statement_text
+from planner.closed_loop.feedback_loop import fly_with_feedback
+from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.settings import Settings
+from planner.policies.nominal import nominal_planner
+from planner.recourse.policy import FeedbackPolicy
+from planner.recourse.rollouts import Rollouts
+from planner.recourse.statement import feedback_policy, mission_rollouts, state_policy
+
+FEEDBACK = "feedback"
+"""Name of the policy."""
+
+STATEMENT_SEED = 1
+"""Seed of the rollouts behind stated times; never that of a flight."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StatedPolicy:
+    """A policy with feedback, and what it states about a mission.
+
+    Attributes:
+        policy: for the mission's goal.
+        statement: its times.
+        rollouts: behind them.
+    """
+
+    policy: FeedbackPolicy
+    statement: PolicyStatement
+    rollouts: Rollouts
+
+    @property
+    def attachment(self) -> bytes:
+        """Statement as it stands in a flight's log."""
+        return statement_text(self.statement).encode()
+
+    def fly(
+        self,
+        vehicle: Vehicle,
+        mission: Mission,
+        settings: Settings,
+        on_leg: Callable[[Leg], None] | None = None,
+    ) -> FlightRecord:
+        """Flies the mission; overdue flights go on by nominal plans.
+
+        Raises:
+            FlightError: the latency is to be measured, which decisions of a table are too fast for.
+        """
+        if settings.latency.measured:
+            raise FlightError("the policy with feedback looks its decisions up: expected a latency in s, got measured")
+        return fly_with_feedback(
+            vehicle,
+            mission,
+            policy=self.policy,
+            statement=self.statement,
+            otherwise=nominal_planner(self.policy.library),
+            settings=settings,
+            on_leg=on_leg,
+        )
+
+
+def stated_policy(
+    library: Library,
+    mission: Mission,
+    *,
+    seed: int = STATEMENT_SEED,
+    by: float | None = None,
+    tracks: int = 0,
+) -> StatedPolicy:
+    """Returns the policy for a mission with its statement.
+
+    Args:
+        library: the primitives.
+        mission: with the tolerance that flights are judged by.
+        seed: of the rollouts.
+        by: seconds for which the probability of arriving is wanted.
+        tracks: number of rollouts of which the way is kept.
+
+    Raises:
+        FlightError: there is no table for the goal.
+    """
+    policy = feedback_policy(library, mission)
+    rollouts = mission_rollouts(policy, mission, seed=seed, tracks=tracks)
+    error_free = nominal_planner(library).plan(mission).cost
+    statement = state_policy(policy, mission, rollouts, seed=seed, error_free_time=error_free, by=by)
+    return StatedPolicy(policy, statement, rollouts)

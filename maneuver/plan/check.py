@@ -9,11 +9,13 @@ from cyclopts import Parameter
 
 from experiments.mission.stated_time_bound import stated_time_bounds, time_bound_problems
 from flight.plan.plan import PlanContradictionError, read_plan
+from flight.plan.policy_statement import is_statement, read_statement
 from maneuver.options.numbers import Count
 from planner.check.guarantees import Guarantees, guarantees_of
 from planner.check.plan_check import plan_problems
 
-from .context import library_and_mission
+from .context import library_and_mission, library_of_plan
+from .feedback import statement_faults
 
 FAILED = 1
 
@@ -38,7 +40,7 @@ def check(
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
     only at those shown. A certificate is verified box by box in interval arithmetic: then no
     plan is faster by more than a millisecond, or there is none. What the plan claims beside that is named as
-    not proved. A time that most flights keep is compared with what stands beside the library, and with what
+    not proved. What a policy with feedback states is checked by flights rolled out anew. A time that most flights keep is compared with what stands beside the library, and with what
     the loop must need at least, for which alone something is searched. The exit code is 1 where the plan
     fails, or where there is none and no certificate that proves it.
 
@@ -57,6 +59,10 @@ def check(
         max_trims: longest sequence that was asked for; the mission's by default.
         json: print the verdict as JSON.
     """
+    if is_statement(file):
+        said = read_statement(file)
+        with_library = library_of_plan(file, said.library, library)
+        return _print_verdict(file, statement_faults(said, with_library), json=json)
     try:
         answer = read_plan(file)
     except PlanContradictionError as error:

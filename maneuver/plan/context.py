@@ -32,10 +32,7 @@ def library_and_mission(
     Raises:
         FlightError: there is no such library or mission, or it is broken.
     """
-    try:
-        primitives = find_library(library or plan.library)
-    except NoSuchFileError as error:
-        raise error if library else _made_from(file, "library", "LIBRARY.json", error) from None
+    primitives = library_of_plan(file, plan.library, library)
     if mission is None and plan.stated_mission is not None:
         task = plan.stated_mission
         return primitives, replace(task, max_trims=max_trims or task.max_trims)
@@ -46,6 +43,18 @@ def library_and_mission(
     wider = plan.at_smallest_tolerance or plan
     longest = max(task.max_trims, len(plan.sequence), len(wider.sequence))
     return primitives, replace(task, max_trims=max_trims or longest)
+
+
+def library_of_plan(file: Path, stated: str, library: str | None) -> Library:
+    """Returns the library that a file names, or another one.
+
+    Raises:
+        FlightError: there is no such library, or it is broken.
+    """
+    try:
+        return find_library(library or stated)
+    except NoSuchFileError as error:
+        raise error if library else _made_from(file, "library", "LIBRARY.json", error) from None
 
 
 def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission) -> None:

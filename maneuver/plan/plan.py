@@ -11,7 +11,7 @@ from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import ALPHA, DEFAULT_POLICY, GAMMA, planner_of
 from experiments.mission.stated_time_bound import stated_time_bounds, with_time_bound
 from flight.errors import FlightError
-from flight.plan.plan import Policy, plan_text, with_mission
+from flight.plan.plan import plan_text, with_mission
 from flight.plan.time_bound import time_bounds_path
 from maneuver.options.depth import at_depth
 from maneuver.options.domain_warnings import warn_of_walk
@@ -21,7 +21,8 @@ from scenarios.find import find_library, find_mission, library_path, mission_pat
 
 from .check import check
 from .context import holds_no_plan
-from .policy_options import check_policy_options
+from .feedback import state_times
+from .policy_options import StatedPolicyName, check_policy_options
 from .prices import png_bytes, print_prices
 from .show import print_plan
 from .signs import signs
@@ -39,13 +40,14 @@ def plan(
     /,
     *,
     library: str = "gtmax-sim",
-    policy: Policy | None = None,
+    policy: StatedPolicyName | None = None,
     gamma: float | None = None,
     alpha: float | None = None,
     pareto: Annotated[bool, Parameter(negative="")] = False,
     max_nodes: Count | None = None,
     deadline: Seconds | None = None,
     horizon: Seconds | None = None,
+    by: Seconds | None = None,
     max_trims: Count | None = None,
     certify: Annotated[bool, Parameter(negative="")] = False,
     out: Path | None = None,
@@ -61,7 +63,8 @@ def plan(
     time stays, at it and at every smaller one, within alpha times the nominal optimum; --pareto shows the
     whole curve. The committed policy fixes the coasting times before gamma is known: they end within the
     tolerance at every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do
-    is shown. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
+    is shown. The policy with feedback decides in flight by a table of least expected times, made once for a
+    library and tolerance; instead of a plan it states the times that flights take. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
     there is no plan; where longer sequences have one, and that is soon found, the answer names the
     --max-trims.
 
@@ -81,6 +84,8 @@ def plan(
 
         maneuver plan gtmax-1 --pareto --picture price.png
 
+        maneuver plan gtmax-2 --policy feedback --by 30 --picture fan.png
+
     Args:
         mission: name or path.
         library: name or path.
@@ -94,6 +99,7 @@ def plan(
         deadline: seconds after which the best plan so far is given, with a bound.
         horizon: seconds that a committed plan may take, and beyond which nothing is claimed where there is
             none; by default 120, or twice the nominal plan's where that is more.
+        by: seconds for which the policy with feedback states the probability of arriving.
         max_trims: longest sequence; the mission's by default.
         certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
             the proof in the plan for `maneuver plan check`.
@@ -104,7 +110,9 @@ def plan(
         json: print the plan as JSON.
     """
     given = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
-    given |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
+    given |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon, "--by": by}
+    if policy == "feedback":
+        given["--max-trims"] = max_trims
     check_policy_options(policy, given, pareto=pareto)
     if horizon is not None and gamma == 0:
         raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
@@ -118,6 +126,17 @@ def plan(
     if pareto:
         return print_prices(
             primitives, task, out=out, picture=picture, replace_out=replace_out, force=force, json=json
+        )
+    if policy == "feedback":
+        return state_times(
+            primitives,
+            task,
+            by=by,
+            out=out,
+            picture=picture,
+            replace_out=replace_out,
+            force=force,
+            json=json,
         )
     planner = planner_of(
         policy or DEFAULT_POLICY,

@@ -1,23 +1,29 @@
 """Options of `maneuver plan` that go with some policies only."""
 
 from collections.abc import Mapping
+from typing import Literal
 
 from experiments.mission.policies import CERTIFIABLE, DEFAULT_POLICY
 from flight.errors import FlightError
 from flight.plan.plan import Policy
 
-OPTION_POLICIES: Mapping[str, tuple[Policy, ...]] = {
+StatedPolicyName = Policy | Literal["feedback"]
+"""Policies of `maneuver plan`; `feedback` states times instead of a plan."""
+
+OPTION_POLICIES: Mapping[str, tuple[StatedPolicyName, ...]] = {
     "--gamma": ("worst-case", "committed"),
     "--alpha": ("price-of-robustness",),
     "--max-nodes": ("nominal", "worst-case", "committed"),
     "--deadline": ("nominal", "worst-case", "committed"),
     "--horizon": ("committed",),
     "--certify": CERTIFIABLE,
+    "--by": ("feedback",),
+    "--max-trims": ("nominal", "worst-case", "committed", "price-of-robustness"),
 }
 """Policies for which an option of `maneuver plan` is valid; otherwise it is refused."""
 
 
-def check_policy_options(policy: Policy | None, options: Mapping[str, object], *, pareto: bool) -> None:
+def check_policy_options(policy: StatedPolicyName | None, options: Mapping[str, object], *, pareto: bool) -> None:
     """Checks that no option would be ignored.
 
     Args:

@@ -41,7 +41,9 @@ DECISION = Topic(
         Field("latency", "s", "planning time charged to the flight"),
         Field("tolerance", "m", "goal tolerance given to the planner"),
         Field("level", "-", "gamma of the coasting times flown"),
-        Field("choice", "-", "maneuver that the policy with feedback performs; 0 for a coast or another policy"),
+        Field(
+            "choice", "-", "maneuver that the policy with feedback performs; 0 for a coast or another policy"
+        ),
         Field("runner_up", "-", "maneuver that would have been second best; 0 for a coast or another policy"),
         Field("runner_up_cost", "s", "expected time by it; 0 where there is none"),
     ),

@@ -55,7 +55,9 @@ class StatedPolicy:
             FlightError: the latency is to be measured, which decisions of a table are too fast for.
         """
         if settings.latency.measured:
-            raise FlightError("the policy with feedback looks its decisions up: expected a latency in s, got measured")
+            raise FlightError(
+                "the policy with feedback looks its decisions up: expected a latency in s, got measured"
+            )
         return fly_with_feedback(
             vehicle,
             mission,

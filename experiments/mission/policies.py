@@ -10,14 +10,17 @@ from planner.policies.policy import Planner
 from planner.policies.worst_case import worst_case_planner
 
 PlanningPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed"]
-"""Policies that make plans in flight; `adaptive-gamma` is the worst case at a gamma that follows the turbulence."""
+"""Policies that make plans in flight.
+
+`adaptive-gamma` is the worst case at a gamma that follows the turbulence.
+"""
 
 FlownPolicy = Literal["nominal", "worst-case", "adaptive-gamma", "committed", "feedback"]
 """Policies for flights; `feedback` decides by a table and makes no plans."""
 
 FLOWN_POLICIES: tuple[FlownPolicy, ...] = get_args(FlownPolicy)
 
-COMPARED_POLICIES: tuple[FlownPolicy, ...] = ("nominal", "worst-case")
+COMPARED_POLICIES: tuple[PlanningPolicy, ...] = ("nominal", "worst-case")
 """Policies compared by default."""
 
 DEFAULT_POLICY: PlannedPolicy = "worst-case"

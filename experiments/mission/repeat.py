@@ -4,8 +4,8 @@ from dataclasses import replace
 
 from flight.errors import BadFileError, FlightError
 from flight.mission.mission import Mission
-from flight.schema import parse_json
 from flight.plan.policy_statement import PolicyStatement
+from flight.schema import parse_json
 from flightlog.attachment_names import (
     MISSION_ATTACHMENT,
     POLICY_ATTACHMENT,

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-from experiments.mission.policies import FlownPolicy, planner_of
+from experiments.mission.policies import PlanningPolicy, planner_of
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.receding_horizon import fly_closed_loop
@@ -95,7 +95,7 @@ def compare_closed_loops(printed: tuple[PrintedFlights, ...] = PRINTED) -> Itera
     """Flies every table with both policies and both signs of errors."""
     for row in printed:
         library = find_library("thesis-kinematic" if row.mission.startswith("kin") else "thesis-gtmax")
-        policies: tuple[tuple[FlownPolicy, float, bool], ...] = (
+        policies: tuple[tuple[PlanningPolicy, float, bool], ...] = (
             ("nominal", row.nominal, row.nominal_gave_up),
             ("worst-case", row.worst_case, row.worst_case_gave_up),
         )

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, replace
 
-from experiments.mission.policies import FlownPolicy, planner_of
+from experiments.mission.policies import PlanningPolicy, planner_of
 from flight.automaton.library import Library
 from planner.walks.walk import walks
 from scenarios.find import find_library, find_mission
@@ -119,7 +119,7 @@ def compare_cost(printed: PrintedCost) -> PrintedComparison:
     library = find_library(printed.library)
     # Open-loop plans of chapter 7 meet the goal exactly.
     mission = replace(find_mission(printed.mission), tolerance=0.0)
-    policy: FlownPolicy = "nominal" if printed.gamma is None else "worst-case"
+    policy: PlanningPolicy = "nominal" if printed.gamma is None else "worst-case"
     plan = planner_of(policy, library, gamma=printed.gamma or 0.0).plan(mission)
     words = "nominal" if printed.gamma is None else f"worst case, gamma {printed.gamma:g}"
     same = plan.found and abs(plan.cost - printed.seconds) <= AGREEMENT

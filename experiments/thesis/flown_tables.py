@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass, fields, replace
 
 from experiments.mission.fly import fly_mission
 from experiments.mission.mission_task import MissionTask
-from experiments.mission.policies import FlownPolicy, planner_of
+from experiments.mission.policies import PlanningPolicy, planner_of
 from experiments.mission.result import MissionResult
 from experiments.validation.scorecard_files import format_number
 from planner.closed_loop.latency import Latency
@@ -44,7 +44,7 @@ class PrintedLoop:
     table: int
     mission: str
     gamma: float
-    policy: FlownPolicy
+    policy: PlanningPolicy
     plan: float
     flight: float
     gave_up: bool

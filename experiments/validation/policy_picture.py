@@ -65,7 +65,10 @@ def _frame(
 
 
 def _times(
-    answer: StatedPolicy, mission: Mission, north: Float[np.ndarray, "cells"], east: Float[np.ndarray, "cells"]
+    answer: StatedPolicy,
+    mission: Mission,
+    north: Float[np.ndarray, "cells"],
+    east: Float[np.ndarray, "cells"],
 ) -> Float[np.ndarray, "cells cells"]:
     policy = answer.policy
     off_north, off_east = np.meshgrid(mission.goal[0] - north, mission.goal[1] - east, indexing="ij")

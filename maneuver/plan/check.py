@@ -40,9 +40,10 @@ def check(
     the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
     only at those shown. A certificate is verified box by box in interval arithmetic: then no
     plan is faster by more than a millisecond, or there is none. What the plan claims beside that is named as
-    not proved. What a policy with feedback states is checked by flights rolled out anew. A time that most flights keep is compared with what stands beside the library, and with what
-    the loop must need at least, for which alone something is searched. The exit code is 1 where the plan
-    fails, or where there is none and no certificate that proves it.
+    not proved. What a policy with feedback states is checked by flights rolled out anew. A time that most
+    flights keep is compared with what stands beside the library, and with what the loop must need at least,
+    for which alone something is searched. The exit code is 1 where the plan fails, or where there is none and
+    no certificate that proves it.
 
     For example:
 

@@ -107,7 +107,9 @@ def statement_faults(statement: PolicyStatement, library: Library) -> tuple[str,
     if statement.library_hash != library_hash(library):
         return (f"library_hash: expected that of {library.name}, {library_hash(library)}",)
     if statement.tolerance != declared_tolerance(mission.tolerance):
-        return (f"tolerance: expected {declared_tolerance(mission.tolerance)} m, got {statement.tolerance} m",)
+        return (
+            f"tolerance: expected {declared_tolerance(mission.tolerance)} m, got {statement.tolerance} m",
+        )
     policy = feedback_policy(library, mission)
     if statement.table != policy.table.digest:
         return (f"table: expected {policy.table.digest}, got {statement.table}",)

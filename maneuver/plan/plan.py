@@ -64,9 +64,9 @@ def plan(
     whole curve. The committed policy fixes the coasting times before gamma is known: they end within the
     tolerance at every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do
     is shown. The policy with feedback decides in flight by a table of least expected times, made once for a
-    library and tolerance; instead of a plan it states the times that flights take. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
-    there is no plan; where longer sequences have one, and that is soon found, the answer names the
-    --max-trims.
+    library and tolerance; instead of a plan it states the times that flights take. Every plan is flown
+    again by code that shares nothing with the search. The exit code is 1 where there is no plan; where longer
+    sequences have one, and that is soon found, the answer names the --max-trims.
 
     For example:
 

@@ -23,7 +23,9 @@ OPTION_POLICIES: Mapping[str, tuple[StatedPolicyName, ...]] = {
 """Policies for which an option of `maneuver plan` is valid; otherwise it is refused."""
 
 
-def check_policy_options(policy: StatedPolicyName | None, options: Mapping[str, object], *, pareto: bool) -> None:
+def check_policy_options(
+    policy: StatedPolicyName | None, options: Mapping[str, object], *, pareto: bool
+) -> None:
     """Checks that no option would be ignored.
 
     Args:

@@ -61,9 +61,7 @@ def arrival_times(
     return np.array([_Flight(library, mission, rng).fly(decide) for _ in range(count)])
 
 
-def statement_problems(
-    statement: PolicyStatement, times: Float[np.ndarray, "n"]
-) -> tuple[str, ...]:
+def statement_problems(statement: PolicyStatement, times: Float[np.ndarray, "n"]) -> tuple[str, ...]:
     """Returns where rollouts contradict stated times, beyond chance.
 
     Args:
@@ -84,7 +82,9 @@ def statement_problems(
         chance = sqrt(share * (1 - share) * (1 / len(times) + 1 / statement.rollouts))
         kept = float(np.mean(times <= slow))
         if kept < share - _LIMIT * chance:
-            problems.append(f"{name}: expected {100 * share:g} % within {stated:.2f} s, got {100 * kept:.1f} %")
+            problems.append(
+                f"{name}: expected {100 * share:g} % within {stated:.2f} s, got {100 * kept:.1f} %"
+            )
     return tuple(problems)
 
 

@@ -152,7 +152,10 @@ class _FeedbackLoop:
         self._record.decide(self._vehicle.time, DecisionKind.FALLBACK, cost=inf, level=0.0)
         for trim in safe_stop_path(self._library, self._vehicle.trim):
             step = PlanStep(self._vehicle.trim, 0.0, trim)
-            if self._step(step, on_a_plan=False) and self._record.decisions[-1].kind is not DecisionKind.ALARM:
+            if (
+                self._step(step, on_a_plan=False)
+                and self._record.decisions[-1].kind is not DecisionKind.ALARM
+            ):
                 return
         if self._settings.wait:
             self._step(PlanStep(self._vehicle.trim, self._settings.wait), on_a_plan=False)

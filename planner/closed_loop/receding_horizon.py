@@ -61,7 +61,8 @@ def fly_closed_loop(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    loop = _Loop(vehicle, goal, planner, library, settings, FlightRecorder(goal, settings.certainty), on_leg)
+    record = FlightRecorder(goal, settings.certainty)
+    loop = _Loop(vehicle, goal, planner, library, settings, record=record, on_leg=on_leg)
     loop.predict()
     return loop.fly_on()
 
@@ -87,7 +88,7 @@ def continue_closed_loop(
         record: of the flight so far.
         on_leg: called with every flown leg.
     """
-    return _Loop(vehicle, goal, planner, library, settings, record, on_leg).fly_on()
+    return _Loop(vehicle, goal, planner, library, settings, record=record, on_leg=on_leg).fly_on()
 
 
 class _Loop:
@@ -98,6 +99,7 @@ class _Loop:
         planner: Planner,
         library: Library,
         settings: Settings,
+        *,
         record: FlightRecorder,
         on_leg: Callable[[Leg], None] | None,
     ) -> None:

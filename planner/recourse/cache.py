@@ -33,7 +33,12 @@ _ENDING = ".costs"
 
 
 def find_table(
-    library: Library, *, tolerance: float, goal_trim: int | None = None, error_scale: float = 1.0, threads: int = 2
+    library: Library,
+    *,
+    tolerance: float,
+    goal_trim: int | None = None,
+    error_scale: float = 1.0,
+    threads: int = 2,
 ) -> CostTable:
     """Returns the table of a library and goal, from the cache where it is there.
 

@@ -9,8 +9,8 @@ from jaxtyping import Bool, Float
 STEPS_IN_TOLERANCE = 4.5
 """Steps in the tolerance's radius, at least.
 
-The jump of the cost at the edge then lies half a step beyond a node, and interpolation spreads it evenly to both
-sides. So it does on the next grid, as three of these steps are one of that, and on the one after it.
+The jump of the cost at the edge then lies half a step beyond a node, and interpolation spreads it evenly to
+both sides. So it does on the next grid, as three of these steps are one of that, and on the one after it.
 """
 
 RATIO = 3
@@ -46,7 +46,9 @@ class NestedGrid:
     outer: int
 
     @classmethod
-    def around(cls, tolerance: float, *, longest: float, reach: float = REACH, refined: bool = False) -> "NestedGrid":
+    def around(
+        cls, tolerance: float, *, longest: float, reach: float = REACH, refined: bool = False
+    ) -> "NestedGrid":
         """Returns the grids for a tolerance.
 
         Args:
@@ -55,7 +57,9 @@ class NestedGrid:
             reach: metres that the grids cover.
             refined: whether the finest step is a third of the usual one, for studies of its error.
         """
-        steps = STEPS_IN_TOLERANCE + RATIO * max(0, ceil((tolerance / LARGEST_STEP - STEPS_IN_TOLERANCE) / RATIO))
+        steps = STEPS_IN_TOLERANCE + RATIO * max(
+            0, ceil((tolerance / LARGEST_STEP - STEPS_IN_TOLERANCE) / RATIO)
+        )
         step = tolerance / (steps * RATIO if refined else steps)
         half = RATIO * ceil(max(longest + MARGIN, tolerance + 2 * step) / (RATIO * step))
         levels = 1

@@ -100,7 +100,10 @@ def _coast_distribution(trim: Trim, scale: float) -> CoastDistribution:
             np.array(law.within.correlation_time),
         )
     mean, deviation = _moments(
-        trim.statistics, _TRIM, [getattr(velocity, one) for one in _TRIM], [getattr(error, one) for one in _TRIM]
+        trim.statistics,
+        _TRIM,
+        [getattr(velocity, one) for one in _TRIM],
+        [getattr(error, one) for one in _TRIM],
     )
     return CoastDistribution(mean, np.diag((scale * deviation) ** 2), np.zeros(3), np.ones(3))
 

@@ -33,9 +33,7 @@ def _standard_points(count: int, dimensions: int) -> tuple[tuple[float, ...], ..
             column = [a - share * b for a, b in zip(column, other, strict=True)]
         scale = sqrt(fsum(value * value for value in column) / count)
         columns.append([value / scale for value in column])
-    return tuple(
-        tuple(round(column[row], _DECIMALS) for column in columns) for row in range(count)
-    )
+    return tuple(tuple(round(column[row], _DECIMALS) for column in columns) for row in range(count))
 
 
 def normal_points(

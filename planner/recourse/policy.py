@@ -83,7 +83,7 @@ class FeedbackPolicy:
 
     def action(self, trim: int, choice: int) -> Action:
         """Returns an action of the trim at a place."""
-        return self.table.problem.actions[self._first[trim] + choice]
+        return self.table.problem.actions[int(self._first[trim]) + choice]
 
     def mean_velocity(self, trim: int) -> Twist:
         """Returns the mean velocity of the trim with an id."""

@@ -16,7 +16,7 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
 
-from .grid import RATIO, NestedGrid
+from .grid import RATIO, REACH, NestedGrid
 from .law import CoastDistribution, ManeuverDistribution, TransitionLaw, transition_law
 from .normal_points import normal_points, unit_vector
 
@@ -109,6 +109,7 @@ def state_problem(
     tolerance: float,
     goal_trim: int | None = None,
     error_scale: float = 1.0,
+    reach: float = REACH,
     refined: bool = False,
 ) -> ShortestPathProblem:
     """Returns the problem of a library and a goal.
@@ -118,6 +119,7 @@ def state_problem(
         tolerance: radius around the goal in metres.
         goal_trim: id of the trim wanted at the goal; None leaves it free.
         error_scale: factor of all standard deviations.
+        reach: metres that the grids cover.
         refined: whether the grid is three times finer, for studies of its error.
 
     Raises:
@@ -134,13 +136,15 @@ def state_problem(
     _check_loops(library, law)
     place = {trim: index for index, trim in enumerate(trims)}
     longest = max((float(np.hypot(*one.mean[1:3])) for one in law.maneuvers), default=0.0)
-    grid = NestedGrid.around(tolerance, longest=longest, refined=refined)
+    grid = NestedGrid.around(tolerance, longest=longest, reach=reach, refined=refined)
     actions: list[Action] = []
     for trim, coast in zip(library.trims, law.trims, strict=True):
         arrives = goal_trim in {None, trim.id}
         actions += [_coast(place[trim.id], coast, time, grid, arrives=arrives) for time in COASTS]
         actions += [
-            _maneuver(place[one.from_trim], place[one.to_trim], one.id, moved, grid, arrives=goal_trim is None)
+            _maneuver(
+                place[one.from_trim], place[one.to_trim], one.id, moved, grid, arrives=goal_trim is None
+            )
             for one, moved in zip(library.maneuvers, law.maneuvers, strict=True)
             if one.from_trim == trim.id
         ]
@@ -154,9 +158,7 @@ def state_problem(
     )
 
 
-def _coast(
-    trim: int, law: CoastDistribution, duration: float, grid: NestedGrid, *, arrives: bool
-) -> Action:
+def _coast(trim: int, law: CoastDistribution, duration: float, grid: NestedGrid, *, arrives: bool) -> Action:
     velocities = normal_points(law.mean, law.averaged(duration), _COAST_POINTS)
     turn = float(np.abs(velocities[:, 2]).max()) * duration
     pieces = max(ceil(duration / _CHORD_TIME), ceil(turn / _CHORD_TURN))

@@ -64,7 +64,7 @@ def roll_out(
         UnknownTrimError: the library lacks the trim.
     """
     policy.library.trim(trim)
-    fleet = _Fleet(policy, trim, goal, count, rng, tracks)
+    fleet = _Fleet(policy, trim, goal, count, rng=rng, tracks=tracks)
     while len(fleet.flying):
         fleet.step()
     return fleet.rollouts()
@@ -79,6 +79,7 @@ class _Fleet:
         trim: int,
         goal: tuple[float, float],
         count: int,
+        *,
         rng: np.random.Generator,
         tracks: int,
     ) -> None:
@@ -105,7 +106,9 @@ class _Fleet:
         keys = states.trims * self._policy.table.most_actions + chosen
         for key in np.unique(keys):
             rows = self.flying[keys == key]
-            action = self._policy.action(int(self._trims[rows[0]]), int(key) % self._policy.table.most_actions)
+            action = self._policy.action(
+                int(self._trims[rows[0]]), int(key) % self._policy.table.most_actions
+            )
             if action.maneuver is None:
                 self._coast(rows, arrives=action.arrives)
             else:
@@ -153,7 +156,9 @@ class _Fleet:
         arrives: bool,
     ) -> None:
         """Moves rollouts along paths; judges the passage and the end."""
-        share = _entries(path, self._goals[rows], self._problem.tolerance) if arrives else np.full(len(rows), inf)
+        share = (
+            _entries(path, self._goals[rows], self._problem.tolerance) if arrives else np.full(len(rows), inf)
+        )
         self._times[rows] += duration * np.minimum(share, 1.0)
         left = self._goals[rows] - path[:, -1]
         cosine, sine = np.cos(turn), np.sin(turn)
@@ -188,7 +193,9 @@ class _FlightLaw:
         self.commands = np.array(
             [[one.velocity.forward, one.velocity.side, one.velocity.yaw_rate] for one in library.trims]
         )
-        self._shared = [self._shared_velocity(one.law, coast) for one, coast in zip(library.trims, law.trims, strict=True)]
+        self._shared = [
+            self._shared_velocity(one.law, coast) for one, coast in zip(library.trims, law.trims, strict=True)
+        ]
 
     def velocities(self, place: int, rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m 3"]:
         """Returns velocities at the beginning of coasts."""
@@ -218,7 +225,9 @@ class _FlightLaw:
         else:
             known = np.array(law.deviations if law.entry is None else law.entry.deviations)
             again = self._performed[number][rows]
-            row = np.where(again, self._rng.integers(0, len(known), len(rows)), self._flight[rows] % len(known))
+            row = np.where(
+                again, self._rng.integers(0, len(known), len(rows)), self._flight[rows] % len(known)
+            )
             shift = entry_shift(self._identified[number], states, np.arange(len(rows)))
             values = moved.mean + shift + known[row]
             self._performed[number][rows] = True
@@ -239,7 +248,9 @@ def _paths(moved: ManeuverDistribution, values: Float[np.ndarray, "m 4"]) -> Flo
     return np.asarray(moved.path[None, :, :2] + share * (values[:, None, 1:3] - moved.mean[1:3]))
 
 
-def _arcs(velocity: Float[np.ndarray, "m 3"], times: Float[np.ndarray, "points"]) -> Float[np.ndarray, "m points 2"]:
+def _arcs(
+    velocity: Float[np.ndarray, "m 3"], times: Float[np.ndarray, "points"]
+) -> Float[np.ndarray, "m points 2"]:
     """Returns positions on arcs of constant velocity."""
     turn = velocity[:, 2:3] * times
     along = times * np.sinc(turn / np.pi)

@@ -45,7 +45,8 @@ class NotSolvedError(FlightError):
 
     def __init__(self, gap: float) -> None:
         super().__init__(
-            f"expected bounds of the least time at most {GAP} s apart after {MOST_SWEEPS} sweeps, got {gap:.3g} s"
+            f"expected bounds of the least time at most {GAP} s apart after {MOST_SWEEPS} sweeps, "
+            f"got {gap:.3g} s"
         )
 
 

@@ -64,9 +64,7 @@ def feedback_policy(library: Library, mission: Mission) -> FeedbackPolicy:
         raise WantedHeadingError(mission.name)
     return FeedbackPolicy(
         library,
-        find_table(
-            library, tolerance=declared_tolerance(mission.tolerance), goal_trim=mission.goal_trim
-        ),
+        find_table(library, tolerance=declared_tolerance(mission.tolerance), goal_trim=mission.goal_trim),
     )
 
 
@@ -110,7 +108,9 @@ def state_policy(
     """
     times = rollouts.times
     arrived = times[np.isfinite(times)]
-    patience = max(SHORTEST_PATIENCE, ERROR_FREE_TIMES * error_free_time if isfinite(error_free_time) else 0.0)
+    patience = max(
+        SHORTEST_PATIENCE, ERROR_FREE_TIMES * error_free_time if isfinite(error_free_time) else 0.0
+    )
     in_time = float(np.mean(times <= patience))
     choice = policy.decide(mission.start, mission.start_trim, mission.goal)
     (walk, often) = Counter(rollouts.walks).most_common(1)[0]

@@ -45,7 +45,9 @@ class Structures:
     arrays: tuple[np.ndarray, ...]
 
 
-def structures(problem: ShortestPathProblem, values: Float[np.ndarray, "trims levels side side"]) -> Structures:
+def structures(
+    problem: ShortestPathProblem, values: Float[np.ndarray, "trims levels side side"]
+) -> Structures:
     """Returns a problem and its values as C reads them; nothing is copied of the values."""
     actions, grid = problem.actions, problem.grid
     points = np.array([one.path.shape[1] if one.arrives else 0 for one in actions], dtype=np.intc)

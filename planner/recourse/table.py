@@ -11,7 +11,6 @@ from .build import load_recourse
 from .problem import ShortestPathProblem
 from .structures import Structures, structures
 
-
 NO_SHIFT = (0.0, 0.0, 0.0, 1.0, 0.0)
 """Shift of an action's outcomes that leaves them where they are."""
 
@@ -25,6 +24,7 @@ class CostTable:
         values: seconds at every node, below 0 inside the tolerance.
         gap: seconds between the bounds of the largest value.
         most_actions: of any trim.
+        digest: SHA-256 of the values.
     """
 
     problem: ShortestPathProblem
@@ -32,16 +32,14 @@ class CostTable:
     gap: float
     _data: Structures = field(init=False, repr=False)
     most_actions: int = field(init=False)
+    digest: str = field(init=False)
 
     def __post_init__(self) -> None:
-        """Points the C structures to the values."""
+        """Points the C structures to the values; works out their digest."""
+        digest = sha256(np.ascontiguousarray(self.values).tobytes()).hexdigest()
+        object.__setattr__(self, "digest", digest)
         object.__setattr__(self, "_data", structures(self.problem, self.values))
         object.__setattr__(self, "most_actions", int(np.diff(self.problem.first).max()))
-
-    @property
-    def digest(self) -> str:
-        """SHA-256 of the values."""
-        return sha256(np.ascontiguousarray(self.values).tobytes()).hexdigest()
 
     def times(self, trims: Int[np.ndarray, "n"], goals: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, "n"]:
         """Returns the least expected seconds.

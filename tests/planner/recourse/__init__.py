@@ -1,0 +1,1 @@
+"""Tests of the cost-to-go and the policy with feedback."""

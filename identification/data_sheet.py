@@ -99,10 +99,10 @@ _CLAIM = (
     "measured from; values from the same flights as the bounds need twice as many fitted numbers, so their "
     "coverage is lower. A `discarded` sample is outside the bounds: a lost flight, or one in which the "
     "maneuver timed out. It is counted and listed, and the coverage accounts for it. A maneuver ends where "
-    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are of the "
-    "motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their nominal "
-    "values; of maneuvers, duration negative, forward opposite to the motion, heading change with the turn, "
-    "side against it (thesis, 3.2.6)."
+    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are those "
+    "of the motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their "
+    "nominal values; of maneuvers, duration negative, forward opposite to the motion, heading change with "
+    "the turn, side against it (thesis, 3.2.6)."
 )
 
 

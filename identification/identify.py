@@ -179,7 +179,8 @@ def _check_automaton(library: Library) -> None:
     if len(library.trims) < 2 or not library.maneuvers:
         raise NoAutomatonError(
             f"expected at least two trims and a maneuver to identify, got {len(library.trims)} and "
-            f"{len(library.maneuvers)} in library {library.name!r}"
+            f"{len(library.maneuvers)} in library {library.name!r}: command steps between trims, or "
+            "change --trims or --resolution"
         )
 
 

@@ -9,7 +9,7 @@ from pydantic import Field, NonNegativeFloat
 from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
-from .joint_law import ManeuverLaw
+from .joint_law import ManeuverLaw, Row3, Row4
 from .statistics import InterpolationClaim, Statistics
 
 
@@ -36,6 +36,15 @@ class ManeuverOutcome:
 
     duration: float
     displacement: SE2
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverBounds:
+    """Values and half widths: duration, forward, side, heading change."""
+
+    centre: Row4
+    size: Row4
+    coverage: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +91,30 @@ class Maneuver:
                 self.displacement.heading + gamma * self.error.heading_change,
             ),
         )
+
+    @property
+    def bounds(self) -> ManeuverBounds:
+        """Bounds for every entry: the values and their errors."""
+        moved, error = self.displacement, self.error
+        return ManeuverBounds(
+            centre=(self.duration, moved.x, moved.y, moved.heading),
+            size=(abs(error.duration), abs(error.forward), abs(error.side), abs(error.heading_change)),
+            coverage=None if self.statistics is None else self.statistics.coverage,
+        )
+
+    def bounds_after(self, previous: int | None, coast: float, believed: Row3) -> ManeuverBounds:
+        """Returns the bounds for one way of entering, those for all without a claim.
+
+        Args:
+            previous: id of the maneuver before; None where there was none.
+            coast: seconds since that maneuver ended.
+            believed: believed entry velocity less the command of the trim left: m/s, m/s, rad/s.
+        """
+        law = self.law
+        if law is None or law.entry is None or law.entry.bounds is None or not law.entry.coverage:
+            return self.bounds
+        mean = law.entry.mean_after(previous, coast, believed)
+        return ManeuverBounds(mean, law.entry.bounds, law.entry.coverage)
 
 
 @dataclass(frozen=True, slots=True)

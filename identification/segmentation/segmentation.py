@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from flight.automaton.joint_law import PATH_INSTANTS, Row3
 from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver, ManeuverBounds
 from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndDetector, ManeuverStatus
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
@@ -188,6 +189,17 @@ def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> S
         if maneuver.settled:
             coasts += _coast_segments(motion, entry.to_trim, free, until)
     return Segments(tuple(maneuvers), tuple(coasts))
+
+
+def entry_bounds(library: Library, maneuver: Maneuver, part: ManeuverSegment) -> ManeuverBounds:
+    """Returns a maneuver's bounds for the entry of one performance."""
+    believed, command = part.believed, library.trim(maneuver.from_trim).velocity
+    offset = (
+        believed.forward - command.forward,
+        believed.side - command.side,
+        believed.yaw_rate - command.yaw_rate,
+    )
+    return maneuver.bounds_after(part.previous, part.coast, offset)
 
 
 def believed_motion(log: FlightLog) -> Series:

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-_ROUNDING = 2e-9
+ROUNDING = 2e-9
 """Share of a half width that is rounding, as `digits` has it."""
 
 
@@ -28,7 +28,7 @@ class Box:
     ) -> np.ndarray:
         """Returns True for each sample that lies entirely inside."""
         # The sample that determines a side lies on it, but for the rounding of the side.
-        size = self.size * (1 + _ROUNDING)
+        size = self.size * (1 + ROUNDING)
         inside = (np.abs(low - self.centre) <= size) & (np.abs(high - self.centre) <= size)
         return np.asarray(inside.all(axis=1))
 

@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Sequence
 
+from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.maneuver_end import Band
 from flight.automaton.statistics import InterpolationClaim, Statistics
 from flight.automaton.trim import Trim
 from flight.plural import plural
+
+from .law_sheet import law_sections
 
 
 def data_sheet(library: Library) -> str:
@@ -23,6 +26,7 @@ def data_sheet(library: Library) -> str:
         ]
     parts += _averaged_section(library)
     parts += ["## Maneuvers", _table(_MANEUVER_HEAD, map(_maneuver_row, library.maneuvers))]
+    parts += law_sections(library, _table)
     notes = [
         f"- maneuver {row.id}: {row.notes}"
         for row in library.maneuvers
@@ -77,9 +81,15 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
         ("speeds flown", unknown if speeds is None else f"{speeds[0]:g} to {speeds[1]:g} m/s"),
         ("maneuvers flown from trims", unknown if entries is None else ", ".join(map(str, entries))),
         ("coasts flown", unknown if coasts is None else f"{coasts[0]:.1f} to {coasts[1]:.1f} s"),
+        *_without_coast(conditions),
         ("end of a maneuver", unknown if rule is None else f"after {rule.dwell:g} s inside the band"),
         ("time-out", unknown if rule is None else f"{rule.timeout:g} s"),
     ]
+
+
+def _without_coast(conditions: Conditions) -> list[tuple[str, str]]:
+    share = conditions.without_coast
+    return [("maneuvers entered without a coast", f"{100 * share:.0f} %")] if share else []
 
 
 # Provenance has `believed` for the estimate.

@@ -119,7 +119,7 @@ def validate(
         gamma: uncertainty levels of the worst-case planner, 0 to 1.
         plant: what flies: the simulated helicopter, or the library's own model with its own errors.
         true_gamma: how the automaton truly moves: at levels from -1 to 1, `plus` or `minus` the level planned
-            for, or `random`, another for every primitive; 1 by default.
+            for, `random`, another for every primitive, or `law`, by the library's joint laws; 1 by default.
         wind: wind classes; the library's by default.
         flights: of each mission and policy, each with a seed of its own.
         seed: of all chance.

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float
 
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
 
 from .maneuver import Maneuver
 
@@ -25,6 +25,7 @@ class Leg:
             claims it.
         turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
             None where it does not know.
+        believed: body velocity at the start, as the vehicle believes it; None where it does not say.
         alarm: what the vehicle found wrong with itself, and broke the leg off for; empty where nothing.
     """
 
@@ -35,6 +36,7 @@ class Leg:
     standard_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
+    believed: Twist | None = None
 
 
 class Vehicle(Protocol):

@@ -55,6 +55,7 @@ def run_trial(
     seed: Seed = 1,
     wind: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    of: StateJudged | None = None,
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -64,6 +65,10 @@ def run_trial(
     and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
     95 % interval, and how improbable so few would be if the claim were true, corrected for the number of
     primitives (Holm). The exit code is 1 where a claim is refuted at 5 %.
+
+    `growth` is a trim's claim on errors that grow with the coast, `entry` a maneuver's on its deviations from
+    the mean for the way it was entered. Maneuvers end where the vehicle ended them; one that was cut is not
+    counted. Logs may be of missions.
 
     Of a grown library a random sample of its grown maneuvers, and of the trims that they lead to, is flown,
     and the share of them that every flight keeps is held against what the library claims of each kind.
@@ -83,6 +88,8 @@ def run_trial(
         seed: of all their chance.
         wind: wind class; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
+        of: whose deviations: those of the true motion, or of what the vehicle believed; the library's by
+            default.
         workers: processes; one for each processor by default.
         json: print the trials as JSON.
     """
@@ -90,7 +97,8 @@ def run_trial(
     measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
     if not (found.interpolated or measured):
         raise NoClaimError(found.name)
-    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    stated: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    of = of or stated
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)

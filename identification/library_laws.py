@@ -80,5 +80,5 @@ def _thinned(count: int) -> list[int]:
     """Returns evenly spaced places of at most `MOST_DEVIATIONS` flights."""
     if not count:
         return []
-    places = np.linspace(0, count - 1, min(count, MOST_DEVIATIONS)).round().astype(int)
-    return places.tolist()
+    places = np.linspace(0, count - 1, min(count, MOST_DEVIATIONS)).round()
+    return list(map(int, places))

@@ -70,7 +70,7 @@ def allowed_share(row: MissionResult, library: Library) -> float | None:
     changes = {(leg.trim, leg.to_trim) for leg in row.legs if leg.to_trim is not None}
     held = [library.trim(trim) for trim in trims]
     flown = [library.maneuver(*change) for change in changes]
-    statistics = [part.statistics for part in (*held, *flown)]
+    statistics = [*(trim.statistics for trim in held), *(part.statistics for part in flown)]
     claimed = [known.coverage for known in statistics if known is not None]
     if len(claimed) < len(statistics) or not claimed:
         return None

@@ -138,7 +138,7 @@ class JointLawVehicle:
 
     def _stationary(self) -> Float[np.ndarray, "3"]:
         within = _law_of_trim(self._library, self._trim).within
-        return self._rng.standard_normal(3) * np.array(within.standard_deviation)
+        return np.asarray(self._rng.standard_normal(3) * np.array(within.standard_deviation))
 
     def _flown(self, duration: float, poses: list[SE2], believed: Twist) -> Leg:
         times = self._time + np.linspace(0.0, duration, len(poses))

@@ -84,7 +84,8 @@ def tube_exit_time(
         share: factor on the library's errors.
     """
     entries = entries_of(library, steps, legs)
-    lawful = any(part.law is not None for part in (*library.trims, *library.maneuvers))
+    laws = [*(trim.law for trim in library.trims), *(row.law for row in library.maneuvers)]
+    lawful = any(law is not None for law in laws)
     for window in _windows(list(zip(steps, legs, entries, strict=True)), plannings):
         pose = _pose(window[0][1], 0)
         where, narrow, elapsed = ReachableSet.at(pose), LawTube.at(pose), 0.0

@@ -13,7 +13,7 @@ from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
 from identification.segmentation.segmentation import ManeuverSegment, SegmentEnd, entry_bounds
-from identification.statistics.box import ROUNDING, Box
+from identification.statistics.box import Box
 from identification.statistics.coast_errors import averaged_hull, instantaneous_hull
 from identification.statistics.samples import (
     Samples,
@@ -192,7 +192,7 @@ def count_growth_inside(trim: Trim, flights: Sequence[FlightEvidence]) -> tuple[
     """Returns flights with coasts in a trim: all, inside its growth, discarded."""
     assert trim.law is not None
     assert trim.law.bounds is not None
-    bounds = np.array(trim.law.bounds) * (1 + ROUNDING)
+    bounds = np.array(trim.law.bounds)
     held = [coasts_of(flight, trim.id) for flight in flights if not flight.lost]
     ratios = [growth_ratios(coasts, trim.law) for coasts in held if coasts]
     lost = sum(flight.lost for flight in flights)
@@ -221,7 +221,7 @@ def is_inside(library: Library, row: Maneuver, part: ManeuverSegment) -> bool:
     """Returns True where a performance is inside the bounds for its entry."""
     bounds = entry_bounds(library, row, part)
     off = np.abs(np.subtract(maneuver_row(part), bounds.centre))
-    return bool((off <= np.array(bounds.size) * (1 + ROUNDING)).all())
+    return bool((off <= np.array(bounds.size)).all())
 
 
 def clopper_pearson_interval(inside: int, count: int) -> dict[str, float]:

@@ -103,7 +103,9 @@ class Maneuver:
         )
 
     def bounds_after(self, previous: int | None, coast: float, believed: Row3) -> ManeuverBounds:
-        """Returns the bounds for one way of entering, those for all without a claim.
+        """Returns the bounds for one way of entering, if claimed.
+
+        Without such a claim they are the bounds for every entry.
 
         Args:
             previous: id of the maneuver before; None where there was none.

@@ -1,4 +1,4 @@
-"""Fingerprints of a flight: the hash of its content, exact or to six digits."""
+"""Fingerprints of a flight: hashes of its content, exact or rounded."""
 
 import json
 from dataclasses import asdict
@@ -35,9 +35,9 @@ def fingerprint(log: FlightLog) -> str:
 
 
 def rounded_fingerprint(log: FlightLog) -> str:
-    """Returns the SHA-256 of a flight to six digits, equal on every processor.
+    """Returns the SHA-256 of a flight to six digits.
 
-    Processors differ in the last bits of sums and of elementary functions. The hash is of the flight's inputs
+    It is equal on every processor: they differ in the last bits of sums and of elementary functions. The hash is of the flight's inputs
     and outcome, and of each series' length, first and last times, and first, last, mean and root mean square
     values to six digits: few enough numbers that none is likely to be at the edge of a rounding.
     """

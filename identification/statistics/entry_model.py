@@ -1,4 +1,4 @@
-"""Dependence of a maneuver's values on its entry: ridge regression and held-out choice.
+"""Dependence of a maneuver's values on its entry, by ridge regression.
 
 A value is modelled as base + shift of the previous maneuver exp(-coast / fade time) + a linear term in the
 believed entry velocity less the trim's command. Coefficients are shrunk towards 0 (ridge, in standard

@@ -116,7 +116,7 @@ def _correlation(rows: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]:
 
 
 def _at(place: int, known: Sequence[int]) -> int:
-    """Returns the place itself where it is known, else the next known one."""
+    """Returns a place if known, else the next known one."""
     return next((one for one in known if one >= place), known[0])
 
 

@@ -1,4 +1,4 @@
-"""Tube of the joint laws' bounds: maneuvers by their entry, coasts by their growth.
+"""Tube of the joint laws' bounds: maneuvers by entry, coasts by growth.
 
 A primitive without such bounds keeps the library's errors. The tube of a coast is that of its whole duration
 since the replan, not of its parts: errors that change sign grow more slowly than time.

@@ -44,7 +44,7 @@ def test_the_shipped_campaign_flies_what_95_95_takes() -> None:
     own = campaign_size(CAMPAIGN, coverage=None, confidence=0.95, flights=None, nominal_flights=None)
     asked = campaign_size(CAMPAIGN, coverage=0.95, confidence=0.95, flights=None, nominal_flights=None)
     assert own == asked
-    assert "153 flights for the bounds, 30 others for the values" in own.describe()
+    assert "153 flights for the bounds, 60 others for the values" in own.describe()
 
 
 def test_a_coverage_and_a_number_of_flights_are_not_both_taken() -> None:

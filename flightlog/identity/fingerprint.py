@@ -37,9 +37,9 @@ def fingerprint(log: FlightLog) -> str:
 def rounded_fingerprint(log: FlightLog) -> str:
     """Returns the SHA-256 of a flight to six digits.
 
-    It is equal on every processor: they differ in the last bits of sums and of elementary functions. The hash is of the flight's inputs
-    and outcome, and of each series' length, first and last times, and first, last, mean and root mean square
-    values to six digits: few enough numbers that none is likely to be at the edge of a rounding.
+    It is equal on every processor: they differ in the last bits of sums and of elementary functions. The hash
+    is of the flight's inputs and outcome, and of each series' length, first and last times, and first, last,
+    mean and root mean square values: few enough numbers that none is likely to be at the edge of a rounding.
     """
     inputs = flight_identity(log.header, log.attachments)
     # The code's release is enough: other code that flies the same flight gives the same numbers.

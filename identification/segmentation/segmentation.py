@@ -247,7 +247,7 @@ def _path(motion: Series, first: int, last: int) -> tuple[Row3, ...]:
 
 
 def _row_at(motion: Series, time: float) -> int:
-    """Returns the first row not before a time (to 0.5 µs), or the last."""
+    """Returns the first row not before a time, or the last."""
     return min(int(np.searchsorted(motion.time, time - 5e-7)), len(motion.time) - 1)
 
 

@@ -26,16 +26,18 @@ def rounded_up(value: float) -> float:
     """
     if value <= _ZERO:
         return 2 * _ZERO if value > 0 else 0.0
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return rounded(ceil(value * (1 + _SAME) / unit) * unit)
+    above = value * (1 + _SAME)
+    unit = 10.0 ** (floor(log10(above)) - DIGITS + 1)
+    return rounded(ceil(above / unit) * unit)
 
 
 def rounded_down(value: float) -> float:
     """Returns a positive number rounded down to six digits."""
     if value <= _ZERO:
         return 0.0
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return rounded(floor(value * (1 - _SAME) / unit) * unit)
+    below = value * (1 - _SAME)
+    unit = 10.0 ** (floor(log10(below)) - DIGITS + 1)
+    return rounded(floor(below / unit) * unit)
 
 
 def row3(values: Iterable[float]) -> Row3:

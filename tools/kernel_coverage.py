@@ -34,7 +34,7 @@ def pytest_configure() -> None:
 
 
 def executions(folder: Path) -> Counter[tuple[str, int]]:
-    """Returns how often each line of the kernel was executed, in all builds together."""
+    """Returns the executions of each kernel line, over all builds."""
     known = {str(source): str(source.relative_to(source.parents[1])) for source in SOURCES}
     found: Counter[tuple[str, int]] = Counter()
     for path in sorted(folder.glob("*.gcda")):

@@ -162,7 +162,7 @@ KINDS: dict[str, Callable[[np.random.Generator, int], list[float]]] = {
 def _primitives(
     rates: list[float], rng: np.random.Generator, *, mirrored: bool
 ) -> tuple[tuple[Trim, ...], tuple[Maneuver, ...]]:
-    """Returns trims of some rates, and maneuvers between as many pairs as may be."""
+    """Returns trims of some rates, and maneuvers between pairs of them."""
     one_speed, errors = rng.random() < 0.4, rng.random() < 0.6
     trims = []
     for number, rate in enumerate(rates, start=1):

@@ -54,7 +54,7 @@ def test_sets_with_other_coefficients_are_others(other: WalkProblem) -> None:
 
 
 def test_a_set_is_one_whatever_the_other_coasts_are() -> None:
-    """What the coast between would do, and where its maneuvers part, makes no difference."""
+    """The coast between, and where its maneuvers join, makes no difference."""
     cache = cache_of(64)
     between = replace(
         WALK, velocities=(1 + 0.5j, 7 + 3j, 1.5 + 0j), rates=(0.3, 0.9, -0.2), displacements=(1 + 1j, 4 - 4j)

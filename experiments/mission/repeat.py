@@ -15,7 +15,7 @@ from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matche
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import Asked, mission_specification
+from .mission_log import PlanningSettings, mission_specification
 from .mission_task import MissionTask
 from .recorded_latency import recorded_latency
 
@@ -63,18 +63,18 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
     """
     text = log.attachments[MISSION_ATTACHMENT]
     mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")
-    asked = parse_json(text, MISSION_ATTACHMENT, Asked, extra="ignore")
-    settings = asked.settings
+    logged = parse_json(text, MISSION_ATTACHMENT, PlanningSettings, extra="ignore")
+    settings = logged.settings
     if settings.latency.measured:
         settings = replace(settings, latency=recorded_latency(log, source=MISSION_ATTACHMENT))
     return MissionTask(
         mission=mission,
         library=log.library(),
-        policy=asked.policy,
-        gamma=asked.gamma,
+        policy=logged.policy,
+        gamma=logged.gamma,
         wind=specification.wind,
         seed=specification.seed,
         settings=settings,
-        max_nodes=asked.max_nodes,
+        max_nodes=logged.max_nodes,
         flight_options=specification.flight_options,
     )

@@ -33,7 +33,7 @@ class FileModel(BaseModel):
 
 
 def schema_named(*known: str) -> AfterValidator:
-    """Returns what refuses every schema but the known ones, by name."""
+    """Returns a validator that accepts only the known schemas."""
     return AfterValidator(lambda schema: check_schema_name(schema, *known))
 
 
@@ -46,7 +46,7 @@ def check_schema_name(schema: str, *known: str) -> str:
     if schema not in known:
         newer = schema.partition("/")[0] == known[0].partition("/")[0]
         instead = "; another version may read it" if newer else ""
-        raise ValueError(f"this program reads {' and '.join(known)}, the file is {schema:.60}{instead}")
+        raise ValueError(f"expected {' or '.join(known)}, got {schema:.60}{instead}")
     return schema
 
 

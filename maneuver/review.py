@@ -122,7 +122,7 @@ def review(
             "--png, --video and --still: expected a single log, got several; --html shows several"
         )
     if folders and len(logs) > 1:
-        raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
+        raise FlightError(f"expected logs or one folder, got {len(logs)} paths with the folder {folders[0]}")
     if len(logs) > MOST_COMPARED:
         raise FlightError(f"expected at most {MOST_COMPARED} logs to compare, got {len(logs)}; give a folder")
     if folders:

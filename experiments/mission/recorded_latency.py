@@ -20,7 +20,7 @@ def recorded_latency(log: FlightLog, *, source: str) -> Latency:
     """
     for name in (MISSION_ATTACHMENT, PLANS_ATTACHMENT):
         if name not in log.attachments:
-            raise BadFileError(source, f"is no flight of a mission: it has no {name}")
+            raise BadFileError(source, f"expected the log of a mission's flight, got one without {name}")
     logged = parse_json(
         log.attachments[MISSION_ATTACHMENT], MISSION_ATTACHMENT, PlanningSettings, extra="ignore"
     )

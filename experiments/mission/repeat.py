@@ -51,7 +51,9 @@ def _fly_mission(
     if log.header.search_backend != SEARCH_BACKEND:
         raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
-        raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
+        raise BadFileError(
+            SPECIFICATION_ATTACHMENT, f"expected the flight of the mission in {MISSION_ATTACHMENT}, got another"
+        )
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
 
 

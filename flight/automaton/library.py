@@ -61,7 +61,7 @@ class Library(FileValue):
     def __post_init__(self) -> None:
         """Refuses a library that contradicts itself."""
         if not self.trims:
-            raise InconsistentLibraryError("trims: a library has at least one trim, got none")
+            raise InconsistentLibraryError("trims: expected at least one, got none")
         _check_unique_ids("trims", [trim.id for trim in self.trims])
         _check_unique_ids("maneuvers", [maneuver.id for maneuver in self.maneuvers])
         edges: dict[tuple[int, int], int] = {}
@@ -84,7 +84,7 @@ class Library(FileValue):
         rule = self.conditions.maneuver_end
         if rule is not None and set(rule.bands) != set(self._trims):
             raise InconsistentLibraryError(
-                f"conditions.maneuver_end.band: one band for each of the trims {sorted(self._trims)}, "
+                f"conditions.maneuver_end.band: expected one for each of the trims {sorted(self._trims)}, "
                 f"got {sorted(rule.bands)}"
             )
 

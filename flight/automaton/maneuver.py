@@ -26,7 +26,7 @@ class ManeuverError(FileValue):
         if not all(
             isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)
         ):
-            raise ValueError(f"maneuver errors are finite, got {self}")
+            raise ValueError(f"maneuver errors must be finite, got {self}")
 
 
 @dataclass(frozen=True, slots=True)

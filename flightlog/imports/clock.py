@@ -77,7 +77,7 @@ def check_clock(time: Column, *, sample: str) -> None:
     if len(steps) and 0.0 < np.ptp(time[places]) < INTERVALS[0] * len(steps):
         raise ClockError(
             f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {len(places)} in "
-            f"{np.ptp(time[places]):.3g} s: the unit of the times is another"
+            f"{np.ptp(time[places]):.3g} s: check the unit of the times"
         )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())

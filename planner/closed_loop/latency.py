@@ -10,7 +10,7 @@ class LatencyRecordError(FlightError):
     """A flight is repeated with fewer measured latencies than it has plannings."""
 
     def __init__(self, known: int) -> None:
-        super().__init__(f"expected a latency for every planning, got {known}")
+        super().__init__(f"expected a recorded latency for every replan, got only {known}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,11 +49,11 @@ class Settings:
         """Raises ValueError for a setting outside its range."""
         if not 0 < self.activation_interval <= LONGEST_INTERVAL:
             raise ValueError(
-                f"activation_interval must be > 0 and <= {LONGEST_INTERVAL} s, "
+                f"replan interval must be > 0 and <= {LONGEST_INTERVAL} s, "
                 f"got {self.activation_interval} s"
             )
         if self.max_activations < 1:
-            raise ValueError(f"max_activations must be >= 1, got {self.max_activations}")
+            raise ValueError(f"number of replans must be >= 1, got {self.max_activations}")
         if self.final_tolerance is not None and not 0 < self.final_tolerance < inf:
             raise ValueError(f"final_tolerance must be > 0 m, got {self.final_tolerance} m")
         if not 0 <= self.tolerance_share < 1:

@@ -37,8 +37,7 @@ class TooManyScenariosError(FlightError):
 
     def __init__(self, primitives: int) -> None:
         super().__init__(
-            f"expected at most {MOST_PRIMITIVES} trims and maneuvers in a walk whose signs are all tried, "
-            f"got {primitives}"
+            f"expected at most {MOST_PRIMITIVES} trims and maneuvers to enumerate all signs, got {primitives}"
         )
 
 

@@ -36,7 +36,7 @@ def test_a_file_of_another_kind_is_told_from_a_newer_one(tmp_path: Path) -> None
     path.write_text(library_text(synthetic_library()))
     with pytest.raises(
         BadFileError,
-        match=r"this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-library/1$",
+        match=r"expected maneuver-plan/2 or maneuver-plan/1, got maneuver-library/1$",
     ):
         read_plan(path)
     path.write_text("{}")

@@ -74,7 +74,7 @@ def test_status_says_what_is_there_and_flies_nothing(
     fly = ["fly", *words, "--out", str(tmp_path / "flights")]
     assert run([*fly, "--status", "--json"]) == 1
     status = json.loads(capsys.readouterr().out)
-    assert (status["flights"], status["whole"], status["missing"]) == (
+    assert (status["flights"], status["complete"], status["missing"]) == (
         2,
         [],
         ["small-0000.mcap", "small-0001.mcap"],

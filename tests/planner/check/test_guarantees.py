@@ -181,7 +181,7 @@ def test_a_curve_of_prices_is_report_from_a_plan(tmp_path: Path, capsys: pytest.
     capsys.readouterr()
     line = refusal(capsys, "plan", "check", str(path))
     assert line.endswith(
-        "this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-prices/1\n"
+        "expected maneuver-plan/2 or maneuver-plan/1, got maneuver-prices/1\n"
     )
 
 

@@ -177,7 +177,7 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 
 def test_a_goal_to_be_met_exactly_cannot_be_flown() -> None:
     mission, library = shipped("kinematic-1"), thesis_kinematic()
-    with pytest.raises(NoToleranceError, match="kinematic-1: a flight needs a goal tolerance > 0 m"):
+    with pytest.raises(NoToleranceError, match="kinematic-1: expected a goal tolerance > 0 m"):
         fly_closed_loop(vehicle(library, mission), mission, planner=nominal_planner(library), library=library)
 
 

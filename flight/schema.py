@@ -41,7 +41,7 @@ def check_schema_name(schema: str, *known: str) -> str:
     """Returns the schema name of a file if it is known.
 
     Raises:
-        ValueError: it is another; says all.
+        ValueError: it is another.
     """
     if schema not in known:
         newer = schema.partition("/")[0] == known[0].partition("/")[0]
@@ -133,7 +133,7 @@ def check_unique_keys(text: str | bytes) -> None:
     """Checks that JSON text has no key twice in one object.
 
     Raises:
-        RepeatedKeyError: there is one; says which.
+        RepeatedKeyError: there is one.
     """
     try:
         json.loads(text, object_pairs_hook=_UncheckedObject)
@@ -163,7 +163,7 @@ def read_text(path: Path) -> str:
     """
     try:
         with path.open("rb") as file:
-            # A device says no size, and need have no end.
+            # A device has no size and may have no end.
             content = file.read(LARGEST_FILE + 1)
         if len(content) > LARGEST_FILE:
             raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got more")

@@ -98,7 +98,7 @@ def logged_goal(log: FlightLog) -> Destination | None:
     closed = _attached(log, MISSION_ATTACHMENT, _Closed)
     if mission is None or closed is None:
         return None
-    # What the loop was closed with comes before what the mission's file says.
+    # The settings of the loop come before those of the mission's file.
     return replace(mission.destination, tolerance=closed.settings.final_tolerance or mission.tolerance)
 
 

@@ -76,7 +76,7 @@ def build(*, overview: bool = False) -> App:
     """Returns the application.
 
     Args:
-        overview: whether a line for each verb stands in for the verb's own help.
+        overview: list each verb with one line instead of its own help.
     """
     app = App(
         name="maneuver",

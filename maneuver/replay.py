@@ -94,7 +94,7 @@ def _compare(path: Path, out: Path | None, *, force: bool) -> ReplayComparison:
         repeated = repeat_flight(log)
     except FlightError as error:
         raise FlightError(f"{path}: {error}") from None
-    # The name of the code says who flew, not what was flown.
+    # The code version identifies the program, not the flight.
     named: FlightLog = replace(
         repeated, header=replace(repeated.header, code_version=log.header.code_version)
     )

@@ -52,7 +52,8 @@ def _fly_mission(
         raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
         raise BadFileError(
-            SPECIFICATION_ATTACHMENT, f"expected the flight of the mission in {MISSION_ATTACHMENT}, got another"
+            SPECIFICATION_ATTACHMENT,
+            f"expected the flight of the mission in {MISSION_ATTACHMENT}, got another",
         )
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
 

@@ -25,7 +25,7 @@ _Json = Annotated[Any, GetPydanticSchema(lambda _, handler: handler(JsonValue))]
 
 
 class InconsistentLibraryError(FlightError):
-    """A library contradicts itself; says where."""
+    """A library contradicts itself."""
 
 
 @dataclass(frozen=True)

@@ -91,7 +91,7 @@ class DisplacementRow(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class ManeuverRow(FileValue):
-    """A maneuver as it stands in files."""
+    """A maneuver as in files."""
 
     id: int
     from_trim: Annotated[int, Field(alias="from")]

@@ -66,8 +66,8 @@ class Statistics(FileValue):
         confidence: confidence of that share.
         discarded: samples that the bounds do not hold, because the flight was lost or a maneuver did not
             settle; the claim accounts for them.
-        support: how many numbers were fitted to the samples; None where it is not told.
-        centre: where the values come from; None where it is not told.
+        support: number of values fitted to the samples; None if unknown.
+        centre: source of the values; None if unknown.
         scalars: one entry per number; a file has them by their names.
     """
 

@@ -20,8 +20,8 @@ class Leg:
         settled: whether the primitive ended by its rule (a coast always does), not by time-out.
         track: true motion including both ends: time since the start in seconds, north and east in metres,
             heading in radians (not wrapped).
-        estimated_track: the same as the vehicle believes it; None where that is the truth.
-        standard_deviation: of the believed position in metres, the largest on the way, as the vehicle
+        estimated_track: the same as estimated by the vehicle; None if that is the truth.
+        standard_deviation: largest standard deviation of the estimated position in metres, as the vehicle
             claims it.
         turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
             None where it does not know.
@@ -38,7 +38,7 @@ class Leg:
 
 
 class Vehicle(Protocol):
-    """Something that holds trims and performs maneuvers, and believes to be somewhere."""
+    """Vehicle that holds trims, performs maneuvers and estimates its pose."""
 
     @property
     def time(self) -> float:

@@ -62,7 +62,7 @@ def check_clock(time: Column, *, sample: str) -> None:
         sample: name of a sample in the file, such as `row`.
 
     Raises:
-        ClockError: it does; the message says at which sample and by how much.
+        ClockError: it is not; the message has the sample and the size.
     """
     places = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[places])

@@ -12,7 +12,7 @@ from flight.errors import FlightError
 from flight.plural import plural
 from flight.units import FOOT
 from identification.data_sheet import describe_claim
-from identification.interpolation.interpolate import interpolate_library as grow_library
+from identification.interpolation.interpolate import interpolate_library
 from scenarios.find import find_library, library_path
 
 from .library_files import check_library_target, write_library_files
@@ -62,7 +62,7 @@ def interpolate(
         if not 0 < step < inf:
             raise FlightError(f"{option} must be > 0, got {step}")
     check_library_target(out, force=force, inputs=[library_path(library)])
-    grown = grow_library(
+    result = interpolate_library(
         find_library(library),
         speed_step=speed_step,
         yaw_rate_step=rate_step,
@@ -70,20 +70,20 @@ def interpolate(
         coverage=coverage,
         confidence=confidence,
     )
-    write_library_files(grown.library, out, force=force)
+    write_library_files(result.library, out, force=force)
     if json:
-        sys.stdout.write(library_text(grown.library))
+        sys.stdout.write(library_text(result.library))
         return 0
     print(
-        f"{plural(len(grown.library.trims), 'trim')}, {grown.trims} of them interpolated; "
-        f"{plural(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them interpolated"
+        f"{plural(len(result.library.trims), 'trim')}, {result.trims} of them interpolated; "
+        f"{plural(len(result.library.maneuvers), 'maneuver')}, {result.maneuvers} of them interpolated"
     )
-    for kind, claim in (("trims", grown.trim_claim), ("maneuvers", grown.maneuver_claim)):
+    for kind, claim in (("trims", result.trim_claim), ("maneuvers", result.maneuver_claim)):
         print(f"interpolated {kind}: {describe_claim(claim)}")
-    for fit in grown.fits:
+    for fit in result.fits:
         print(
             f"{fit.number:24s} cross-validation error {fit.cross_validation_error:.4f}, "
             f"smoothing {fit.smoothing:g}"
         )
-    print(f"library    {out}\ndata sheet {out.with_suffix('.md')}\nsha256     {library_hash(grown.library)}")
+    print(f"library    {out}\ndata sheet {out.with_suffix('.md')}\nsha256     {library_hash(result.library)}")
     return 0

@@ -34,7 +34,7 @@ class ExecutorOptions:
         """Refuses options that contradict each other.
 
         Raises:
-            FlightError: says which.
+            FlightError: they do.
         """
         if self.cluster is None and self.shared_folder:
             raise FlightError("--shared-folder: expected --cluster, got none")

@@ -52,7 +52,7 @@ def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission
     """Checks that a plan belongs to a library and a mission.
 
     Raises:
-        BadFileError: says which.
+        BadFileError: it does not.
     """
     for problem in identity_problems(plan, library_hash(library), library.name, mission):
         raise BadFileError(file, problem)

@@ -35,16 +35,16 @@ def print_scorecard(card: Scorecard) -> None:
     for bound in card.time_bounds:
         if bound.flights >= MOST_ROWS and bound.factor is not None:
             console.print(
-                f"{bound.policy}, {bound.plant}, {bound.wind}: {bound.share:.0%} of flights finish "
-                f"within {bound.factor:.2f} × predicted ({plural(bound.flights, 'flight')}); "
-                f"on other missions {bound.kept.count} of {bound.kept.of} did",
+                f"{bound.policy}, {bound.plant}, {bound.wind}: {100 * bound.share:.0f} % of flights finish "
+                f"within {bound.factor:.2f} × predicted (95 % confidence, {plural(bound.flights, 'flight')}); "
+                f"here {bound.kept.count} of {bound.kept.of} did",
                 soft_wrap=True,
             )
     for tube in card.tubes:
-        verdict = "refutes" if tube.refuted else "does not refute"
+        result = "REFUTED" if tube.refuted else "not refuted"
         console.print(
             f"{tube.policy}, {tube.wind}: {tube.left} of {tube.flights} flights left the tube of "
-            f"{tube.share:g} times the errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
+            f"{tube.share:g} × the errors, at most {100 * tube.allowed:.0f} % allowed: {result}",
             soft_wrap=True,
         )
 
@@ -68,11 +68,11 @@ def _table(cells: Sequence[ScorecardCell]) -> Table:
         "95 %": lambda cell: f"{cell.reached.low:.2f}-{cell.reached.high:.2f}",
         "flown, s": lambda cell: format_number(cell.flown_time),
         "plan, s": lambda cell: format_number(cell.planned_time),
-        "within plan": lambda cell: f"{cell.inside.count}/{cell.flights}",
+        "within predicted": lambda cell: f"{cell.inside.count}/{cell.flights}",
         "miss, m": lambda cell: format_number(cell.miss),
         "no plan": lambda cell: str(cell.failures),
     }
-    kept = {"mission", "policy", "reached", "95 %", "flown, s", "plan, s", "within plan"}
+    kept = {"mission", "policy", "reached", "95 %", "flown, s", "plan, s", "within predicted"}
     kept |= {name for name in ("plant", "wind") if len({getattr(cell, name) for cell in cells}) > 1}
     kept |= {"gamma"} if len({cell.gamma for cell in cells if cell.policy != "nominal"}) > 1 else set()
     kept |= {"miss, m"} if any(cell.miss is not None for cell in cells) else set()

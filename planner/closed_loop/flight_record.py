@@ -108,11 +108,11 @@ class FlightRecorder:
         self.legs.append(leg)
         self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
+        if counts and not self.claimed and not leg.alarm and self._estimates_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _believes_arrival(self, leg: Leg) -> bool:
+    def _estimates_arrival(self, leg: Leg) -> bool:
         sure = self.goal.tolerance - self.certainty * leg.standard_deviation
         estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)

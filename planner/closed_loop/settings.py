@@ -49,8 +49,7 @@ class Settings:
         """Raises ValueError for a setting outside its range."""
         if not 0 < self.activation_interval <= LONGEST_INTERVAL:
             raise ValueError(
-                f"replan interval must be > 0 and <= {LONGEST_INTERVAL} s, "
-                f"got {self.activation_interval} s"
+                f"replan interval must be > 0 and <= {LONGEST_INTERVAL} s, got {self.activation_interval} s"
             )
         if self.max_activations < 1:
             raise ValueError(f"number of replans must be >= 1, got {self.max_activations}")

@@ -270,11 +270,11 @@ def test_the_command_tests_an_interpolated_library_with_logs(
     path = tmp_path / "grown.json"
     path.write_text(library_text(library))
     assert run(("library", "test", str(path), "--flights", "13")) == 2
-    assert "the claim of grown is for 12 flights each, got 13" in capsys.readouterr().err
+    assert "expected at most 12, the number in the claim of grown, got 13" in capsys.readouterr().err
     assert run(("library", "test", str(path), "--logs", str(tmp_path), "--json")) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["refuted"] is False
-    assert {trial["kind"] for trial in document["grown"]} == {"trim", "maneuver"}
+    assert {trial["kind"] for trial in document["interpolated"]} == {"trim", "maneuver"}
     content = json.loads(path.read_text())
     for row in content["maneuvers"]:
         row["displacement"]["forward"] += 2 * abs(row["error"]["forward"])

@@ -71,7 +71,10 @@ def test_a_mission_with_an_unknown_trim_is_one_line_and_code_2(
         (("plan",), "MISSION"),
         (("plane",), "plane"),
         (("fly",), "expected one of --sequence, --mission and --campaign"),
-        (("fly", "--sequence", "figure-eight", "--library", "thesis-gtmax"), "expected conditions.maneuver_end"),
+        (
+            ("fly", "--sequence", "figure-eight", "--library", "thesis-gtmax"),
+            "expected conditions.maneuver_end",
+        ),
         (("fly", "--sequence", "figure-eight", "--wind", "hurricane"), "hurricane"),
         (("fly", "--campaign", "gtmax", "--wind", "severe"), "no maneuver_end for wind 'severe'"),
         (("fly", "--sequence", "figure-eight", "--seed", "-1"), "seed"),

@@ -41,7 +41,8 @@ class Sequence:
             raise ValueError("trims: expected at least one, got none")
         if len(self.trims) != len(self.coasting_times):
             raise ValueError(
-                f"coasting_times: expected one for each of the {len(self.trims)} trims, got {len(self.coasting_times)}"
+                f"coasting_times: expected one for each of the {len(self.trims)} trims, "
+                f"got {len(self.coasting_times)}"
             )
         for time in self.coasting_times:
             if not (isfinite(time) and time >= 0):

@@ -34,9 +34,10 @@ def print_scorecard(card: Scorecard) -> None:
         console.print(f"and {len(shown) - MOST_ROWS} more; --out keeps them all", soft_wrap=True)
     for bound in card.time_bounds:
         if bound.flights >= MOST_ROWS and bound.factor is not None:
+            source = f"95 % confidence, {plural(bound.flights, 'flight')}"
             console.print(
                 f"{bound.policy}, {bound.plant}, {bound.wind}: {100 * bound.share:.0f} % of flights finish "
-                f"within {bound.factor:.2f} × predicted (95 % confidence, {plural(bound.flights, 'flight')}); "
+                f"within {bound.factor:.2f} × predicted ({source}); "
                 f"here {bound.kept.count} of {bound.kept.of} did",
                 soft_wrap=True,
             )

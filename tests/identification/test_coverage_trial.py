@@ -283,4 +283,4 @@ def test_the_command_tests_a_library_with_logs(
     assert run(("library", "test", str(path), "--logs", str(folders[0]))) == 2
     capsys.readouterr()
     assert run(("library", "test", "thesis-gtmax")) == 2
-    assert "thesis-gtmax: expected statistics to test" in capsys.readouterr().err
+    assert "thesis-gtmax: expected primitives with statistics" in capsys.readouterr().err

@@ -44,7 +44,7 @@ def test_a_machine_without_any_compiler_plans_nothing_and_names_the_extra(
         ):
             assert run(words) == 2
             (line,) = capsys.readouterr().err.splitlines()
-            assert "expected a C compiler that works, cc, gcc, clang or that of the extra `compiler`" in line
+            assert "expected a working C compiler, cc, gcc, clang or that of the extra `compiler`" in line
     finally:
         load_kernel.cache_clear()
     assert not list(tmp_path.iterdir())

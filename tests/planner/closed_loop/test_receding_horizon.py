@@ -182,19 +182,19 @@ def test_a_goal_to_be_met_exactly_cannot_be_flown() -> None:
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    ("setting", "words"),
     [
-        {"activation_interval": 0.0},
-        {"max_activations": 0},
-        {"final_tolerance": 0.0},
-        {"tolerance_share": 1.0},
-        {"aim": 0.0},
-        {"hysteresis": -1.0},
+        ({"activation_interval": 0.0}, "replan interval must be > 0"),
+        ({"max_activations": 0}, "number of replans must be >= 1"),
+        ({"final_tolerance": 0.0}, "final_tolerance must be > 0 m"),
+        ({"tolerance_share": 1.0}, "tolerance_share must be in"),
+        ({"aim": 0.0}, "aim must be in"),
+        ({"hysteresis": -1.0}, "hysteresis must be >= 0 s"),
     ],
 )
-def test_settings_that_cannot_close_a_loop_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        Settings(**wrong)  # type: ignore[arg-type]
+def test_settings_that_cannot_close_a_loop_are_refused(setting: dict[str, float], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Settings(**setting)  # type: ignore[arg-type]
 
 
 def test_a_true_gamma_beyond_the_errors_of_the_library_is_refused() -> None:

@@ -31,7 +31,7 @@ def test_a_library_with_two_durations_of_one_maneuver_is_refused(tmp_path: Path)
         read_library(path)
 
 
-def test_a_file_of_another_kind_is_told_from_a_newer_one(tmp_path: Path) -> None:
+def test_a_file_of_another_kind_is_distinguished_from_a_newer_version(tmp_path: Path) -> None:
     path = tmp_path / "library.json"
     path.write_text(library_text(synthetic_library()))
     with pytest.raises(

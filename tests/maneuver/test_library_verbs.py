@@ -135,7 +135,7 @@ def test_the_sheet_explains_every_ratio_that_is_far_from_one(
     assert {path.name for path in out.iterdir()} == {"sheet.md", "graph.png", "numbers.png"}
 
 
-def test_a_ratio_that_nobody_explained_says_so() -> None:
+def test_a_ratio_without_explanation_is_marked() -> None:
     printed = thesis_gtmax()
     off = replace(printed.trims[1], error=Twist(100.0, 0.1, 0.01))
     library = replace(printed, trims=(printed.trims[0], off, *printed.trims[2:]))

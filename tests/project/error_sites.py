@@ -1,4 +1,4 @@
-"""Places in the product that raise an error with a message of their own."""
+"""Messages of errors, found where the source raises them."""
 
 import ast
 import re
@@ -8,7 +8,7 @@ BASE = "FlightError"
 
 
 def error_classes(modules: Iterable[ast.Module]) -> dict[str, bool]:
-    """Returns the names of all errors; True for those that write their message."""
+    """Returns all error names; True for those with own message."""
     found = {BASE: False}
     classes = [node for module in modules for node in ast.walk(module) if isinstance(node, ast.ClassDef)]
     for _ in range(3):
@@ -21,7 +21,7 @@ def error_classes(modules: Iterable[ast.Module]) -> dict[str, bool]:
 
 
 def message_patterns(module: ast.Module, names: set[str]) -> Iterator[tuple[int, str]]:
-    """Yields line and pattern of each message that a module writes where it raises an error."""
+    """Yields line and pattern of each message in a raise statement."""
     for node in ast.walk(module):
         if not (isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call)):
             continue
@@ -34,7 +34,7 @@ def message_patterns(module: ast.Module, names: set[str]) -> Iterator[tuple[int,
 
 
 def text_pattern(node: ast.expr) -> str | None:
-    """Returns the pattern of a text in the source; None if it is no text."""
+    """Returns the pattern of a literal text; None for other expressions."""
     match node:
         case ast.Constant(value=str() as text):
             return re.escape(text)

@@ -1,4 +1,4 @@
-"""Tests of error messages: each in a list, one line, as the list says."""
+"""Tests of error messages: each is listed, and one plain line."""
 
 import ast
 import re
@@ -38,7 +38,7 @@ RAISED = {name for name, writes in CLASSES.items() if not writes} | RELAYS
 
 
 def unlisted(place: str, module: ast.Module) -> list[str]:
-    """Returns the messages that a module writes where it raises an error, but no list has."""
+    """Returns the messages of a module's raise statements that no list has."""
     return [
         f"{place}:{line}: {pattern}"
         for line, pattern in message_patterns(module, RAISED)

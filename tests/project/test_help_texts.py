@@ -33,7 +33,7 @@ def options_of(verb: App) -> dict[str, str]:
 
 
 def faults_of(name: str, verb: App) -> list[str]:
-    """Returns the faults in the help of a verb and of its options."""
+    """Returns the faults in the help texts of a verb."""
     texts = {"": (verb.help.split("Args:")[0], MOST_WORDS)}
     texts |= {option: (text, MOST_WORDS_OF_AN_OPTION) for option, text in options_of(verb).items()}
     return [

@@ -82,21 +82,21 @@ def sentence_faults(sentence: str, most: int) -> list[str]:
 
 
 def help_faults(text: str, most: int) -> list[str]:
-    """Returns the faults of a help text: first clause's opening and length, dialect."""
+    """Returns the faults of a help text: opening, length, dialect."""
     clause = re.split(r"[;:(]|\.(?:\s|$)", first_paragraph(text))[0]
     faults = sentence_faults(clause, most) if clause else ["is empty"]
     return faults + [f"says {word!r}" for word in DIALECT_IN_HELP.findall(" ".join(text.split()))]
 
 
 def name_faults(place: str, module: ast.Module) -> list[str]:
-    """Returns the public names of a module, its own included, that are dialect."""
+    """Returns the dialect among a module's public names and its own."""
     nodes = [node for node in module.body if isinstance(node, Named) and node.name[0] != "_"]
     names = [Path(place).stem, *(node.name for node in nodes if not node.name.startswith("test_"))]
     return [f"{place}: {name}" for name in names if is_dialect(name)]
 
 
 def is_dialect(name: str) -> bool:
-    """Returns True if a name is, or has a part that is, dialect."""
+    """Returns True if a name or a part of it is dialect."""
     parts = {part.lower() for part in re.findall(r"[A-Z]?[a-z]+", name)}
     parts |= {part.removesuffix("s") for part in parts}
     return bool(parts & DIALECT) or name in DIALECT_NAMES or name in DIALECT_CLASSES

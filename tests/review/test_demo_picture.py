@@ -1,4 +1,4 @@
-"""The whole way in one picture: plans with their tracks, flights by what became of them."""
+"""Demo picture: plans with their tracks, flights by outcome."""
 
 from dataclasses import replace
 from pathlib import Path

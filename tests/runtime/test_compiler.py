@@ -1,4 +1,4 @@
-"""A compiler always comes along, the machine's own or that of a wheel; without either, one line says so."""
+"""Compiler of the machine or of a wheel; one error line without both."""
 
 import os
 import subprocess

@@ -105,7 +105,7 @@ def test_a_started_maneuver_is_finished_before_planning_again() -> None:
     assert len(longer) >= 3
 
 
-def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_tolerance() -> None:
+def test_replans_start_at_the_estimated_pose_with_a_tighter_tolerance() -> None:
     result = flown(shipped("gtmax-2"), Settings(tolerance_share=0.1, aim=0.5, latency=Latency(0.0)))
     tolerances = [mission.tolerance for mission in result.missions]
     distances = [mission.start.distance_to(mission.goal) for mission in result.missions]
@@ -117,7 +117,7 @@ def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_toler
     assert sorted(set(places)) == places
 
 
-def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_rest() -> None:
+def test_a_failed_replan_is_counted_and_the_previous_plan_ends_in_a_safe_stop() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     planner = Refusing(nominal_planner(library), plans=2)  # the predicted time and the first plan
     settings = Settings(max_activations=40)
@@ -208,7 +208,7 @@ def test_arrival_is_where_the_line_between_two_points_enters_the_disc() -> None:
     assert arrival.time == pytest.approx(10 - np.sqrt(0.75))
 
 
-def test_a_track_that_passes_by_has_not_arrived_but_says_how_near_it_came() -> None:
+def test_a_track_that_passes_the_goal_has_not_arrived_and_has_a_least_distance() -> None:
     goal = Mission("goal", SE2.identity(), 1, (10.0, 1.5), 1.0)
     arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0)).track], goal.destination)
     assert arrival.time is None

@@ -78,7 +78,7 @@ def audit(
         rises = [rise for rise in result.rises if rise.gammas == levels]
         lost = sum(not isfinite(rise.times[1]) for rise in rises)
         print(
-            f"gamma {levels[0]:+g} to {levels[1]:+g}: rises in {len(rises)} "
+            f"gamma {levels[0]:g} to {levels[1]:g}: rises in {len(rises)} "
             f"({_share(len(rises), result.reachable)}), {lost} of them because the goal becomes unreachable"
         )
     Console(highlight=False).print(_table(found, result))

@@ -87,9 +87,9 @@ def parse_json(
 
     Args:
         text: the document.
-        source: what to call it in an error.
+        source: name of the content in errors.
         kind: of the value: a `FileValue`, a `FileModel`, or a tuple of such.
-        extra: what becomes of unknown keys, where that is not for the kind to say.
+        extra: handling of unknown keys, if not the kind's own.
 
     Raises:
         BadFileError: names the source and the first place in it that is wrong.

@@ -32,8 +32,8 @@ class ReplayComparison:
         size: of that file, in bytes.
         differing: bytes in which the repetition's log differs; the name of the code is no part of that.
         differences: in words.
-        code: that flew; the version of this program with that of its code.
-        code_here: that flew again.
+        code: version of the program and code that flew.
+        code_here: the same of the repetition.
     """
 
     log: str

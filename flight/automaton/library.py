@@ -36,9 +36,9 @@ class Library(FileValue):
         schema: of its file.
         name: short name, also the file's.
         description: one sentence for people.
-        vehicle: what was flown.
-        conditions: where the numbers hold.
-        provenance: where they come from, as plain JSON values.
+        vehicle: name of the vehicle.
+        conditions: flight conditions for which the numbers are valid.
+        provenance: origin of the numbers, as plain JSON values.
         trims: vertices, unique ids.
         maneuvers: edges, unique ids, at most one for each ordered pair of trims.
 

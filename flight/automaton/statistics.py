@@ -96,8 +96,8 @@ class InterpolationClaim(FileValue):
 
     Attributes:
         left_out: flown primitives of the kind, each of which was left out in turn.
-        exceeding: how many of them the bounds that the others gave did not hold.
-        flights: that each of them was flown in.
+        exceeding: number of them outside the bounds interpolated from the others.
+        flights: number of flights of each.
         factor: by which interpolated deviations were inflated, so that no more exceed.
         coverage: share of the interpolated primitives that hold so many flights.
         confidence: confidence of that share.

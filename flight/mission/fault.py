@@ -34,11 +34,11 @@ class FaultKind:
     Attributes:
         where: sensor, servo, `controller`, `wind` or `vehicle`.
         what: one word.
-        meaning: what then happens.
+        meaning: effect in words.
         sizes: numbers that say by how much.
-        effect: what shows that it acts: the number in the log's `/fault_effect`, 0 where it does not.
+        effect: meaning of the number in the log's `/fault_effect`; 0 without an effect.
         unit: of the effect.
-        ends: whether it must end.
+        ends: True if it must end.
     """
 
     where: str

@@ -78,7 +78,7 @@ class Plan(FileValue):
         certificate: proof of the lower bound, or that there is no plan, if requested.
         verified: True if code independent of the solver confirmed that every scenario ends at the goal.
         solve_time: computing time in seconds; outside every hash.
-        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one
+        at_smallest_tolerance: if no such set exists, the plan for the smallest tolerance for which one
             does.
     """
 

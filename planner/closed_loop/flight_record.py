@@ -33,7 +33,7 @@ class FlightRecord:
         times: seconds since the start at which each planning began.
         latencies: seconds charged for each.
         missions: mission of each planning: start and tolerance.
-        decisions: what was decided, in the order of time.
+        decisions: decisions in the order of time.
         legs: flown legs, in order.
         steps: the intended primitive of each leg.
         reason: reason for the end, one sentence.
@@ -78,7 +78,7 @@ class FlightRecorder:
         goal: as it is judged.
         certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
         predicted_time: seconds predicted at the start.
-        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
+        claimed: True if the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission

@@ -22,7 +22,7 @@ class Latency:
 
     Attributes:
         configured: seconds charged for every planning.
-        measured: whether the clock decides; a plan that took longer than configured is late.
+        measured: True if the clock decides; a plan that took longer than configured is late.
         recorded: seconds of each planning, in order, instead of the clock's; None measures them.
     """
 

@@ -47,7 +47,7 @@ class RemainingPlan:
         coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
         trims: ids of the trims to come.
         tail: trim ids of the safe-stop path from the plan's end.
-        is_safe_stop: whether only the safe-stop path remains.
+        is_safe_stop: True if only the safe-stop path remains.
     """
 
     trim: int

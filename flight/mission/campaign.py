@@ -34,7 +34,7 @@ class Campaign(FileValue):
         wind: wind class.
         altitude: metres above ground.
         flights: number of flights for the bounds.
-        nominal_flights: number of other flights for the values of maneuvers; 0 uses the same flights for both.
+        nominal_flights: number of other flights for the values of maneuvers; 0 for the same flights.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
     """

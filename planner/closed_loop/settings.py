@@ -24,7 +24,7 @@ class Settings:
         latency: planning latency, during which the vehicle flies on.
         replan_in_maneuver: True to replan during every maneuver from its predicted end, so that
             the plan is ready there (thesis, 6.3.3).
-        hysteresis: seconds by which a new plan must be faster than a present one that still leads to the goal.
+        hysteresis: seconds by which a new plan must be faster than one that still reaches the goal.
         learn_level: True to fly the coasting times of the estimated gamma, not of the deciding one.
         certainty: standard deviations of the estimated position by which the vehicle must be inside the
             tolerance before it declares arrival.

@@ -36,7 +36,7 @@ KEPT = 12
 LIMIT = 1.0
 """CPU seconds that a mission may take."""
 
-PATIENCE = 10.0
+PATIENCE = 60.0
 """Seconds after which a search is stopped."""
 
 SIZES = (0.0, 0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0)
@@ -77,7 +77,7 @@ def main(seed: int, seconds: float, folder: Path | None) -> int:
     for place, (taken, status, case) in enumerate(pool):
         print(f"  {taken:6.3f} s {status:<10} {case.kind}, {described(case)}")
         if folder is not None:
-            keep(case, folder / f"slow-{seed}-{place}")
+            write_case(case, folder / f"slow-{seed}-{place}")
     return over
 
 
@@ -99,7 +99,7 @@ def described(case: Case) -> str:
     )
 
 
-def keep(case: Case, path: Path) -> None:
+def write_case(case: Case, path: Path) -> None:
     """Writes the library, and the mission as a line."""
     path.mkdir(parents=True, exist_ok=True)
     (path / "lib.json").write_text(library_text(case.library))
@@ -162,7 +162,7 @@ KINDS: dict[str, Callable[[np.random.Generator, int], list[float]]] = {
 def _primitives(
     rates: list[float], rng: np.random.Generator, *, mirrored: bool
 ) -> tuple[tuple[Trim, ...], tuple[Maneuver, ...]]:
-    """Returns trims of some rates, and maneuvers between as many pairs as may be."""
+    """Returns trims of some rates, and maneuvers between pairs of them."""
     one_speed, errors = rng.random() < 0.4, rng.random() < 0.6
     trims = []
     for number, rate in enumerate(rates, start=1):
@@ -173,18 +173,16 @@ def _primitives(
             *(float(value) * size for value, size in zip(off, (speed, 1.0, abs(rate)), strict=True))
         )
         trims.append(Trim(number, f"trim {number}", Twist(speed, side, rate), error))
-    pairs = [(one.id, other.id) for one in trims for other in trims]
-    rng.shuffle(pairs)
+    every = [(one.id, other.id) for one in trims for other in trims]
+    pairs = [every[int(place)] for place in rng.permutation(len(every))[:MOST_MANEUVERS]]
     size, same = float(rng.choice(SIZES)), rng.random() < 0.3
     shared = rng.random(), rng.normal(size=3)
     maneuvers = []
-    for number, (leaves, joins) in enumerate(sorted(pairs[:MOST_MANEUVERS]), start=1):
+    for number, pair in enumerate(sorted(pairs), start=1):
         duration, moved = shared if same else (rng.random(), rng.normal(size=3))
         displacement = SE2(*(size * moved).tolist())
         maneuvers.append(
-            Maneuver(
-                number, leaves, joins, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0)
-            )
+            Maneuver(number, *pair, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0))
         )
     return tuple(trims), tuple(maneuvers)
 

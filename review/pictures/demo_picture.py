@@ -153,7 +153,7 @@ def _entries(plan: Plan, arrivals: Sequence[float | None]) -> list[Line2D]:
         entries.append(OTHER_SCENARIO.entry("planned, other scenarios"))
     if any(time is not None for time in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
-        entries.append(FLOWN_AFTER_GOAL.entry("after the goal, a maneuver begun is finished"))
+        entries.append(FLOWN_AFTER_GOAL.entry("flown, after reaching the goal"))
     if None in arrivals:
         entries.append(MISSED.entry("flown, goal missed"))
     return entries

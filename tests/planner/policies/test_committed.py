@@ -226,7 +226,7 @@ def test_the_verb_plans_and_checks(tmp_path: Path, capsys: pytest.CaptureFixture
     )
     asked = ["plan", str(mission), "--library", "thesis-gtmax", "--policy", "committed", "--gamma", "0.5"]
     assert run([*asked, "--out", str(path)]) == 1
-    assert "the smallest tolerance for which there is a plan" in capsys.readouterr().out
+    assert "smallest feasible tolerance" in capsys.readouterr().out
     plan = read_plan(path)
     assert plan_text(plan) == path.read_text()
     assert plan.at_smallest_tolerance is not None

@@ -34,7 +34,7 @@ def pytest_configure() -> None:
 
 
 def executions(folder: Path) -> Counter[tuple[str, int]]:
-    """Returns how often each line of the kernel was executed, in all builds together."""
+    """Returns the executions of each kernel line, over all builds."""
     known = {str(source): str(source.relative_to(source.parents[1])) for source in SOURCES}
     found: Counter[tuple[str, int]] = Counter()
     for path in sorted(folder.glob("*.gcda")):
@@ -50,7 +50,7 @@ def executions(folder: Path) -> Counter[tuple[str, int]]:
 
 
 def main(arguments: Sequence[str]) -> int:
-    """Prints lines that were not executed, with exit code 1 for any."""
+    """Prints lines that were not executed; returns 1 for some."""
     with TemporaryDirectory() as name:
         own = {FOLDER: name, "XDG_CACHE_HOME": name}
         command = [sys.executable, "-m", "pytest", "-q", "-p", "tools.kernel_coverage", *arguments]

@@ -66,7 +66,7 @@ def one(deadline: float, library: str, place: int, policy: str) -> None:
 
 
 def large_library(kind: str) -> Library:
-    """Returns a library by the kinematic equations, or one whose maneuvers cost next to nothing."""
+    """Returns a kinematic library, or one of nearly free maneuvers."""
     library = synthetic_library(TRIMS, MANEUVERS, seed=1)
     if kind == "kinematic":
         return library

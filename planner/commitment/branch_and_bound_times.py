@@ -127,7 +127,7 @@ class BranchAndBound:
     def descend(
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, minimise_time: bool
     ) -> Incumbent | None:
-        """Returns a walk's locally optimal times; None if late or infeasible."""
+        """Returns local optimum times of a walk, or None, also when late."""
         descent, budget = self._descents(row), limit - float(self.fixed[row])
         if budget < 0 or perf_counter() > self._until:
             return None

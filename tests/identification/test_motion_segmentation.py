@@ -252,5 +252,5 @@ def test_the_rule_of_a_library_is_what_trims_are_reached_by() -> None:
     levels = trim_graph_of(LIBRARY)
     assert levels.velocity.shape == levels.band.shape == (7, 3)
     assert len(levels.edges) == 22
-    with pytest.raises(FlightError, match=r"no conditions\.maneuver_end"):
+    with pytest.raises(FlightError, match=r"expected conditions\.maneuver_end"):
         trim_graph_of(replace(LIBRARY, conditions=replace(LIBRARY.conditions, maneuver_end=None)))

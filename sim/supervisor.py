@@ -18,7 +18,7 @@ from sim.loop.specification import CONTROL_PERIOD
 from sim.navigation.filter import GATE
 from sim.navigation.navigation import Navigation, Navigator
 from sim.wind.turbulence_meter import TurbulenceMeter
-from sim.wind.wind import WIND_CLASSES
+from sim.wind.wind_class import known_wind_class
 
 PERIODS_PER_CHECK = 10
 """Control periods between two checks, equal to those between two fixes."""
@@ -65,7 +65,7 @@ _INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmK
 
 def alarm_limits(library: Library) -> Mapping[AlarmKind, float]:
     """Returns the limits for a library, with its turbulence limit."""
-    known = WIND_CLASSES.get(library.conditions.wind)
+    known = known_wind_class(library.conditions.wind)
     beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
     return {**LIMITS, AlarmKind.TURBULENCE: beyond}
 

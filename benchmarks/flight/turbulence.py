@@ -22,7 +22,7 @@ from sim.loop.specification import FlightSpecification, specified_pose
 from sim.navigation.navigation import Navigation
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.wind.turbulence_meter import ERROR_PER_WIND, ERROR_PER_WIND_AND_YAW_RATE, STILL_AIR_ERROR
-from sim.wind.wind import WIND_CLASSES
+from sim.wind.wind_class import WIND_CLASSES
 
 LIBRARY = find_library("gtmax-sim")
 HOLD_TIME = 40.0

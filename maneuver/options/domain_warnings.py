@@ -40,7 +40,7 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
         UnknownWindError: there is no such wind.
     """
     from sim.vehicle.parameters import model_hash
-    from sim.wind.wind import wind_class
+    from sim.wind.wind_class import wind_class
 
     wind_class(wind)
     said = vehicle_domain_warnings(library, vehicle_hash=model_hash())
@@ -62,9 +62,9 @@ def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
 
 def _is_stronger(wind: str, stated: str) -> bool:
     """Returns True where one wind class is known to be stronger."""
-    from sim.wind.wind import WIND_CLASSES
+    from sim.wind.wind_class import known_wind_class
 
-    both = WIND_CLASSES.get(wind), WIND_CLASSES.get(stated)
+    both = known_wind_class(wind), known_wind_class(stated)
     return both[0] is not None and both[1] is not None and both[0].wind_at_20_ft > both[1].wind_at_20_ft
 
 

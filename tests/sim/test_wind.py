@@ -9,7 +9,8 @@ from sim.checks.wind_check import FIXED_POINT_LIMIT, RATIOS, check_wind, lateral
 from sim.loop.motion import STILL_AIR, Wind
 from sim.wind.discrete_gust import DiscreteGust
 from sim.wind.dryden import dryden
-from sim.wind.wind import WIND_CLASSES, DrydenWind, UnknownWindError, WindClass, wind_class
+from sim.wind.wind import DrydenWind
+from sim.wind.wind_class import WIND_CLASSES, UnknownWindError, WindClass, wind_class
 
 FOOT = 0.3048
 
@@ -36,7 +37,7 @@ def test_the_low_altitude_model_is_that_of_the_standard() -> None:
 
 @pytest.mark.parametrize("step", [0.01, 1.0, 30.0])
 def test_gusts_keep_their_strength_at_every_step(step: float) -> None:
-    wind = WindClass("test", 10.0, 0.0)
+    wind = WindClass("test", 10.0)
     model = dryden(10.0, height=30.0, span=3.0)
     # Ensemble: the last of 40 periods of 2000 sources each, so that samples are independent.
     last = np.array(
@@ -49,7 +50,7 @@ def test_gusts_keep_their_strength_at_every_step(step: float) -> None:
 
 
 def test_gusts_along_the_wind_forget_exponentially() -> None:
-    series = blow(WindClass("test", 10.0, 0.0), seed=3, periods=200_000, step=0.5)[:, 0]
+    series = blow(WindClass("test", 10.0), seed=3, periods=200_000, step=0.5)[:, 0]
     model = dryden(10.0, height=30.0, span=3.0)
     lag = round(model.length_horizontal / 4.0 / 0.5)
     correlation = np.mean(series[:-lag] * series[lag:]) / series.var()

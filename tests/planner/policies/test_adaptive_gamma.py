@@ -32,7 +32,7 @@ from sim.wind.turbulence_meter import (
     WARM_UP_TIME,
     TurbulenceMeter,
 )
-from sim.wind.wind import WIND_CLASSES
+from sim.wind.wind_class import WIND_CLASSES
 from tests.support.commands_flown import replay
 
 LIBRARY = find_library("gtmax-sim")

@@ -27,7 +27,7 @@ from sim.wind.wind_class import wind_class
 
 CAMPAIGN = find_campaign("gtmax")
 PRINTED = find_library("thesis-gtmax")
-WINDS = ("2", "3", "4", "5", "6.096")
+WINDS = ("2", "3", "4", "5", "6")
 NUMBERS = ("forward", "side", "heading_change", "duration")
 
 

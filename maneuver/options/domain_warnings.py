@@ -38,11 +38,13 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
 
     Raises:
         UnknownWindError: there is no such wind.
+        UnflyableWindError: the vehicle cannot hold it.
     """
     from sim.vehicle.parameters import model_hash
-    from sim.wind.wind_class import wind_class
+    from sim.loop.specification import DEFAULT_ALTITUDE
+    from sim.wind.flyable import check_flyable
 
-    wind_class(wind)
+    check_flyable(wind, library, height=altitude or library.conditions.altitude or DEFAULT_ALTITUDE)
     said = vehicle_domain_warnings(library, vehicle_hash=model_hash())
     stronger = _is_stronger(wind, library.conditions.wind)
     _print_warnings(

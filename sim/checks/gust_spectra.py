@@ -7,7 +7,7 @@ from math import atan2, cos, hypot, sin
 
 import numpy as np
 from jaxtyping import Float
-from scipy.signal import welch
+from scipy.signal import lfilter, welch
 
 from flight.units import FOOT
 from sim.wind.dryden import AIRSPEED_FLOOR, Dryden, dryden
@@ -82,18 +82,18 @@ def gust_spectra(flight: GustFlight, *, axis: float | None = None) -> tuple[np.n
 def spectrum_ratios(flight: GustFlight, *, axis: float | None = None) -> dict[str, float]:
     """Returns the mean ratio of measured and analytic spectrum.
 
-    Frequencies are those below a fifth of the sampling frequency.
+    Frequencies are those below a tenth of the sampling frequency, where aliasing is small.
     """
     frequency, found = gust_spectra(flight, axis=axis)
-    low = frequency < 0.2 * 2.0 * np.pi / STEP
+    low = frequency < 0.1 * 2.0 * np.pi / STEP
     return {name: float(np.mean(power[low] / analytic[low])) for name, (power, analytic) in found.items()}
 
 
 def rate_slopes(flight: GustFlight, *, axis: float | None = None) -> dict[str, float]:
-    """Returns gust rates over those of the gusts' change along the path.
+    """Returns the slope of gust rates over the standard's.
 
-    A gust less its rate times the smoothing length is the smoothed gust, whose change along the path is the
-    rate: of w with the sign of the pitch rate, of v against that of the yaw rate.
+    The standard's pitch rate is the change of w along the path, smoothed over 4 b / pi of it; its yaw rate is
+    minus that of v, over 3 b / pi.
 
     Args:
         flight: gusts of a straight flight.
@@ -101,15 +101,14 @@ def rate_slopes(flight: GustFlight, *, axis: float | None = None) -> dict[str, f
     """
     along = flight.axis if axis is None else axis
     _, v, w = flight.in_axes(flight.gusts, along).T
-    _, q, r = flight.in_axes(flight.rates, along).T
-    travelled = flight.airspeed * STEP
+    _, pitch, yaw = flight.in_axes(flight.rates, along).T
+    found = {"pitch": (pitch, w, 4.0 * SPAN / np.pi), "yaw": (-yaw, v, 3.0 * SPAN / np.pi)}
     slopes = {}
-    for name, gust, rate, length in (
-        ("pitch", w, q, 4.0 * SPAN / np.pi),
-        ("yaw", v, -r, 3.0 * SPAN / np.pi),
-    ):
-        change = np.diff(gust - length * rate) / travelled
-        slopes[name] = float(change @ rate[:-1] / (rate[:-1] @ rate[:-1]))
+    for name, (rate, gust, length) in found.items():
+        keep = np.exp(-flight.airspeed * STEP / length)
+        smooth, _ = lfilter([1.0 - keep], [1.0, -keep], gust, zi=[keep * gust[0]])
+        standard = (gust - smooth) / length
+        slopes[name] = float(rate @ standard / (standard @ standard))
     return slopes
 
 

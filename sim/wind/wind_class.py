@@ -44,7 +44,7 @@ WIND_CLASSES = {
     wind.name: wind
     for wind in (
         WindClass("calm", 0.0),
-        WindClass("gtmax", 20.0 * FOOT),
+        WindClass("gtmax", 4.0),
         WindClass("light", 15.0 * _KNOT),
         WindClass("moderate", 30.0 * _KNOT),
         WindClass("severe", 45.0 * _KNOT),

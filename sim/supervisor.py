@@ -52,7 +52,7 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
 )
 """Limits by kind.
 
-They are above the largest values of fault-free flights in wind classes `gtmax` and `moderate`, as printed by
+They are above the largest values of fault-free flights in wind classes `gtmax` and `light`, as printed by
 `benchmarks.flight.alarm_limits`. Limits of missing and stuck readings are chosen: the filter bridges such
 times. The turbulence limit depends on the library (`alarm_limits`).
 """

@@ -5,7 +5,7 @@ from flightlog.log import FlightLog
 from sim.loop.backend import Backend, best_backend, name_backend
 from sim.loop.specification import FlightSpecification
 from sim.vehicle.parameters import model_hash
-from sim.wind.air_statement import state_air
+from sim.wind.air_statement import STILL_AIR, state_wind
 
 
 class VehicleMismatchError(FlightError):
@@ -31,8 +31,10 @@ def check_air_matches(log: FlightLog, specification: FlightSpecification) -> Non
     Raises:
         VehicleMismatchError: the air differs, or the log states none.
     """
-    here = state_air(specification)
-    if log.header.air != here:
+    here = state_wind(specification.wind, height=specification.altitude)
+    # Logs of earlier releases do not state the air; still air was the same.
+    earlier = "" if here == STILL_AIR and not specification.wind_changes else here
+    if log.header.air not in {here, earlier}:
         raise VehicleMismatchError("air", log.header.air or "not stated", here)
 
 

@@ -1,27 +1,17 @@
-"""Statement of the air of a flight, for logs, libraries and data sheets."""
-
-from sim.loop.specification import FlightSpecification
+"""Statement of the air at a flight's height, for logs, libraries and data sheets."""
 
 from .dryden import dryden
 from .wind_class import wind_class
 
 
-def state_air(specification: FlightSpecification) -> str:
-    """Returns the air of a flight at its height, with its changes."""
-    height = specification.altitude
-    parts = [state_wind(specification.wind, height=height)]
-    parts += [
-        f"from {change.time:g} s {state_wind(change.wind, height=height)}"
-        for change in specification.wind_changes
-    ]
-    return "; ".join(parts)
+STILL_AIR = "still air"
 
 
 def state_wind(name: str, *, height: float) -> str:
     """Returns mean wind, standard deviations and intensities at a height."""
     wind = wind_class(name)
     if not wind.wind_at_20_ft:
-        return "still air"
+        return STILL_AIR
     mean, gusts = wind.mean_wind(height), dryden(wind.wind_at_20_ft, height=height, span=1.0)
     return (
         f"wind at 20 ft {wind.wind_at_20_ft:.2f} m/s, at {height:g} m mean {mean:.2f} m/s, "

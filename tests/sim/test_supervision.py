@@ -87,12 +87,14 @@ def test_flights_without_faults_raise_no_alarm(wind: str) -> None:
     ],
 )
 def test_each_kind_of_fault_raises_its_alarm_in_time(words: str, kind: AlarmKind, within: float) -> None:
-    log = flight(words)
+    # In wind the fin holds a heading without the pedal, and gusts change what late commands do.
+    wind = "calm" if words.startswith(("pedal", "controller")) else "gtmax"
+    log = flight(words, wind=wind)
     found = {alarm.kind: alarm for alarm in alarms(log)}
     assert kind in found, found
     assert 1.0 < found[kind].time <= 1.0 + within
     assert not found[kind].value <= LIMITS[kind]
-    assert alarms(flight(words, supervised=False)) == ()
+    assert alarms(flight(words, supervised=False, wind=wind)) == ()
 
 
 def test_supervision_does_not_change_the_flight() -> None:

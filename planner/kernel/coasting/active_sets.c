@@ -2,11 +2,11 @@
 #include "coasting.h"
 
 #define ROUNDS 4          /* climbs of a bound */
+#define IN_VAIN 2         /* sets like one for which no multiplier was found: then none is sought */
 #define SAME_RATE 1e-12   /* of a yaw rate: closer ones are one */
 #define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */
 #define HARDLY_BENT 1e-5  /* rad in all; ... and those that turn less than this in both ways */
 #define LONG 1e6          /* as long as no plan is known that says how long a coast can be */
-#define SHORTEST 1e-4     /* coasts are no shorter, where rates are told apart by what they turn in them */
 
 /* Whether all times are turns at one rate. With the heading at the end bound they then take as long in whatever way
  * they share it: no multiplier is worth their seconds, and the times that are best form a family. Where it has no
@@ -38,7 +38,7 @@ static int cut_walk(const Problem *p, const ActiveSet *on, Cut *cut)
     *cut = (Cut){0};
     for (int k = 0; k < p->trims; k++) {
         cut->A[cut->last] += p->D[k];
-        if (next >= on->count || on->place[next] != k) continue;
+        if (on->place[next] != k) continue;
         next++;
         if (fabs(p->rate[k]) > p->straight) {
             cut->A[cut->last++] -= p->C[k];
@@ -135,32 +135,65 @@ static void try_headings(Problem *p, ActiveSet *on)
 }
 
 /* How many times of a set are straight. */
-static int straights_in(const Problem *p, unsigned mask)
+int straights_in(const Problem *p, unsigned mask)
 {
     int count = 0;
     for (int k = 0; k < p->trims; k++) count += ((mask >> k) & 1) && fabs(p->rate[k]) <= p->straight;
     return count;
 }
 
-/* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
- * left of them without one of the times; 2 for those with too many straight coasts. */
-static void exclude(const Problem *p, unsigned useful, double distance, char *out)
+/* Whether a set of times cannot be faster than the best so far, by bounds that cost little. */
+static int too_slow(const Problem *p, const ActiveSet *on, double distance)
 {
+    return p->fixed + greater(least_time(p, on, distance), time_to_turn(p, on)) >= p->best
+        || (p->best < INFINITY && out_of_reach(p, on, p->best - p->fixed));
+}
+
+/* Whether multipliers refute sets of times often enough to be sought; where they do not, some still are. */
+static int worth_a_climb(KnownSets *known)
+{
+    if (!known) return 1;
+    int rarely = known->sought > TRIALS && known->refuted * RARELY < known->sought;
+    if (rarely && known->passed++ % RARELY) return 0;
+    known->sought++;
+    return 1;
+}
+
+/* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
+ * left of them without one of the times; 2 for those with too many straight coasts, and those that other walks had. */
+static void exclude(const Problem *p, unsigned useful, double distance, const Given *given, const Marks *marks,
+                    char *out)
+{
+    const Help *help = given->help;
     cplx multiplier = p->multiplier;
+    double seconds = (p->best - p->fixed) * given->second;
+    KnownSet *like[1 << MOST];
+    memset(out, 0, (size_t)useful + 1);
+    if (help->alike) exclude_alike(p, useful, given, like, out);
     for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
         ActiveSet on;
-        out[mask] = 0;
+        if (late(help->until)) return;
         for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
             out[mask] = out[mask | (rest & -rest)] == 1;
         if (out[mask]) continue;
-        if (straights_in(p, mask) > 2) {
+        KnownSet *known = help->known ? known_set(help->known, marks, mask) : 0;
+        if (known && known->coasting >= seconds) {
+            out[mask] = 1;
+            continue;
+        }
+        if (straights_in(p, mask) > 2 || (known && known->inside >= seconds)) {
             out[mask] = 2;
             continue;
         }
         choose(p, &on, mask);
-        out[mask] = p->fixed + least_time(p, &on, distance) >= p->best
-            || out_of_reach(p, &on, p->best - p->fixed)
-            || refuted(p, mask, ROUNDS, &multiplier);
+        KnownSet *near = help->alike ? like[mask] : 0;
+        out[mask] = too_slow(p, &on, distance);
+        if (!out[mask] && !(near && near->unrefuted >= IN_VAIN) && worth_a_climb(help->known)) {
+            out[mask] = refuted(p, mask, ROUNDS, &multiplier);
+            if (help->known) help->known->refuted += out[mask];
+            if (near && !out[mask]) near->unrefuted++;
+        }
+        if (out[mask] && known) known->coasting = seconds;
     }
 }
 
@@ -177,14 +210,14 @@ static double set_straight(Problem *p, double distance)
         longest = LONG;
         shortest = distance / fastest;
     }
-    p->straight = ALL_BUT_STRAIGHT / greater(longest, SHORTEST);
-    p->hardly_bent = HARDLY_BENT / greater(shortest, SHORTEST);
+    p->straight = ALL_BUT_STRAIGHT / longest;
+    p->hardly_bent = HARDLY_BENT / shortest;
     return slowest;
 }
 
 /* Candidates of one set of times. Turns that hardly bend are taken as turns, then the slowest of them as a straight
  * line, then the next slowest too: which of them bend enough for the way to show it is not known before. */
-static void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
+void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
 {
     double straight = p->straight;
     for (;;) {
@@ -201,8 +234,8 @@ static void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
     p->straight = straight;
 }
 
-/* Solves a problem in its own units, with at most so many times that are not 0. */
-void solve_in_units(Problem *p, int most)
+/* Solves a problem in its own units, with at most so many times that are not 0, until it is late. */
+void solve_in_units(Problem *p, int most, const Given *given)
 {
     double distance = to_cover(p), slowest = set_straight(p, distance), began = p->best, nothing[MOST] = {0};
     unsigned useful = 0;
@@ -210,24 +243,30 @@ void solve_in_units(Problem *p, int most)
         if (p->W[k] != 0 || p->rate[k] != 0) useful |= 1u << k;
     update_best(p, nothing);
     char out[1 << MOST];
-    double known = INFINITY;
-    int every = most >= p->trims && p->best < INFINITY;
+    double excluded_at = INFINITY;
+    int every = most >= p->trims && p->best < INFINITY, bends = slowest <= p->hardly_bent;
+    /* What is found while it is not known which turns count as straight lines is of no use to other walks. */
+    Help own = {0, 0, given->help->until};
+    Given now = {given->problem, given->metre, given->second, began == INFINITY && bends ? &own : given->help};
+    KnownSets *known = now.help->known;
+    Marks marks;
+    if (known) set_marks(&marks, given->problem, known);
     if (every) {
-        exclude(p, useful, distance, out);
-        known = p->best;
+        exclude(p, useful, distance, &now, &marks, out);
+        excluded_at = p->best;
     }
     for (int size = 1; size <= most && size <= p->trims; size++)
         for (unsigned mask = 1; mask < 1u << p->trims; mask++) {
             if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
+            if (late(given->help->until)) return;
+            KnownSet *set = known ? known_set(known, &marks, mask) : 0;
+            if (set && set->inside >= (p->best - p->fixed) * given->second) continue;
             ActiveSet on;
             choose(p, &on, mask);
-            if (p->best < known) {
-                if (p->fixed + least_time(p, &on, distance) >= p->best) continue;
-                if (p->best < INFINITY && out_of_reach(p, &on, p->best - p->fixed)) continue;
-            }
+            if (p->best < excluded_at && too_slow(p, &on, distance)) continue;
             try_both_ways(p, &on, mask);
+            if (set) set->inside = known->once ? INFINITY : (p->best - p->fixed) * given->second;
         }
     /* Which turns hardly bend is known now. */
-    if (began == INFINITY && p->best < INFINITY && most >= p->trims && slowest <= p->hardly_bent)
-        solve_in_units(p, most);
+    if (began == INFINITY && p->best < INFINITY && most >= p->trims && bends) solve_in_units(p, most, given);
 }

@@ -15,6 +15,7 @@ void choose(const Problem *p, ActiveSet *on, unsigned mask)
         on->turns += rate > p->straight;
         if (rate > 0 && rate < on->slowest) on->slowest = rate;
     }
+    on->place[on->count] = -1;
     on->slow = on->slowest <= p->straight;
     on->blurred = on->slowest <= BLURRED * p->hardly_bent;
 }
@@ -50,12 +51,27 @@ double least_time(const Problem *p, const ActiveSet *on, double distance)
     return time;
 }
 
+/* Least seconds in which the given trims turn to the wanted heading, by the right or by the left. */
+double time_to_turn(const Problem *p, const ActiveSet *on)
+{
+    if (!p->wants_heading) return 0;
+    double right = off_turns(p->heading), tolerance = p->heading_tolerance + p->heading_slack, fastest = 0, slowest = 0;
+    if (fabs(right) <= tolerance) return 0;
+    if (right < 0) right += 2 * PI;
+    for (int i = 0; i < on->count; i++) {
+        fastest = greater(fastest, p->rate[on->place[i]]);
+        slowest = lesser(slowest, p->rate[on->place[i]]);
+    }
+    double by_right = fastest > 0 ? (right - tolerance) / fastest : INFINITY;
+    double by_left = slowest < 0 ? (2 * PI - right - tolerance) / -slowest : INFINITY;
+    return lesser(by_right, by_left) * (1 - 1e-12);
+}
+
 /* No less than the largest cosine of an angle plus anything between two turns: by the series up to the eighth
  * power, which is nowhere below the cosine. */
 static double best_cosine(double angle, double low, double high)
 {
     double half = 0.5 * (high - low);
-    if (half >= PI) return 1.0;
     double beyond = fabs(off_turns(angle + 0.5 * (low + high))) - half;
     if (beyond <= 0) return 1.0;
     double x = beyond * beyond;

@@ -127,13 +127,13 @@ void determined(Chain *c)
     else turn_to_disc(c);
 }
 
-/* One time for the two equations of the place: right only where the goal happens to lie on its line or circle. */
+/* One time for the two equations of the place: right only where the goal happens to lie on its line or circle. Along
+ * a line Newton's method finds it from anywhere. */
 void in_line(Chain *c)
 {
     double straight[MOST] = {0};
     cplx heading[MOST + 2] = {0};
     if (c->free) heading[1] = c->rest / c->stretch[0].A / cabs(c->rest / c->stretch[0].A);
-    else straight[c->fixed_place[0]] = creal(c->rest / c->fixed_velocity[0]);
     heading[c->free + 1] = c->last;
     propose_headings(c->problem, c->on, heading, straight, 0);
 }

@@ -28,11 +28,12 @@
 #define COASTING_H
 
 #include "../kernel.h"
+#include <stdint.h>
 
 #define LIMITLESS 1e100   /* u; a limit that is none */
 
 typedef struct {                 /* times that are taken to be not 0 */
-    int count, place[MOST];
+    int count, place[MOST + 1];  /* -1 after the last */
     int turns;                   /* turning ones among them */
     int bound_heading;           /* whether the heading at the end is at a limit */
     double target;               /* that limit */
@@ -70,9 +71,38 @@ typedef struct {                 /* the stretches that a set of times makes */
 typedef struct {                 /* a point of a curve */
     double u;
     cplx alpha;                  /* exp(i alpha) */
-    cplx chi[MOST + 2];          /* exp(i chi_j) */
+    cplx chi[MOST + 2];          /* exp(i chi_j), times any length */
     double straight[MOST];
 } Point;
+
+/* A set of times that walks share. */
+typedef struct {
+    uint64_t mark[2];
+    double coasting, inside;     /* s that it takes: with all times 0 or more, with all more than 0 */
+    int numbers, unrefuted;      /* alike_sets.c: place of its numbers; how often a multiplier was sought in vain */
+} KnownSet;
+
+struct KnownSets {
+    KnownSet *sets;
+    long count, room;
+    double way, speed, angle;    /* m, m/s, rad; what makes no difference */
+    int once;
+    long sought, refuted, passed; /* sets for which multipliers were sought, that these refuted, and passed by */
+};
+
+/* The numbers of a walk from which the marks of its sets of times are made. */
+typedef struct {
+    uint64_t coast[MOST][2];
+    cplx before[MOST];           /* what the maneuvers before have displaced */
+    uint64_t end[2];
+} Marks;
+
+/* What a problem in its own units was given as. */
+typedef struct {
+    const Problem *problem;
+    double metre, second;        /* the units, in those of the problem given */
+    const Help *help;
+} Given;
 
 /* motion.c: where times lead. */
 cplx motion(const Problem *p, const double *times, cplx *velocity, double *turned);
@@ -105,11 +135,19 @@ void two_straights(Chain *c, int doubled);
 /* bounds.c, dual_bound.c: sets of times that are not looked at. */
 void choose(const Problem *p, ActiveSet *on, unsigned mask);
 double least_time(const Problem *p, const ActiveSet *on, double distance);
+double time_to_turn(const Problem *p, const ActiveSet *on);
 double to_cover(const Problem *p);
 int out_of_reach(const Problem *p, const ActiveSet *on, double seconds);
 int refuted(const Problem *p, unsigned mask, int rounds, cplx *m);
 
+/* known_sets.c, alike_sets.c: sets of times that other walks have, too. */
+void set_marks(Marks *marks, const Problem *p, const KnownSets *known);
+KnownSet *known_set(KnownSets *known, const Marks *marks, unsigned mask);
+void exclude_alike(const Problem *p, unsigned useful, const Given *given, KnownSet **sets, char *out);
+
 /* active_sets.c: every set of times. */
-void solve_in_units(Problem *p, int most);
+int straights_in(const Problem *p, unsigned mask);
+void try_both_ways(Problem *p, ActiveSet *on, unsigned mask);
+void solve_in_units(Problem *p, int most, const Given *given);
 
 #endif

@@ -157,17 +157,23 @@ static int close_way(Chain *c)
     return c->most > 0 && c->most < INFINITY;
 }
 
-/* Every choice of signs. Two equations hold at most two directions in which the cost curves down: each plain stretch
- * with the sign + has one, and each straight coast takes up one equation. */
+/* Whether a choice of signs may be of least times. Two equations hold at most two directions in which the cost curves
+ * down: each plain stretch with the sign + has one, and each straight coast takes up one equation. */
+static int can_be_least(const Chain *c, unsigned choice)
+{
+    int curved = c->straights;
+    for (int j = 0; j < c->free; j++) curved += ((choice >> j) & 1) && c->stretch[j].straight < 0;
+    return curved <= 2;
+}
+
+/* Every choice of signs. */
 void all_curves(Chain *c)
 {
     Samples samples;
     if (!close_way(c)) return;
     init_samples(c, &samples);
     for (unsigned choice = 0; choice < 2u << c->free; choice++) {
-        int curved = c->straights;
-        for (int j = 0; j < c->free; j++) curved += ((choice >> j) & 1) && c->stretch[j].straight < 0;
-        if (curved > 2) continue;
+        if (!can_be_least(c, choice)) continue;
         follow(c, choice, &samples, 0, samples.count - 1);
         at_the_end(c, choice);
     }

@@ -15,12 +15,13 @@
 
 double across(const Chain *c, double s) { return sqrt(greater(0, (c->most - s) * (c->most + s))); }
 
-/* exp(i chi) of a stretch at u, and what the stretch adds to the way, seen from alpha; root is +-E / limit. */
+/* exp(i chi) of a stretch at u, times any length, and what the stretch adds to the way, seen from alpha; root is
+ * +-E / limit. */
 cplx add(const Stretch *s, double u, double root, Point *point, int j)
 {
     if (s->straight < 0) {
         cplx seen = root + I * (s->size > 0 ? u * s->a / s->size : 0);
-        point->chi[j] = s->size > 0 ? conj(s->A) / s->size * seen : seen;
+        point->chi[j] = s->size > 0 ? conj(s->A) * seen : seen;
         return s->size * seen;
     }
     cplx chi = conj(s->w) / s->speed * (-u / s->speed + I * root);

@@ -14,26 +14,23 @@ typedef struct {
     cplx W[MOST], C[MOST], D[MOST];
 } InUnits;
 
-/* The power of two that is next above a number; 1 for numbers that have none. */
+/* The power of two that is next above a number. */
 static double power_of_two(double number)
 {
     int exponent;
-    if (!(number > 0 && number < INFINITY)) return 1;
     frexp(number, &exponent);
     return ldexp(1, exponent);
 }
 
 static void to_units(const Problem *p, InUnits *u)
 {
-    double size = cabs(p->goal), speed = 0, rate = 0;
+    double size = cabs(p->goal), speed = 0;
     for (int k = 0; k < p->trims; k++) {
         size += p->size_D[k];
         speed = greater(speed, p->speed[k]);
-        rate = greater(rate, fabs(p->rate[k]));
     }
-    if (!(size > 0)) size = speed > 0 && rate > 0 ? speed / rate : 1;
-    u->metre = power_of_two(size);
-    u->second = power_of_two(speed > 0 ? u->metre / speed : 1 / rate);
+    u->metre = size > 0 ? power_of_two(size) : 1;
+    u->second = speed > 0 ? power_of_two(u->metre / speed) : 1;
     for (int k = 0; k < p->trims; k++) {
         u->rate[k] = p->rate[k] * u->second;
         u->size_D[k] = p->size_D[k] / u->metre;
@@ -58,32 +55,30 @@ static void to_units(const Problem *p, InUnits *u)
 }
 
 /* The best times of a walk at one level, with at most so many that are not 0; they count if they are faster than the
- * best so far. */
-void solve(Problem *p, int most)
+ * best so far. Where the time runs out they are the best that were found. */
+void solve_with(Problem *p, int most, const Help *help)
 {
     InUnits u;
     to_units(p, &u);
     double known = u.problem.best;
-    solve_in_units(&u.problem, most);
+    solve_in_units(&u.problem, most, &(Given){p, u.metre, u.second, help});
     if (!(u.problem.best < known)) return;
     p->best = p->fixed;
     for (int k = 0; k < p->trims; k++) {
-        p->times[k] = u.problem.times[k] * u.second;
+        /* No -0. */
+        p->times[k] = u.problem.times[k] * u.second + 0.0;
         p->best += p->times[k];
     }
 }
+
+void solve(Problem *p, int most) { solve_with(p, most, &(Help){0, 0, INFINITY}); }
 
 /* Seconds that a walk takes at least at one level; infinite where its heading cannot be as wanted. */
 double lower_bound(const Problem *p)
 {
     ActiveSet on;
     choose(p, &on, (1u << p->trims) - 1);
-    if (p->wants_heading && fabs(off_turns(p->heading)) > p->heading_tolerance + p->heading_slack) {
-        int turns = 0;
-        for (int k = 0; k < p->trims; k++) turns |= p->rate[k] != 0;
-        if (!turns) return INFINITY;
-    }
-    return p->fixed + least_time(p, &on, to_cover(p));
+    return p->fixed + greater(least_time(p, &on, to_cover(p)), time_to_turn(p, &on));
 }
 
 /* Whether a walk cannot beat the best so far at its level, by what its coasts reach in time and by multipliers: from

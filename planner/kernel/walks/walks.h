@@ -52,6 +52,31 @@ typedef struct { double fixed, distance; int group; } Beginning;
 
 typedef struct { Entry *entries; long count, room, most; } Frontier;
 
+typedef struct {
+    double cost, bound, times[MOST * MOST], costs[MOST];
+    long trims, walk[MOST], nodes, complete;
+} Answer;
+
+typedef struct {
+    const Task *task;
+    const Automaton *automaton;
+    Answer *answer;
+    cplx multiplier[MOST];       /* s/m; at each level, one that was good for the walk before */
+    Remaining remaining;
+    Walk best;
+    Frontier frontier;
+    Frontier left;               /* walks that were looked at and not excluded */
+    Frontier ways, stack;        /* ways on from one walk; what waits to be followed depth first */
+    double way, fastest;         /* m, m/s; the sizes of things */
+    int telling;                 /* level that decided the best walk; without one, that excluded the walk before */
+    long looked, better, found;  /* walks that were looked at, the last that became the best; ways on that were found */
+    long bounded, excluded, passed; /* walks that were bounded, that this excluded, and passed by */
+    Help quick, whole;           /* for times of a walk: with as many as equations only, tried once; with all */
+} Search;
+
+/* One walk at every level, in the order in which they are looked at: the one with the largest bound first. */
+typedef struct { Walk walk; WalkProblem level[MOST]; int order[MOST]; } Levels;
+
 static inline long smaller(long a, long b) { return a < b ? a : b; }
 static inline long larger(long a, long b) { return a > b ? a : b; }
 
@@ -73,5 +98,16 @@ int has_room(Frontier *f, long more);
 void append(Frontier *f, const Entry *entry);
 void push(Frontier *f, const Entry *entry);
 Entry pop(Frontier *f);
+
+/* ways.c: the ways on from the beginning of a walk. */
+int make_room(Search *s);
+void free_room(Search *s);
+double bound_of_all(const Search *s);
+void find_ways(Search *s, const Entry *entry, int fewest, int most);
+
+/* levels.c: one walk at every level. */
+int excluded(Search *s, const Entry *entry, Levels *every);
+int solved(Search *s, const Levels *every, int most);
+void polish(Search *s);
 
 #endif

@@ -40,8 +40,8 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
         UnknownWindError: there is no such wind.
         UnflyableWindError: the vehicle cannot hold it.
     """
-    from sim.vehicle.parameters import model_hash
     from sim.loop.specification import DEFAULT_ALTITUDE
+    from sim.vehicle.parameters import model_hash
     from sim.wind.flyable import check_flyable
 
     check_flyable(wind, library, height=altitude or library.conditions.altitude or DEFAULT_ALTITUDE)

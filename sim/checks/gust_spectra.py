@@ -44,7 +44,7 @@ class GustFlight:
     def in_axes(self, vectors: Float[np.ndarray, "n 3"], axis: float) -> Float[np.ndarray, "n 3"]:
         """Returns world vectors in axes along a direction."""
         c, s = cos(axis), sin(axis)
-        return vectors @ np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
+        return np.asarray(vectors @ [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
 
 
 @cache

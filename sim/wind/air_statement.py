@@ -3,7 +3,6 @@
 from .dryden import dryden
 from .wind_class import wind_class
 
-
 STILL_AIR = "still air"
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 from math import cos, pi, sin, sqrt
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import casadi as ca
 import numpy as np
@@ -57,7 +57,8 @@ class Dryden:
     def sigma_roll_rate(self) -> float:
         """Standard deviation of the gust roll rate, rad/s, from the standard's spectrum."""
         shape = 0.8 * pi**2 / (8.0 * self.span) * (pi / (4.0 * self.span)) ** (1.0 / 3.0)
-        return self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0)
+        sigma: float = self.sigma_vertical * sqrt(shape) / self.length_vertical ** (1.0 / 3.0)
+        return sigma
 
 
 def dryden(wind_at_20_ft: float, *, height: float, span: float) -> Dryden:
@@ -194,8 +195,11 @@ def wind_function(span: float, step: float) -> ca.Function:
     air, memory = ca.SX.sym("air", len(MeanWind._fields)), ca.SX.sym("memory", len(Turbulence._fields))
     vehicle, mean = Estimate._make(ca.vertsplit(motion)), MeanWind._make(ca.vertsplit(air))
     before = Turbulence._make(ca.vertsplit(memory))
-    model = dryden(mean.wind_at_20_ft, height=-vehicle.down, span=span)
-    speed = mean.wind_at_20_ft * wind_profile(-vehicle.down)
+    # Symbols in formulas that are typed for numbers.
+    wind_at_20_ft: Any = mean.wind_at_20_ft
+    height: Any = -vehicle.down
+    model = dryden(wind_at_20_ft, height=height, span=span)
+    speed = wind_at_20_ft * wind_profile(height)
     mean_north, mean_east = -speed * mean.from_north, -speed * mean.from_east
     ahead, aside = ca.cos(vehicle.heading), ca.sin(vehicle.heading)
     north = ahead * vehicle.forward - aside * vehicle.side - mean_north

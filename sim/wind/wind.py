@@ -90,8 +90,6 @@ class DrydenWind:
             velocity_east: east velocity of the vehicle over the ground, m/s.
         """
         truth = Motion._make([0.0] * len(Motion._fields))
-        self.signals.truth[:] = truth._replace(
-            down=-self._height, forward=velocity_north, side=velocity_east
-        )
+        self.signals.truth[:] = truth._replace(down=-self._height, forward=velocity_north, side=velocity_east)
         self.run()
         return Wind._make(self.signals.wind.tolist())

@@ -38,8 +38,8 @@ class WindClass:
         return self.wind_at_20_ft * float(wind_profile(height))
 
 
-# The standard's light, moderate and severe are 15, 30, 45 kt. `gtmax` is the wind in which maneuver errors are
-# those of the thesis's Table 10 (`python -m benchmarks.identification.wind_of_table_10`).
+# The standard's light, moderate and severe are 15, 30, 45 kt. `gtmax` is the wind in which maneuver errors
+# are those of the thesis's Table 10 (`python -m benchmarks.identification.wind_of_table_10`).
 WIND_CLASSES = {
     wind.name: wind
     for wind in (
@@ -57,7 +57,8 @@ class UnknownWindError(FlightError):
 
     def __init__(self, name: str) -> None:
         super().__init__(
-            f"no wind class {name!r}; there are {list(WIND_CLASSES)}, or the wind at 20 ft in m/s, such as '4.5'"
+            f"no wind class {name!r}; there are {list(WIND_CLASSES)}, "
+            "or the wind at 20 ft in m/s, such as '4.5'"
         )
 
 

@@ -78,15 +78,11 @@ def test_calm_is_still_air() -> None:
 
 def test_the_mean_wind_comes_from_the_given_direction() -> None:
     wind = WindClass("test", 10.0)
-    gusts = [
-        blow(wind, seed=seed, periods=1, direction=pi / 3)[0, :2] for seed in range(400)
-    ]
+    gusts = [blow(wind, seed=seed, periods=1, direction=pi / 3)[0, :2] for seed in range(400)]
     mean = wind.mean_wind(30.0)
     # Four standard errors of the mean gust.
     error = 4.0 * dryden(10.0, height=30.0, span=3.0).sigma_horizontal / sqrt(len(gusts))
-    np.testing.assert_allclose(
-        np.mean(gusts, axis=0), [-mean * cos(pi / 3), -mean * sin(pi / 3)], atol=error
-    )
+    np.testing.assert_allclose(np.mean(gusts, axis=0), [-mean * cos(pi / 3), -mean * sin(pi / 3)], atol=error)
 
 
 def test_the_mean_wind_follows_the_profile_of_the_standard() -> None:
@@ -94,7 +90,11 @@ def test_the_mean_wind_follows_the_profile_of_the_standard() -> None:
     wind = WindClass("test", 20.0 * FOOT)
     assert wind.mean_wind(20.0 * FOOT) == pytest.approx(20.0 * FOOT)
     assert wind.mean_wind(30.0) == pytest.approx(8.08, abs=0.005)
-    assert wind.mean_wind(0.0) == wind.mean_wind(3.0 * FOOT) == pytest.approx(6.096 * np.log(20) / np.log(400 / 3))
+    assert (
+        wind.mean_wind(0.0)
+        == wind.mean_wind(3.0 * FOOT)
+        == pytest.approx(6.096 * np.log(20) / np.log(400 / 3))
+    )
 
 
 def blown_at(height: float) -> Wind:
@@ -115,7 +115,9 @@ def test_mean_wind_and_intensity_follow_the_vehicles_true_height() -> None:
     low, high = blown_at(10.0), blown_at(100.0)
     (mean_low, sigma_low), (mean_high, sigma_high) = expected(10.0), expected(100.0)
     # The unit gust is the same at both heights, but for a step of 10 ms.
-    assert (low.north + mean_low) / sigma_low == pytest.approx((high.north + mean_high) / sigma_high, abs=0.05)
+    assert (low.north + mean_low) / sigma_low == pytest.approx(
+        (high.north + mean_high) / sigma_high, abs=0.05
+    )
     assert sigma_low > 1.3 * sigma_high
 
 
@@ -162,7 +164,9 @@ def test_a_wind_beyond_the_vehicle_is_refused_in_one_line() -> None:
     for wind in ("calm", "gtmax", "light"):
         check_flyable(wind, library, height=30.0)
     for wind in ("moderate", "severe"):
-        with pytest.raises(UnflyableWindError, match=f"wind {wind} cannot be flown: expected at most 22.5 m/s"):
+        with pytest.raises(
+            UnflyableWindError, match=f"wind {wind} cannot be flown: expected at most 22.5 m/s"
+        ):
             check_flyable(wind, library, height=30.0)
 
 
@@ -209,7 +213,12 @@ def test_gusts_keep_their_strength_in_a_turn() -> None:
     model, last = dryden(6.096, height=30.0, span=3.0), []
     for seed in range(800):
         source = DrydenWind(
-            wind_class("6.096"), height=30.0, span=3.0, direction=0.0, step=1.0, rng=np.random.default_rng(seed)
+            wind_class("6.096"),
+            height=30.0,
+            span=3.0,
+            direction=0.0,
+            step=1.0,
+            rng=np.random.default_rng(seed),
         )
         for second in range(21):
             angle = 0.6 * second

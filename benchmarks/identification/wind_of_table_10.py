@@ -2,8 +2,8 @@
 
 Arguments: flights, seed; then winds at 20 ft in m/s. In each wind the campaign `gtmax` is flown with half as
 many other flights for the values, by its maneuver-end rule of `gtmax`, and identified. The table has the
-geometric mean of identified over printed errors: of maneuvers (Table 10 of the thesis, suspect rows left out),
-of each of their numbers, and of trims (Table 9). The wind class `gtmax` is chosen from it: the mean of
+geometric mean of identified over printed errors: of maneuvers (Table 10 of the thesis, suspect rows left
+out), of each of their numbers, and of trims (Table 9). The wind class `gtmax` is chosen from it: the mean of
 maneuvers is to be 0.7 to 1.2.
 """
 
@@ -11,6 +11,7 @@ import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from math import exp, log
 from statistics import mean
 
@@ -78,7 +79,7 @@ def main() -> None:
     for wind in sys.argv[3:] or WINDS:
         library = identified_in(wind, flights=flights, seed=seed)
         by_number = {number: maneuver_ratios(library, number) for number in NUMBERS}
-        figures = [geometric_mean(sum(by_number.values(), []))]
+        figures = [geometric_mean(chain.from_iterable(by_number.values()))]
         figures += [geometric_mean(ratios) for ratios in by_number.values()]
         figures.append(geometric_mean(trim_ratios(library)))
         known, provenance = wind_class(wind), library.provenance

@@ -20,7 +20,7 @@ STILL_AIR_ERROR = 0.017
 ERROR_PER_WIND = 0.0155
 """Root mean square velocity error for each m/s of wind at 20 ft in straight flight.
 
-`benchmarks.flight.turbulence` measures 0.0137 in trims in wind class `gtmax`; maneuvers of missions add errors.
+`benchmarks.flight.turbulence` measures 0.0137 in trims in `gtmax`; maneuvers of missions add errors.
 """
 
 ERROR_PER_WIND_IN_TURNS = 0.046

@@ -1,4 +1,7 @@
-"""Gusts of straight flights against the standard's spectra, along and across the motion through the air."""
+"""Gusts of straight flights against the standard's spectra.
+
+Along-track and cross-track are along and across the motion through the air.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,7 +52,7 @@ class GustFlight:
 
 @cache
 def fly_course(course: str) -> GustFlight:
-    """Flies straight at 20 m/s over the ground, with the wind from north."""
+    """Flies straight at 20 m/s over the ground, wind from north."""
     angle, mean = COURSES[course], _WIND.mean_wind(HEIGHT)
     north, east = _GROUND_SPEED * cos(angle), _GROUND_SPEED * sin(angle)
     source = DrydenWind(

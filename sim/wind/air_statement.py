@@ -1,4 +1,4 @@
-"""Statement of the air at a flight's height, for logs, libraries and data sheets."""
+"""Statement of the air for logs, libraries and data sheets."""
 
 from .dryden import dryden
 from .wind_class import wind_class

@@ -185,7 +185,7 @@ def _turn_axes(before: Turbulence, north: ca.SX, east: ca.SX) -> Turbulence:
 
 @cache
 def wind_function(span: float, step: float) -> ca.Function:
-    """Builds one period of the air past a vehicle of a span in m.
+    """Builds one period of the air past a vehicle's span, m.
 
     Returns:
         (motion, noise, mean, memory) -> (wind, memory): motion of the vehicle, 6 standard normal numbers,

@@ -30,7 +30,7 @@ _RESOLUTION, _FASTEST = 0.25, 64.0
 
 @dataclass(frozen=True, slots=True)
 class NeededAirspeed:
-    """Airspeed that a wind may need from any side, by its parts in m/s."""
+    """Airspeed that a wind may need, by parts in m/s."""
 
     mean_wind: float
     gusts: float

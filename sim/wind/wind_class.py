@@ -63,7 +63,7 @@ class UnknownWindError(FlightError):
 
 
 def wind_class(name: str) -> WindClass:
-    """Returns a wind class by name, or by its wind at 20 ft in m/s.
+    """Returns a wind class by name or W20 in m/s.
 
     Raises:
         UnknownWindError: it does not exist.

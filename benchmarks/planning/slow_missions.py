@@ -36,7 +36,7 @@ KEPT = 12
 LIMIT = 1.0
 """CPU seconds that a mission may take."""
 
-PATIENCE = 10.0
+PATIENCE = 60.0
 """Seconds after which a search is stopped."""
 
 SIZES = (0.0, 0.0, 1e-9, 1e-6, 1e-4, 1e-2, 0.1, 1.0)
@@ -162,7 +162,7 @@ KINDS: dict[str, Callable[[np.random.Generator, int], list[float]]] = {
 def _primitives(
     rates: list[float], rng: np.random.Generator, *, mirrored: bool
 ) -> tuple[tuple[Trim, ...], tuple[Maneuver, ...]]:
-    """Returns trims of some rates, and maneuvers between as many pairs as may be."""
+    """Returns trims of some rates, and maneuvers between pairs of them."""
     one_speed, errors = rng.random() < 0.4, rng.random() < 0.6
     trims = []
     for number, rate in enumerate(rates, start=1):
@@ -173,18 +173,16 @@ def _primitives(
             *(float(value) * size for value, size in zip(off, (speed, 1.0, abs(rate)), strict=True))
         )
         trims.append(Trim(number, f"trim {number}", Twist(speed, side, rate), error))
-    pairs = [(one.id, other.id) for one in trims for other in trims]
-    rng.shuffle(pairs)
+    every = [(one.id, other.id) for one in trims for other in trims]
+    pairs = [every[int(place)] for place in rng.permutation(len(every))[:MOST_MANEUVERS]]
     size, same = float(rng.choice(SIZES)), rng.random() < 0.3
     shared = rng.random(), rng.normal(size=3)
     maneuvers = []
-    for number, (leaves, joins) in enumerate(sorted(pairs[:MOST_MANEUVERS]), start=1):
+    for number, pair in enumerate(sorted(pairs), start=1):
         duration, moved = shared if same else (rng.random(), rng.normal(size=3))
         displacement = SE2(*(size * moved).tolist())
         maneuvers.append(
-            Maneuver(
-                number, leaves, joins, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0)
-            )
+            Maneuver(number, *pair, size * float(duration), displacement, ManeuverError(0.0, 0.0, 0.0, 0.0))
         )
     return tuple(trims), tuple(maneuvers)
 

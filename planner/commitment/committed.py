@@ -155,8 +155,8 @@ class CommittedPlanner:
             self._library, self._levels, mission, horizon=horizon, known=known, until=until
         )
         paths = [self._library.maneuvers_along(walk) for walk in every]
-        nominal_fixed = np.array([sum(step.duration for step in path) for path in paths])
-        slope = np.array([sum(step.error.duration for step in path) for path in paths])
+        nominal_fixed = np.array([sum(step.duration for step in path) for path in paths], dtype=float)
+        slope = np.array([sum(step.error.duration for step in path) for path in paths], dtype=float)
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = CommittedTask.of(mission, self._gamma)
         search = BranchAndBound(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)

@@ -12,7 +12,7 @@ from planner.walks.walk import Walk, count_walks, walks
 MOST_WALKS = 8000
 """Walks that a search takes on; it keeps some 20 kB of each."""
 
-WALKS_A_SECOND = 8000
+WALKS_A_SECOND = 3000
 """Walks that are prepared in a second."""
 
 SHARE = 0.25

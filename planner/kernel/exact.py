@@ -22,8 +22,8 @@ MOST_TRIMS = 12
 
 NO_LIMIT = 2**62
 
-FORGIVEN = 0.99
-"""Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
+SHARE_OF_SLACK = 0.99
+"""Share of the slack for rounding that the kernel uses; the check rounds otherwise."""
 
 
 _NUMBERS = (
@@ -201,10 +201,10 @@ def _task(
         goal.real,
         goal.imag,
         mission.tolerance,
-        FORGIVEN * mission.destination.slack,
+        SHARE_OF_SLACK * mission.destination.slack,
         (mission.goal_heading or 0.0) - start.heading,
         mission.heading_tolerance,
-        FORGIVEN * SLACK,
+        SHARE_OF_SLACK * SLACK,
         seconds,
         int(wants_heading(mission)),
         automaton.place(mission.start_trim) if automaton else 0,

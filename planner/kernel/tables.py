@@ -15,7 +15,7 @@ from .automaton import Automaton
 
 
 class CTable(ctypes.Structure):
-    """`KernelTable` of search.c."""
+    """`Table` of walks/each.c."""
 
     _fields_ = (
         *(

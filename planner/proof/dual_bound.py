@@ -91,7 +91,7 @@ class WalkProblems:
             displacement,
             centre,
             longest,
-            np.array([motion.fixed_time for motion in motions]),
+            np.array([motion.fixed_time for motion in motions], dtype=float),
             np.array([row[3] for row in rows]),
             goal_from_start(mission),
             mission.destination.reach,

@@ -1,20 +1,20 @@
-/* The public face: problems in any units, solved in units of their own.
+/* Solver and lower bounds of one walk, in scaled units.
  *
- * Thresholds compare numbers of about 1: lengths are in units of the displacements, times in units of the time that
- * the fastest coast takes for them. Units are powers of two, so nothing is rounded.
+ * Thresholds compare numbers of about 1: the unit of length is about the size of the displacements, the unit of time
+ * that in which the fastest coast covers it. Units are powers of two, so that scaling does not round.
  */
 #include "coasting.h"
 
-#define CLIMBS 8          /* rounds of a bound */
+#define CLIMBS 8          /* ascent steps of a dual bound */
 
 typedef struct {
     Problem problem;
-    double metre, second;        /* what the units are in metres and seconds */
+    double metre, second;        /* the units */
     double rate[MOST], size_D[MOST], speed[MOST];
     cplx W[MOST], C[MOST], D[MOST];
 } InUnits;
 
-/* The power of two that is next above a number. */
+/* The next power of two above a number. */
 static double power_of_two(double number)
 {
     int exponent;
@@ -54,26 +54,26 @@ static void to_units(const Problem *p, InUnits *u)
     u->problem.multiplier *= u->metre / u->second;
 }
 
-/* The best times of a walk at one level, with at most so many that are not 0; they count if they are faster than the
- * best so far. Where the time runs out they are the best that were found. */
-void solve_with(Problem *p, int most, const Help *help)
+/* Solves a walk at one level with at most so many nonzero times; they count if they are faster than the incumbent.
+ * After the deadline they are the best so far. */
+void solve_with(Problem *p, int most, const SolveContext *context)
 {
     InUnits u;
     to_units(p, &u);
-    double known = u.problem.best;
-    solve_in_units(&u.problem, most, &(Given){p, u.metre, u.second, help});
-    if (!(u.problem.best < known)) return;
+    double began = u.problem.best;
+    solve_in_units(&u.problem, most, &(Unscaled){p, u.metre, u.second, context});
+    if (!(u.problem.best < began)) return;
     p->best = p->fixed;
     for (int k = 0; k < p->trims; k++) {
-        /* No -0. */
+        /* + 0.0 makes -0 positive. */
         p->times[k] = u.problem.times[k] * u.second + 0.0;
         p->best += p->times[k];
     }
 }
 
-void solve(Problem *p, int most) { solve_with(p, most, &(Help){0, 0, INFINITY}); }
+void solve(Problem *p, int most) { solve_with(p, most, &(SolveContext){0, 0, INFINITY}); }
 
-/* Seconds that a walk takes at least at one level; infinite where its heading cannot be as wanted. */
+/* Lower bound of a walk at one level; infinite where the wanted heading is out of reach. */
 double lower_bound(const Problem *p)
 {
     ActiveSet on;
@@ -81,8 +81,7 @@ double lower_bound(const Problem *p)
     return p->fixed + greater(least_time(p, &on, to_cover(p)), time_to_turn(p, &on));
 }
 
-/* Whether a walk cannot beat the best so far at its level, by what its coasts reach in time and by multipliers: from
- * that of the problem the best one is left there. */
+/* Whether a walk at one level is dominated by the incumbent, by reach or by multipliers; the best of these is kept. */
 int cannot_beat(Problem *p)
 {
     ActiveSet all;

@@ -1,31 +1,30 @@
-/* One walk at every level: excluded by a bound, or solved. */
+/* Pruning and solution of one walk at every uncertainty level. */
 #include "walks.h"
 
-#define NEAR_THE_EDGE 0.999 /* of the tolerance: where closed forms aim */
-#define TIE 1e-12         /* of the best seconds */
-#define POLISHING 0.1     /* of the seconds allowed, on top of them */
+#define NEAR_THE_EDGE 0.999 /* of the tolerance: the distance at which closed forms aim */
+#define TIE 1e-12         /* of the incumbent's cost: smaller improvements are rounding */
+#define POLISHING 0.1     /* of the seconds allowed, in addition to them */
 
-/* The level to look at next: that with the largest bound; where many walks were looked at, first the one that decided the best
- * walk, or without one that at which the walk before does not reach the goal. */
+/* The next level to bound: that with the largest lower bound; after many walks, the deciding level first. */
 static int next_level(const Search *s, const double *bounds, int done)
 {
     int level = 0;
-    if (!done && s->looked >= MANY) return s->telling;
+    if (!done && s->examined >= MANY_WALKS) return s->deciding_level;
     for (int other = 1; other < s->automaton->levels; other++) if (bounds[other] > bounds[level]) level = other;
     return level;
 }
 
-/* Whether bounds exclude walks often enough to be computed; where they do not, some still are. */
+/* Whether multipliers prune walks often enough; where they rarely do, most walks skip them. */
 static int is_worth_bounding(Search *s)
 {
-    int rarely = s->bounded > TRIALS && s->excluded * RARELY < s->bounded;
-    if (rarely && s->passed++ % RARELY) return 0;
+    int rarely = s->bounded > MIN_TRIALS && s->pruned * RARE_SUCCESS < s->bounded;
+    if (rarely && s->skipped++ % RARE_SUCCESS) return 0;
     s->bounded++;
     return 1;
 }
 
-/* Whether some level cannot beat the best so far. */
-int excluded(Search *s, const Entry *entry, Levels *every)
+/* Whether a lower bound at some level is no better than the incumbent. */
+int pruned_by_bounds(Search *s, const Node *entry, Levels *every)
 {
     int levels = s->automaton->levels;
     double bounds[MOST], best = s->answer->cost;
@@ -47,22 +46,22 @@ int excluded(Search *s, const Entry *entry, Levels *every)
         s->answer->nodes++;
         if (best == INFINITY || !is_worth_bounding(s)) continue;
         int out = cannot_beat(row);
-        s->excluded += out;
+        s->pruned += out;
         s->multiplier[level] = row->multiplier;
         if (out) return 1;
     }
     return 0;
 }
 
-/* Solves a walk at every level; keeps it if its worst level is best. With a limit, no more times are not 0, and the
- * goal is the point where the tolerance is used up best. Returns whether it was kept. */
-int solved(Search *s, const Levels *every, int most)
+/* Solves a walk at every level and replaces the incumbent if the worst level is faster. With a limit on the number of
+ * nonzero times, the goal is one point near the edge of the tolerance. Returns whether the incumbent was replaced. */
+int improves_incumbent(Search *s, const Levels *every, int most)
 {
-    const Help *help = most < MOST ? &s->quick : &s->whole;
+    const SolveContext *context = most < MOST ? &s->first_pass : &s->second_pass;
     int levels = s->automaton->levels;
     double costs[MOST], times[MOST * MOST], worst = 0, enough = s->answer->cost;
-    /* Among many walks that take as long, rounding makes none the better. */
-    if (s->looked >= MANY && enough < INFINITY) enough -= TIE * enough;
+    /* Among many walks of one cost, rounding makes none the better. */
+    if (s->examined >= MANY_WALKS && enough < INFINITY) enough -= TIE * enough;
     for (int done = 0; done < levels; done++) {
         int level = every->order[done];
         Problem row = every->level[level].problem;
@@ -72,9 +71,9 @@ int solved(Search *s, const Levels *every, int most)
             row.goal += aside / length(row.multiplier) * row.multiplier;
             row.tolerance = 0;
         }
-        solve_with(&row, most, help);
+        solve_with(&row, most, context);
         if (!(row.best < enough)) {
-            if (s->answer->cost == INFINITY) s->telling = level;
+            if (s->answer->cost == INFINITY) s->deciding_level = level;
             return 0;
         }
         costs[level] = row.best;
@@ -82,7 +81,7 @@ int solved(Search *s, const Levels *every, int most)
         memcpy(times + level * MOST, row.times, sizeof(row.times));
     }
     s->answer->cost = worst;
-    for (int level = 0; level < levels; level++) if (costs[level] == worst) s->telling = level;
+    for (int level = 0; level < levels; level++) if (costs[level] == worst) s->deciding_level = level;
     s->best = every->walk;
     s->answer->trims = every->walk.length;
     for (int k = 0; k < every->walk.length; k++) s->answer->walk[k] = every->walk.trim[k];
@@ -91,19 +90,19 @@ int solved(Search *s, const Levels *every, int most)
     return 1;
 }
 
-/* The winner once more at the levels that do not decide. */
+/* Solves the incumbent again at the levels that do not decide. */
 void polish(Search *s)
 {
     Answer *answer = s->answer;
     WalkProblem one;
-    Help help = {0, 0, s->whole.until + POLISHING * s->task->seconds};
+    SolveContext context = {0, 0, s->second_pass.deadline + POLISHING * s->task->seconds};
     for (int level = 0; answer->trims && level < s->automaton->levels; level++) {
         set_sizes(&one, s->automaton, s->task, &s->best, level);
         set_vectors(&one, s->automaton, &s->best, level);
         one.problem.multiplier = first_multiplier(one.problem.goal);
         one.problem.best = answer->costs[level];
         memcpy(one.problem.times, answer->times + level * MOST, sizeof(one.problem.times));
-        solve_with(&one.problem, MOST, &help);
+        solve_with(&one.problem, MOST, &context);
         answer->costs[level] = one.problem.best;
         memcpy(answer->times + level * MOST, one.problem.times, sizeof(one.problem.times));
     }

@@ -1,36 +1,36 @@
-/* The most promising walks. */
+/* List of the walks with the least lower bounds. */
 #include "walks.h"
 
-/* The walks of least bound, at most so many, whose bounds are below a limit: their trims, and how many each has.
- * Returns how many they are, -1 where there is no memory; rest: seconds that all others take at least. */
-PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims, long *lengths,
-                       double *rest)
+/* Lists at most so many walks, least lower bound first, with bounds below a limit: their trims and lengths. Returns
+ * their number, -1 without memory; *rest becomes the lower bound of all other walks. */
+PUBLIC long list_walks(const Task *task, const Automaton *automaton, double limit, long most, long *trims,
+                       long *lengths, double *rest)
 {
     Answer answer = {.cost = limit};
     Search s = {.task = task, .automaton = automaton, .answer = &answer};
-    double until = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
+    double deadline = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
     Frontier *f = &s.frontier;
-    Entry first = {.trims = 1};
+    Node first = {.trims = 1};
     long count = 0;
-    int made = make_room(&s);
+    int made = allocate(&s);
     *rest = limit;
     if (made) push(f, &first);
     while (f->count) {
-        Entry one = pop(f);
-        if (count == most || late(until) || !has_room(f, s.ways.room)) {
+        Node one = pop(f);
+        if (count == most || past_deadline(deadline) || !reserve(f, s.branches.capacity)) {
             *rest = one.bound;
             break;
         }
-        if (one.closed) {
+        if (one.leaf) {
             Walk walk;
             read_walk(automaton, task, &one, &walk);
             for (int k = 0; k < walk.length; k++) trims[MOST * count + k] = walk.trim[k];
             lengths[count++] = walk.length;
             continue;
         }
-        find_ways(&s, &one, 1, (int)task->max_trims);
-        for (long i = 0; i < s.ways.count; i++) push(f, &s.ways.entries[i]);
+        branch(&s, &one, 1, (int)task->max_trims);
+        for (long i = 0; i < s.branches.count; i++) push(f, &s.branches.entries[i]);
     }
-    free_room(&s);
+    release(&s);
     return made ? count : -1;
 }

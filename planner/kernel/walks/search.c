@@ -1,120 +1,131 @@
-/* The best walk: walks come one by one, the one with the least bound first. */
+/* Branch and bound over walks, in two passes.
+ *
+ * The first pass takes walks best first and solves closed forms only, which soon gives an incumbent that prunes most
+ * of the others. The second pass solves what is left, with every active set.
+ */
 #include "walks.h"
 
-#define SHORT 4           /* trims */
-#define WAYS 1000         /* ways on from walks, that take as long to find as a node to solve, or longer */
-#define NEARLY 1e-3       /* of the way, of the speed, rad: what makes little difference */
-#define ROUNDED 1e-12     /* likewise: what makes none */
+#define FIRST_DEPTH 4     /* trims; longer walks are searched once these are */
+#define BRANCHES_PER_NODE 1000 /* children that cost about as much as a solved walk */
+#define COARSE_STEP 1e-3  /* of length, speed and rad: rounding of coefficients in the first pass ... */
+#define FINE_STEP 1e-12   /* ... and in the second */
 
-#define TRIED (1 << 17)   /* sets of times that there is room for: 5 MB ... */
-#define KNOWN (1 << 19)   /* ... and 20 MB; alike_sets.c has 52 MB */
+#define FIRST_CACHE (1 << 17) /* active sets, 5 MB ... */
+#define SECOND_CACHE (1 << 19) /* ... and 20 MB; similar_sets.c has 52 MB */
 
 /* Whether the nodes or the seconds allowed are used up. */
-static int over(const Search *s)
+static int limit_reached(const Search *s)
 {
-    return s->answer->nodes + s->found / WAYS >= s->task->most_nodes || late(s->whole.until);
+    long nodes = s->answer->nodes + s->branched / BRANCHES_PER_NODE;
+    return nodes >= s->task->most_nodes || past_deadline(s->second_pass.deadline);
 }
 
-/* Looks at a walk: with as many times as equations only, which soon gives a plan that excludes most of the others.
- * One that has become the best is solved to the end at once. Returns whether there was time for it. */
-static int looked_at(Search *s, const Entry *walk)
+/* Visits a leaf in the first pass. A walk that improves the incumbent is solved completely at once; others are
+ * deferred. Returns 0 after the deadline. */
+static int visit(Search *s, const Node *walk)
 {
     Levels every;
     int equations = 2 + (s->task->wants_heading ? 1 : 0);
-    if (++s->looked == MANY) s->quick.known = make_known_sets(TRIED, NEARLY, s->way, s->fastest, 1);
-    if (excluded(s, walk, &every)) return 1;
-    int hopeful = s->looked - s->better <= larger(PATIENCE, s->better), kept = hopeful && solved(s, &every, equations);
-    if (kept) s->better = s->looked;
-    if (kept || !has_room(&s->left, 1)) solved(s, &every, MOST);
-    else append(&s->left, walk);
-    return !late(s->whole.until);
+    if (++s->examined == MANY_WALKS)
+        s->first_pass.cache = make_set_cache(FIRST_CACHE, COARSE_STEP, s->length_scale, s->speed_scale, 1);
+    if (pruned_by_bounds(s, walk, &every)) return 1;
+    int hopeful = s->examined - s->improved_at <= larger(PATIENCE, s->improved_at);
+    int kept = hopeful && improves_incumbent(s, &every, equations);
+    if (kept) s->improved_at = s->examined;
+    if (kept || !reserve(&s->deferred, 1)) improves_incumbent(s, &every, MOST);
+    else append(&s->deferred, walk);
+    return !past_deadline(s->second_pass.deadline);
 }
 
-/* Stops the search: nothing undercuts the bound given, nor those of the walks that are left, nor of longer ones. */
-static void stop(Search *s, double bound, int most)
+/* Stops the search with the least lower bound of the open nodes, the deferred walks and the longer walks. */
+static void stop_search(Search *s, double bound, int most)
 {
     s->answer->complete = 0;
-    if (most < s->task->max_trims) bound = lesser(bound, bound_of_all(s));
-    for (long i = 0; i < s->left.count; i++) bound = lesser(bound, s->left.entries[i].bound);
+    if (most < s->task->max_trims) bound = lesser(bound, root_bound(s));
+    for (long i = 0; i < s->deferred.count; i++) bound = lesser(bound, s->deferred.entries[i].bound);
     s->answer->bound = bound;
 }
 
-/* Looks at all walks that begin alike, depth first. */
-static void descend(Search *s, const Entry *first, int fewest, int most)
+/* Depth-first search below a node, in constant memory. */
+static void depth_first(Search *s, const Node *first, int fewest, int most)
 {
-    Frontier *stack = &s->stack, *ways = &s->ways;
+    Frontier *stack = &s->stack, *branches = &s->branches;
     stack->count = 0;
     append(stack, first);
     while (stack->count) {
-        Entry one = stack->entries[--stack->count];
+        Node one = stack->entries[--stack->count];
         if (one.bound >= s->answer->cost) continue;
-        if (over(s) || (one.closed && !looked_at(s, &one))) { stop(s, first->bound, most); return; }
-        if (one.closed) continue;
-        find_ways(s, &one, fewest, most);
-        qsort(ways->entries, (size_t)ways->count, sizeof(Entry), in_order);
-        while (ways->count) append(stack, &ways->entries[--ways->count]);
+        if (limit_reached(s) || (one.leaf && !visit(s, &one))) { stop_search(s, first->bound, most); return; }
+        if (one.leaf) continue;
+        branch(s, &one, fewest, most);
+        qsort(branches->entries, (size_t)branches->count, sizeof(Node), in_order);
+        while (branches->count) append(stack, &branches->entries[--branches->count]);
     }
 }
 
-/* Looks at all walks of so many trims, by bound. */
-static void dive(Search *s, int fewest, int most)
+/* Best-first search over walks of some lengths. */
+static void best_first(Search *s, int fewest, int most)
 {
     Frontier *f = &s->frontier;
-    Entry first = {.trims = 1};
+    Node first = {.trims = 1};
     f->count = 0;
     push(f, &first);
     while (f->count && s->answer->complete) {
-        Entry one = pop(f);
+        Node one = pop(f);
         if (one.bound >= s->answer->cost) break;
-        if (over(s) || (one.closed && !looked_at(s, &one))) { stop(s, one.bound, most); return; }
-        if (one.closed) continue;
-        if (!has_room(f, s->ways.room)) descend(s, &one, fewest, most);
+        if (limit_reached(s) || (one.leaf && !visit(s, &one))) { stop_search(s, one.bound, most); return; }
+        if (one.leaf) continue;
+        if (!reserve(f, s->branches.capacity)) depth_first(s, &one, fewest, most);
         else {
-            find_ways(s, &one, fewest, most);
-            for (long i = 0; i < s->ways.count; i++) push(f, &s->ways.entries[i]);
+            branch(s, &one, fewest, most);
+            for (long i = 0; i < s->branches.count; i++) push(f, &s->branches.entries[i]);
         }
     }
 }
 
-/* Solves what is left, with every set of times. */
-static void finish(Search *s)
+/* The second pass. */
+static void solve_deferred(Search *s)
 {
     Levels every;
-    if (s->left.count > MANY) {
-        s->whole.known = make_known_sets(KNOWN, ROUNDED, s->way, s->fastest, 0);
-        s->whole.alike = make_alike_sets(s->way, s->fastest);
+    if (s->deferred.count > MANY_WALKS) {
+        s->second_pass.cache = make_set_cache(SECOND_CACHE, FINE_STEP, s->length_scale, s->speed_scale, 0);
+        s->second_pass.similar = make_similar_sets(s->length_scale, s->speed_scale);
     }
-    qsort(s->left.entries, (size_t)s->left.count, sizeof(Entry), in_order);
-    for (long i = 0; i < s->left.count; i++) {
-        Entry *one = &s->left.entries[i];
+    qsort(s->deferred.entries, (size_t)s->deferred.count, sizeof(Node), in_order);
+    for (long i = 0; i < s->deferred.count; i++) {
+        Node *one = &s->deferred.entries[i];
         if (one->bound >= s->answer->cost) break;
-        int stopped = over(s);
-        if (!stopped && !excluded(s, one, &every)) solved(s, &every, MOST);
-        if (stopped || late(s->whole.until)) { s->answer->complete = 0; s->answer->bound = one->bound; return; }
+        int stopped = limit_reached(s);
+        if (!stopped && !pruned_by_bounds(s, one, &every)) improves_incumbent(s, &every, MOST);
+        if (stopped || past_deadline(s->second_pass.deadline)) {
+            s->answer->complete = 0;
+            s->answer->bound = one->bound;
+            return;
+        }
     }
 }
 
-/* The walk whose worst level is best; 1 where there is no memory. */
+/* Finds the walk with the fastest worst level; returns 1 without memory. */
 PUBLIC int search(const Task *task, const Automaton *automaton, Answer *answer)
 {
     Search s = {.task = task, .automaton = automaton, .answer = answer};
-    s.whole.until = s.quick.until = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
+    s.second_pass.deadline = s.first_pass.deadline = task->seconds < INFINITY ? clock_now() + task->seconds : INFINITY;
     answer->cost = INFINITY;
     answer->trims = answer->nodes = 0;
     answer->complete = 1;
-    int made = make_room(&s), most = (int)task->max_trims;
+    int made = allocate(&s), most = (int)task->max_trims;
     if (made) {
         for (int level = 0; level < automaton->levels; level++)
             s.multiplier[level] = first_multiplier(task->goal_north + I * task->goal_east);
-        dive(&s, 1, (int)smaller(SHORT, most));
-        if (answer->complete && most > SHORT) dive(&s, SHORT + 1, most);
-        if (answer->complete) finish(&s);
+        best_first(&s, 1, (int)smaller(FIRST_DEPTH, most));
+        if (answer->complete && most > FIRST_DEPTH) best_first(&s, FIRST_DEPTH + 1, most);
+        if (answer->complete) solve_deferred(&s);
         polish(&s);
         if (answer->complete || answer->bound > answer->cost) answer->bound = answer->cost;
     }
-    free_room(&s);
-    free_known_sets(s.quick.known);
-    free_known_sets(s.whole.known);
-    free_alike_sets(s.whole.alike);
+    release(&s);
+    free_set_cache(s.first_pass.cache);
+    free_set_cache(s.second_pass.cache);
+    free_similar_sets(s.second_pass.similar);
     return !made;
 }

@@ -12,7 +12,7 @@ class VehicleMismatchError(FlightError):
     """Vehicle, air or back-end of a log that is not available here."""
 
     def __init__(self, what: str, logged: str, here: str) -> None:
-        super().__init__(f"expected the {what} of the log, {logged}, got {here}")
+        super().__init__(f"expected the {what} of the log, {logged}, got {here}: it cannot be repeated here")
 
 
 def check_vehicle_matches(log: FlightLog) -> None:

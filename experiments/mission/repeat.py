@@ -15,7 +15,7 @@ from sim.replay import VehicleMismatchError, backend_named, check_air_matches, c
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import Asked, mission_specification
+from .mission_log import PlanningSettings, mission_specification
 from .mission_task import MissionTask
 from .recorded_latency import recorded_latency
 
@@ -52,7 +52,10 @@ def _fly_mission(
     if log.header.search_backend != SEARCH_BACKEND:
         raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
-        raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
+        raise BadFileError(
+            SPECIFICATION_ATTACHMENT,
+            f"expected the flight of the mission in {MISSION_ATTACHMENT}, got another",
+        )
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
 
 
@@ -64,18 +67,18 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
     """
     text = log.attachments[MISSION_ATTACHMENT]
     mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")
-    asked = parse_json(text, MISSION_ATTACHMENT, Asked, extra="ignore")
-    settings = asked.settings
+    logged = parse_json(text, MISSION_ATTACHMENT, PlanningSettings, extra="ignore")
+    settings = logged.settings
     if settings.latency.measured:
         settings = replace(settings, latency=recorded_latency(log, source=MISSION_ATTACHMENT))
     return MissionTask(
         mission=mission,
         library=log.library(),
-        policy=asked.policy,
-        gamma=asked.gamma,
+        policy=logged.policy,
+        gamma=logged.gamma,
         wind=specification.wind,
         seed=specification.seed,
         settings=settings,
-        max_nodes=asked.max_nodes,
+        max_nodes=logged.max_nodes,
         flight_options=specification.flight_options,
     )

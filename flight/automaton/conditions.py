@@ -20,7 +20,7 @@ class Conditions(FileValue):
         wind: wind class, such as `gtmax`; `not stated` for a library from a book.
         altitude: metres above ground; None where not stated.
         maneuver_end: the rule by which maneuvers were ended; None where not stated.
-        trim_error_kind: whether trim errors are instantaneous deviations, averages over a coast, or assumed.
+        trim_error_kind: kind of trim errors: instantaneous deviations, averages over a coast, or assumed.
         coasting_range: shortest and longest coast flown, seconds; None where not stated.
         vehicle_hash: SHA-256 of the parameters of the vehicle that flew; None where not stated.
         speed_range: lowest and highest forward speed commanded, metres per second; None where not stated.

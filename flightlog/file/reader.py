@@ -73,7 +73,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         zstandard.ZstdError,
         MemoryError,
     ) as error:
-        raise BadFileError(path, f"is no flight log: {error}") from None
+        raise BadFileError(path, f"is not a flight log: {error}") from None
 
 
 def _check_complete(content: bytes, path: Path) -> None:

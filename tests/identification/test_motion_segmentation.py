@@ -190,7 +190,7 @@ def test_one_step_between_two_trims_is_a_library(tmp_path: Path) -> None:
     assert len(library.maneuvers) == 1
 
 
-def test_a_log_without_motion_says_what_it_lacks(logs: list[FlightLog]) -> None:
+def test_the_error_for_a_log_without_motion_names_the_topic(logs: list[FlightLog]) -> None:
     empty = replace(logs[0], series={PRIMITIVE.name: logs[0][PRIMITIVE]})
     with pytest.raises(MissingTopicError, match="/truth"):
         sampled_motion(empty)

@@ -180,7 +180,7 @@ def test_a_maneuver_from_another_trim_is_refused() -> None:
 
 
 def test_a_library_without_a_maneuver_end_cannot_be_flown() -> None:
-    with pytest.raises(NoManeuverEndError, match=r"'thesis-gtmax' cannot be flown"):
+    with pytest.raises(NoManeuverEndError, match=r"'thesis-gtmax': expected conditions\.maneuver_end"):
         SimulatedHelicopter(specify(1), BARE)
 
 

@@ -371,6 +371,6 @@ def test_a_broken_matrix_is_refused_in_one_line(
 
 def test_a_matrix_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(("faults", "nowhere")) == 2
-    assert "no fault matrix 'nowhere': no such file, and the shipped ones are ['helicopter']" in (
+    assert "no fault matrix 'nowhere': expected an existing file or one of ['helicopter']" in (
         capsys.readouterr().err
     )

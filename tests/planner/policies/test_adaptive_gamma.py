@@ -48,7 +48,7 @@ def flight(wind: str, seed: int, *changes: WindChange, seconds: float = 30.0) ->
     return helicopter
 
 
-def shown(helicopter: SimulatedHelicopter) -> float:
+def estimated(helicopter: SimulatedHelicopter) -> float:
     assert helicopter.supervisor is not None
     assert helicopter.supervisor.turbulence is not None
     return helicopter.supervisor.turbulence
@@ -68,15 +68,15 @@ def test_the_meter_undoes_what_it_was_made_of() -> None:
 def test_the_vehicle_can_tell_how_hard_it_blows() -> None:
     """Median of six flights within a third of the wind class."""
     for name in ("gtmax", "light", "9"):
-        found = median(shown(flight(name, seed)) for seed in range(6))
+        found = median(estimated(flight(name, seed)) for seed in range(6))
         assert found == pytest.approx(wind_class(name).wind_at_20_ft, rel=1 / 3), name
-    assert shown(flight("calm", 1)) < 1.5
+    assert estimated(flight("calm", 1)) < 1.5
 
 
 def test_a_wind_that_rises_is_noticed_and_the_flight_before_it_is_the_one_without_it(tmp_path: Path) -> None:
     plain, risen = flight("calm", 4), flight("calm", 4, WindChange(time=10.0, wind="9"))
-    assert shown(plain) < 1.5
-    assert shown(risen) > 6.0
+    assert estimated(plain) < 1.5
+    assert estimated(risen) > 6.0
     before, after = plain.log(), risen.log()
     early = before[TRUTH].time < 10.0
     assert (before[TRUTH].values[early] == after[TRUTH].values[early]).all()

@@ -77,9 +77,9 @@ def verify(
 
 def _draw(path: Path) -> None:
     from review.pictures.spectrum_picture import draw_spectra
-    from sim.checks.wind_check import gust_spectra
+    from sim.checks.gust_spectra import fly_course, gust_spectra
 
-    frequency, found = gust_spectra()
+    frequency, found = gust_spectra(fly_course("crosswind"))
     draw_spectra(frequency, found, path)
 
 

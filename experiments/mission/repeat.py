@@ -11,7 +11,7 @@ from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
-from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matches
+from sim.replay import VehicleMismatchError, backend_named, check_air_matches, check_vehicle_matches
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
@@ -38,6 +38,7 @@ def repeat_flight(log: FlightLog) -> FlightLog:
     check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
     specification = parse_specification(log.attachments[SPECIFICATION_ATTACHMENT], SPECIFICATION_ATTACHMENT)
+    check_air_matches(log, specification)
     parameters = parse_parameters(log.attachments[VEHICLE_ATTACHMENT], VEHICLE_ATTACHMENT)
     if MISSION_ATTACHMENT in log.attachments:
         return _fly_mission(log, specification, parameters, backend)

@@ -25,6 +25,7 @@ class Conditions(FileValue):
         vehicle_hash: SHA-256 of the parameters of the vehicle that flew; None where not stated.
         speed_range: lowest and highest forward speed commanded, metres per second; None where not stated.
         entry_trims: ids of the trims that were held and left by maneuvers; None where not stated.
+        air: mean wind, standard deviations and intensities at the altitude; None where not stated.
     """
 
     wind: str = "not stated"
@@ -42,3 +43,4 @@ class Conditions(FileValue):
     entry_trims: Annotated[
         tuple[int, ...] | None, Field(description="trims left by maneuvers that were flown")
     ] = None
+    air: Annotated[str | None, Field(description="mean wind and gusts at the altitude")] = None

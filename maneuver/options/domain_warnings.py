@@ -38,11 +38,13 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
 
     Raises:
         UnknownWindError: there is no such wind.
+        UnflyableWindError: the vehicle cannot hold it.
     """
+    from sim.loop.specification import DEFAULT_ALTITUDE
     from sim.vehicle.parameters import model_hash
-    from sim.wind.wind import wind_class
+    from sim.wind.flyable import check_flyable
 
-    wind_class(wind)
+    check_flyable(wind, library, height=altitude or library.conditions.altitude or DEFAULT_ALTITUDE)
     said = vehicle_domain_warnings(library, vehicle_hash=model_hash())
     stronger = _is_stronger(wind, library.conditions.wind)
     _print_warnings(
@@ -62,9 +64,9 @@ def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
 
 def _is_stronger(wind: str, stated: str) -> bool:
     """Returns True if one wind class is known to be stronger."""
-    from sim.wind.wind import WIND_CLASSES
+    from sim.wind.wind_class import known_wind_class
 
-    both = WIND_CLASSES.get(wind), WIND_CLASSES.get(stated)
+    both = known_wind_class(wind), known_wind_class(stated)
     return both[0] is not None and both[1] is not None and both[0].wind_at_20_ft > both[1].wind_at_20_ft
 
 

@@ -76,6 +76,16 @@ def test_a_mission_with_an_unknown_trim_is_one_line_and_code_2(
             "expected conditions.maneuver_end",
         ),
         (("fly", "--sequence", "figure-eight", "--wind", "hurricane"), "hurricane"),
+        (
+            ("fly", "--sequence", "figure-eight", "--wind", "moderate"),
+            "wind moderate cannot be flown: expected",
+        ),
+        (("fly", "--campaign", "gtmax", "--wind", "moderate"), "wind moderate cannot be flown: expected"),
+        (
+            ("fly", "--mission", "gtmax-1", "--wind-change", "5 severe"),
+            "wind severe cannot be flown: expected",
+        ),
+        (("validate", "--wind", "severe"), "wind severe cannot be flown: expected"),
         (("fly", "--campaign", "gtmax", "--wind", "severe"), "no maneuver_end for wind 'severe'"),
         (("fly", "--sequence", "figure-eight", "--seed", "-1"), "seed"),
         (("fly", "--sequence", "figure-eight", "--seed", "3.7"), "expected a whole number, got '3.7'"),

@@ -33,7 +33,8 @@ from sim.loop.backend import BitMismatchError
 from sim.loop.specification import NoSensorsError, WindOrderError
 from sim.replay import VehicleMismatchError
 from sim.vehicle.equilibrium import NoEquilibriumError
-from sim.wind.wind import UnknownWindError
+from sim.wind.flyable import NeededAirspeed, UnflyableWindError
+from sim.wind.wind_class import UnknownWindError
 
 LIBRARY = find_library("thesis-gtmax")
 NO_PLAN = Plan(
@@ -45,6 +46,8 @@ NO_PLAN = Plan(
     gamma=0.0,
     tolerance=1.0,
 )
+
+NEEDED = NeededAirspeed(mean_wind=18.0, gusts=10.0, trim_speed=3.0)
 
 MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     (
@@ -203,6 +206,12 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     ),
     (
         UnknownWindError("storm"),
-        "no wind class 'storm'; there are ['calm', 'gtmax', 'light', 'moderate', 'severe']",
+        "no wind class 'storm'; there are ['calm', 'gtmax', 'light', 'moderate', 'severe'], "
+        "or the wind at 20 ft in m/s, such as '4.5'",
+    ),
+    (
+        UnflyableWindError("severe", height=30.0, needed=NEEDED, held=20.0),
+        "wind severe cannot be flown: expected at most 20.0 m/s of airspeed, the most that the "
+        "vehicle holds from every side, got 31.0 m/s (mean wind 18.0 at 30 m, gusts 10.0, trim speed 3.0)",
     ),
 )

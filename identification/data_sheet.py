@@ -74,6 +74,7 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
     return [
         ("vehicle", library.vehicle),
         ("wind class", conditions.wind),
+        ("air", conditions.air or unknown),
         ("altitude", unknown if altitude is None else f"{altitude:g} m"),
         ("trim errors", conditions.trim_error_kind),
         ("deviations of", f"the {_MOTIONS.get(motion, motion)} motion" if motion else unknown),

@@ -84,6 +84,7 @@ def identify(
         conditions=replace(
             flown.conditions,
             wind=header.wind,
+            air=header.air or None,
             trim_error_kind=trim_errors,
             coasting_range=_coasting_range(bounding),
             vehicle_hash=header.model_hash,
@@ -155,7 +156,7 @@ def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
                 f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
             )
         seen[flight.sha256] = flight.name
-        for field in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
+        for field in ("vehicle", "model_hash", "wind", "air", "release", "arithmetic"):
             expected, got = getattr(first.header, field), getattr(flight.header, field)
             if got != expected:
                 raise InconsistentLogsError(

@@ -66,7 +66,7 @@ class Grid:
         plants = [_true_plant(word, gamma) for word in self.true_gammas]
         if self.flights != 1 and any(isinstance(plant, float) for plant in plants):
             raise FlightError(
-                "--plant automaton without --true-gamma random repeats a flight exactly: expected "
+                "--plant automaton without --true-gamma random or law repeats a flight exactly: expected "
                 f"--flights 1, got {self.flights}"
             )
         return [(plant, "none") for plant in plants]

@@ -44,4 +44,7 @@ class Conditions(FileValue):
     entry_trims: Annotated[
         tuple[int, ...] | None, Field(description="trims left by maneuvers that were flown")
     ] = None
+    without_coast: Annotated[
+        Omittable[Share], Field(description="share of maneuvers entered right after another; absent: none")
+    ] = 0.0
     air: Annotated[str | None, Field(description="mean wind and gusts at the altitude")] = None

@@ -62,6 +62,7 @@ class Maneuver:
         statistics: samples behind the errors, if they were measured.
         notes: remarks, such as a suspect row of a printed table.
         interpolated: claim of the errors, if they were interpolated between flown maneuvers.
+        law: joint law of its values over flights, if it was identified.
     """
 
     id: int

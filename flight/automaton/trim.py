@@ -24,6 +24,7 @@ class Trim(FileValue):
         statistics: samples behind the error, if it was measured.
         averaged: errors averaged over a coast, by its duration, where they were measured.
         interpolated: claim of the error, if it was interpolated between flown trims.
+        law: joint law of its velocity over flights, if it was identified.
     """
 
     id: int

@@ -25,6 +25,7 @@ class Leg:
             claims it.
         turbulence: estimated wind at 20 ft at the end (MIL-F-8785C), in m/s;
             None if unknown.
+        believed: estimated body velocity at the start; None if unknown.
         alarm: alarm that ended the leg early; empty without one.
     """
 

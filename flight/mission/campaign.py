@@ -35,6 +35,7 @@ class Campaign(FileValue):
         altitude: metres above ground.
         flights: number of flights for the bounds.
         nominal_flights: number of other flights for the values of maneuvers; 0 for the same flights.
+        without_coast: share of trims left at once; the other coasts are then short ones more often.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
     """

@@ -66,9 +66,9 @@ def run_trial(
     inside, its exact 95 % interval, and the p-value of the claim, corrected for the number of primitives
     (Holm). The exit code is 1 if a claim is refuted at 5 %.
 
-    `growth` is a trim's claim on errors that grow with the coast, `entry` a maneuver's claim on deviations from
-    the mean for its entry. A maneuver ends where the vehicle ended it; one that was cut is not counted. Logs
-    may be of missions.
+    `growth` is a trim's claim on errors that grow with the coast, `entry` a maneuver's claim on deviations
+    from the mean for its entry. A maneuver ends where the vehicle ended it; one that was cut is not counted.
+    Logs may be of missions.
 
     For an interpolated library, a random sample of interpolated maneuvers and of the trims that they lead to
     is flown. The share of them with every flight inside is compared with the claim for each kind.

@@ -23,7 +23,7 @@ def check_log_consistency(log: FlightLog) -> None:
 
     Raises:
         ValueError: times decrease or are not finite, a value is not finite, a topic has no message, a
-            primitive has an unknown kind, or a header field is not printable; the message says which.
+            primitive has an unknown kind, or a header field is not printable.
     """
     for name, value in asdict(log.header).items():
         text = str(value)

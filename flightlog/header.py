@@ -23,6 +23,8 @@ class FlightHeader:
         backend: numeric back-end of the vehicle, such as `casadi-3.8.2 compiled`; with planning in flight
             also that of the search: `casadi-3.8.2 compiled, plans compiled`.
         outcome: `completed`, or the reason of the failure.
+        air: mean wind, standard deviations and intensities of the wind class at the flight's height; empty
+            where not known.
     """
 
     kind: str
@@ -34,6 +36,7 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+    air: str = ""
 
     @property
     def release(self) -> str:

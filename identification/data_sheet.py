@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Sequence
 
+from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.maneuver_end import Band
 from flight.automaton.statistics import InterpolationClaim, Statistics
 from flight.automaton.trim import Trim
 from flight.plural import plural
+
+from .law_sheet import law_sections
 
 
 def data_sheet(library: Library) -> str:
@@ -23,6 +26,7 @@ def data_sheet(library: Library) -> str:
         ]
     parts += _averaged_section(library)
     parts += ["## Maneuvers", _table(_MANEUVER_HEAD, map(_maneuver_row, library.maneuvers))]
+    parts += law_sections(library, _table)
     notes = [
         f"- maneuver {row.id}: {row.notes}"
         for row in library.maneuvers
@@ -70,6 +74,7 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
     return [
         ("vehicle", library.vehicle),
         ("wind class", conditions.wind),
+        ("air", conditions.air or unknown),
         ("altitude", unknown if altitude is None else f"{altitude:g} m"),
         ("trim errors", conditions.trim_error_kind),
         ("deviations of", f"the {_MOTIONS.get(motion, motion)} motion" if motion else unknown),
@@ -77,9 +82,15 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
         ("speeds flown", unknown if speeds is None else f"{speeds[0]:g} to {speeds[1]:g} m/s"),
         ("maneuvers flown from trims", unknown if entries is None else ", ".join(map(str, entries))),
         ("coasts flown", unknown if coasts is None else f"{coasts[0]:.1f} to {coasts[1]:.1f} s"),
+        *_without_coast(conditions),
         ("end of a maneuver", unknown if rule is None else f"after {rule.dwell:g} s inside the band"),
         ("time-out", unknown if rule is None else f"{rule.timeout:g} s"),
     ]
+
+
+def _without_coast(conditions: Conditions) -> list[tuple[str, str]]:
+    share = conditions.without_coast
+    return [("maneuvers entered without a coast", f"{100 * share:.0f} %")] if share else []
 
 
 # Provenance has `believed` for the estimate.
@@ -99,10 +110,10 @@ _CLAIM = (
     "measured from; values from the same flights as the bounds need twice as many fitted numbers, so their "
     "coverage is lower. A `discarded` sample is outside the bounds: a lost flight, or one in which the "
     "maneuver timed out. It is counted and listed, and the coverage accounts for it. A maneuver ends where "
-    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are of the "
-    "motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their nominal "
-    "values; of maneuvers, duration negative, forward opposite to the motion, heading change with the turn, "
-    "side against it (thesis, 3.2.6)."
+    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are those "
+    "of the motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their "
+    "nominal values; of maneuvers, duration negative, forward opposite to the motion, heading change with "
+    "the turn, side against it (thesis, 3.2.6)."
 )
 
 

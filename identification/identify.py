@@ -84,6 +84,7 @@ def identify(
         conditions=replace(
             flown.conditions,
             wind=header.wind,
+            air=header.air or None,
             trim_error_kind=trim_errors,
             coasting_range=_coasting_range(bounding),
             vehicle_hash=header.model_hash,
@@ -155,7 +156,7 @@ def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
                 f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
             )
         seen[flight.sha256] = flight.name
-        for field in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
+        for field in ("vehicle", "model_hash", "wind", "air", "release", "arithmetic"):
             expected, got = getattr(first.header, field), getattr(flight.header, field)
             if got != expected:
                 raise InconsistentLogsError(
@@ -179,7 +180,8 @@ def _check_automaton(library: Library) -> None:
     if len(library.trims) < 2 or not library.maneuvers:
         raise NoAutomatonError(
             f"expected at least two trims and a maneuver to identify, got {len(library.trims)} and "
-            f"{len(library.maneuvers)} in library {library.name!r}"
+            f"{len(library.maneuvers)} in library {library.name!r}: command steps between trims, or "
+            "change --trims or --resolution"
         )
 
 

@@ -51,19 +51,34 @@ def add_laws(
             bounds,
             terms=terms,
             chosen=chosen,
-            discarded=0 if row.statistics is None else row.statistics.discarded,
+            discarded=_discarded(row),
             confidence=confidence,
         )
         laws.append(replace(row, law=identify_maneuver_law(known, chosen, entry)))
-    return (
-        tuple(replace(trim, law=identify_trim_law(trim, flights, chosen)) for trim in trims),
-        tuple(laws),
+    held = tuple(
+        replace(
+            trim,
+            law=identify_trim_law(
+                trim,
+                bounding=parts[0],
+                nominal=parts[1],
+                chosen=chosen,
+                discarded=_discarded(trim),
+                confidence=confidence,
+            ),
+        )
+        for trim in trims
     )
+    return held, tuple(laws)
+
+
+def _discarded(part: Trim | Maneuver) -> int:
+    return 0 if part.statistics is None else part.statistics.discarded
 
 
 def _thinned(count: int) -> list[int]:
     """Returns evenly spaced places of at most `MOST_DEVIATIONS` flights."""
     if not count:
         return []
-    places = np.linspace(0, count - 1, min(count, MOST_DEVIATIONS)).round().astype(int)
-    return places.tolist()
+    places = np.linspace(0, count - 1, min(count, MOST_DEVIATIONS)).round()
+    return list(map(int, places))

@@ -1,4 +1,4 @@
-"""A campaign as `maneuver fly` flies it."""
+"""Campaign flights of `maneuver fly`."""
 
 from pathlib import Path
 
@@ -19,14 +19,14 @@ def order_campaign(
     seed: int,
     flight_options: FlightOptions,
 ) -> CampaignOrder:
-    """Returns what is flown of a campaign.
+    """Returns the order of a campaign.
 
     Args:
         name: or path of the campaign.
         counts: flights for the bounds and for the values; None for the campaign's.
         wind: wind class; None for the campaign's.
-        seed: of all chance.
-        flight_options: how the flights differ from plain ones.
+        seed: seed of all random numbers.
+        flight_options: options of the flights.
 
     Raises:
         FlightError: there is no such campaign, or it is broken.
@@ -53,8 +53,8 @@ def fly_ordered_campaign(
     Raises:
         FlightError: the campaign cannot be flown as asked, or the folder holds something else.
     """
-    with open_executor(job_executor) as lent:
-        flown = fly_campaign(order, folder, job_executor=lent, force=force)
+    with open_executor(job_executor) as executor:
+        flown = fly_campaign(order, folder, job_executor=executor, force=force)
     lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
     result: dict[str, object] = {
         "campaign": order.campaign.name,

@@ -1,4 +1,4 @@
-"""`maneuver import`: a flight that another program logged, as a log of ours."""
+"""`maneuver import`: flight log from another program's log."""
 
 import json as json_module
 import sys
@@ -45,20 +45,20 @@ def import_log(
 ) -> int:
     """Imports a PX4 ULog, an MCAP file or a table.
 
-    What the file does not hold is absent, not zero; review and identification use what is there.
+    Data that the file lacks are absent from the log, not zero. Review and identification use what is present.
 
-    FLIGHT.ulg: the estimate, the truth where a simulator logged it, the velocities asked for, controls and
-    wind. Of a damaged one what is whole is imported, and the exit code is 3.
+    FLIGHT.ulg: estimate, truth if a simulator logged it, velocity setpoints, controls and wind. The intact
+    part of a damaged file is imported, with exit code 3.
 
-    FLIGHT.mcap: --pose and --velocity name topics of ROS 2, protobuf or JSON messages such as Odometry,
-    PoseStamped, TransformStamped, TwistStamped, PoseInFrame. Axes are those of ROS unless stated: east,
-    north, up and forward, left, up; of px4_msgs north, east, down and forward, right, down. A velocity is
-    along the body in odometry and where its frame is not the pose's, otherwise along the world. Without one,
-    the slope of the position is taken.
+    FLIGHT.mcap: --pose and --velocity name topics with ROS 2, protobuf or JSON messages such as Odometry,
+    PoseStamped, TransformStamped, TwistStamped, PoseInFrame. Default axes are those of ROS: world east,
+    north, up and body forward, left, up; for px4_msgs north, east, down and forward, right, down. Velocities
+    are in body axes in Odometry messages and if their frame differs from the pose's, otherwise in world
+    axes. Without a velocity topic, velocity is the slope of the position.
 
-    FLIGHT.csv: --columns NAME=HEADING ..., NAME one of time, x y z, vx vy vz, qw qx qy qz, roll pitch yaw,
-    wx wy wz, u1 to u12; a heading that is such a name needs no mention; z, vz, roll and pitch may lack. Axes
-    are north, east, down and forward, right, down unless stated; velocities are along the world's.
+    FLIGHT.csv: --columns NAME=HEADING ..., with NAME one of time, x y z, vx vy vz, qw qx qy qz, roll pitch
+    yaw, wx wy wz, u1 to u12. Headings that equal a NAME need no option. z, vz, roll and pitch are optional.
+    Default axes are north, east, down and forward, right, down; velocities are in world axes.
 
     For example:
 
@@ -72,18 +72,18 @@ def import_log(
 
     Args:
         log: FLIGHT.ulg, FLIGHT.mcap or FLIGHT.csv.
-        pose: topic of an MCAP that says where the vehicle is and how it stands.
-        velocity: topic of an MCAP that says how it moves; the pose's own topic by default.
-        columns: of a table, as NAME=HEADING.
-        time_unit: of a table's times; seconds by default, where they can be.
-        world: axes of the world: north, east, down or east, north, up.
-        body: axes of the body: forward, right, down or forward, left, up.
-        velocity_in: whether an MCAP's velocities are along the world's axes or the body's.
-        as_: whether an MCAP or a table holds what the vehicle believed (the default) or what was so, as a
-            camera system knows it.
+        pose: topic of an MCAP file with position and attitude.
+        velocity: topic of an MCAP file with the velocity; the pose topic by default.
+        columns: columns of a table, as NAME=HEADING.
+        time_unit: unit of a table's times; seconds by default, if plausible.
+        world: world axes: north, east, down or east, north, up.
+        body: body axes: forward, right, down or forward, left, up.
+        velocity_in: axes of an MCAP file's velocities: world or body.
+        as_: meaning of an MCAP file or table: the vehicle's estimate (the default), or the truth, such as
+            from a motion-capture system.
         out: flight log to write; LOG's name with .mcap by default.
         force: overwrite OUT.
-        json: print what came of it as JSON.
+        json: print the result as JSON.
     """
     path = out or Path(f"{log.stem}.mcap")
     check_output_files(path, force=force, inputs=[log])
@@ -91,19 +91,19 @@ def import_log(
     table = {"columns": columns, "time_unit": time_unit}
     topic = TRUTH if as_ == "truth" else ESTIMATE
     if log.suffix == ".ulg":
-        _check_options(
-            "a ULog says what it holds", {**stated, **table, "world": world, "body": body, "as": as_}
-        )
+        _check_options("a .ulg file", {**stated, **table, "world": world, "body": body, "as": as_})
         flight = read_px4_log(log)
     elif log.suffix == ".mcap":
-        _check_options("they are for tables", table)
+        _check_options("an .mcap file", table)
         if pose is None:
-            raise FlightError(f"{log}: expected --pose TOPIC, and --velocity TOPIC where that is another one")
+            raise FlightError(
+                f"{log}: expected --pose TOPIC, and --velocity TOPIC if it is another, got none"
+            )
         flight = read_external_mcap(
             log, McapImportSettings(pose, velocity, world, body, velocity_in), topic=topic
         )
     elif log.suffix == ".csv":
-        _check_options("they are for MCAP files", stated)
+        _check_options("a .csv file", stated)
         axes = Axes(world or "ned", body or "frd")
         flight = read_external_csv(log, _pairs(columns), axes=axes, time_unit=time_unit, topic=topic)
     else:
@@ -113,11 +113,11 @@ def import_log(
     return _warn(log, flight)
 
 
-def _check_options(reason: str, options: Mapping[str, object]) -> None:
-    """Refuses options that a file of this kind has no use for."""
+def _check_options(kind: str, options: Mapping[str, object]) -> None:
+    """Refuses options that a kind of file does not have."""
     given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value]
     if given:
-        raise FlightError(f"{', '.join(given)} cannot be given here: {reason}")
+        raise FlightError(f"{', '.join(given)}: not valid for {kind}")
 
 
 def _pairs(columns: tuple[str, ...]) -> dict[str, str]:
@@ -139,16 +139,16 @@ def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
     }
     absent = [topic.name for topic in contract if topic.name not in flight.series]
     states = flight.motion
-    wanting = [name for name in ESTIMATE.field_names if not states.has_fields(name)]
+    missing = [name for name in ESTIMATE.field_names if not states.has_fields(name)]
     taken: dict[str, Any] = json_module.loads(flight.attachments[IMPORT_ATTACHMENT])
     if json:
         facts = {"log": str(path), "duration": flight.duration, "held": held, "absent": absent}
-        print(json_module.dumps({**facts, "absent_of_the_state": wanting, "import": taken}))
+        print(json_module.dumps({**facts, "absent_of_the_state": missing, "import": taken}))
         return
-    rows = [("log", str(path)), ("duration", f"{flight.duration:.2f} s"), ("held", ", ".join(held))]
-    if wanting:
-        rows.append(("not held", f"{', '.join(wanting)} of {states.topic.name}"))
-    rows.append(("absent", ", ".join(absent)))
+    rows = [("log", str(path)), ("duration", f"{flight.duration:.2f} s"), ("topics", ", ".join(held))]
+    if missing:
+        rows.append(("missing fields", f"{', '.join(missing)} of {states.topic.name}"))
+    rows.append(("missing topics", ", ".join(absent)))
     rows += [
         (name, str(value)) for name, value in taken.items() if isinstance(value, str) and name != "sha256"
     ]
@@ -159,16 +159,16 @@ def _report(flight: FlightLog, path: Path, *, json: bool) -> None:
 
 def _warn(log: Path, flight: FlightLog) -> int:
     """Prints warnings about an imported log on stderr; returns the exit code."""
-    apart = velocity_disagreement(flight.motion)
-    if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
+    found = velocity_disagreement(flight.motion)
+    if found is not None and found[0] > max(MOST_DIFFERENT * found[1], LEAST_DIFFERENCE):
         print(
-            f"maneuver: {log}: velocities differ from what the positions show by {apart[0]:.2f} m/s at a "
-            f"speed of {apart[1]:.2f} m/s: see --world, --body, --velocity-in, and --time-unit of tables",
+            f"maneuver: {log}: velocities differ from the slope of the positions by {found[0]:.2f} m/s at a "
+            f"speed of {found[1]:.2f} m/s: check --world, --body, --velocity-in, and --time-unit of tables",
             file=sys.stderr,
         )
     states = flight.motion
     if states.has_fields("roll", "pitch") and np.mean(np.cos(states["roll"]) * np.cos(states["pitch"])) < 0.0:
-        print(f"maneuver: {log}: flies upside down most of the time: see --world and --body", file=sys.stderr)
+        print(f"maneuver: {log}: inverted flight most of the time: check --world and --body", file=sys.stderr)
     if flight.header.outcome != "completed":
         print(f"maneuver: {log}: {flight.header.outcome}", file=sys.stderr)
         return WITH_LOSS

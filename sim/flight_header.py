@@ -16,6 +16,7 @@ from runtime.code_version import code_version
 from sim.loop.backend import Backend, name_backend
 from sim.loop.specification import FlightSpecification
 from sim.vehicle.parameters import Parameters, model_hash, model_text
+from sim.wind.air_statement import state_wind
 
 
 def flight_header(
@@ -36,6 +37,7 @@ def flight_header(
         code_version=code_version(),
         backend=name_backend(backend),
         outcome=outcome,
+        air=state_wind(specification.wind, height=specification.altitude),
     )
 
 

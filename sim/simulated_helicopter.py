@@ -27,6 +27,7 @@ from sim.navigation.navigation import IdealNavigation, Navigation, Navigator
 from sim.vehicle.equilibrium import find_equilibrium
 from sim.vehicle.helicopter import Helicopter, move_in_plane
 from sim.vehicle.parameters import Parameters, read_parameters
+from sim.wind.flyable import check_flyable
 from sim.wind.weather import Weather
 
 from .flight_header import flight_attachments, flight_header
@@ -51,6 +52,7 @@ class SimulatedHelicopter:
 
     Raises:
         NoManeuverEndError: the library has no maneuver-end rule.
+        UnflyableWindError: the vehicle cannot hold the wind.
         FlightLostError: the flight was lost during settling.
     """
 
@@ -65,6 +67,8 @@ class SimulatedHelicopter:
     ) -> None:
         if library.conditions.maneuver_end is None:
             raise NoManeuverEndError(library.name)
+        for wind in (specification.wind, *(change.wind for change in specification.wind_changes)):
+            check_flyable(wind, library, height=specification.altitude)
         parameters = parameters or read_parameters()
         self._backend = backend = backend or best_backend()
         self._rule = library.conditions.maneuver_end
@@ -232,6 +236,7 @@ class SimulatedHelicopter:
             standard_deviation=self._recorder.standard_deviation(first, self._periods),
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
+            believed=self._recorder.believed(first),
         )
 
     def _alarm_since(self, period: int) -> str:

@@ -18,7 +18,7 @@ from sim.loop.specification import CONTROL_PERIOD
 from sim.navigation.filter import GATE
 from sim.navigation.navigation import Navigation, Navigator
 from sim.wind.turbulence_meter import TurbulenceMeter
-from sim.wind.wind import WIND_CLASSES
+from sim.wind.wind_class import known_wind_class
 
 PERIODS_PER_CHECK = 10
 """Control periods between two checks, equal to those between two fixes."""
@@ -52,7 +52,7 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
 )
 """Limits by kind.
 
-They are above the largest values of fault-free flights in wind classes `gtmax` and `moderate`, as printed by
+They are above the largest values of fault-free flights in wind classes `gtmax` and `light`, as printed by
 `benchmarks.flight.alarm_limits`. Limits of missing and stuck readings are chosen: the filter bridges such
 times. The turbulence limit depends on the library (`alarm_limits`).
 """
@@ -65,7 +65,7 @@ _INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmK
 
 def alarm_limits(library: Library) -> Mapping[AlarmKind, float]:
     """Returns the limits for a library, with its turbulence limit."""
-    known = WIND_CLASSES.get(library.conditions.wind)
+    known = known_wind_class(library.conditions.wind)
     beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
     return {**LIMITS, AlarmKind.TURBULENCE: beyond}
 

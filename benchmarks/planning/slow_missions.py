@@ -77,7 +77,7 @@ def main(seed: int, seconds: float, folder: Path | None) -> int:
     for place, (taken, status, case) in enumerate(pool):
         print(f"  {taken:6.3f} s {status:<10} {case.kind}, {described(case)}")
         if folder is not None:
-            keep(case, folder / f"slow-{seed}-{place}")
+            write_case(case, folder / f"slow-{seed}-{place}")
     return over
 
 
@@ -99,7 +99,7 @@ def described(case: Case) -> str:
     )
 
 
-def keep(case: Case, path: Path) -> None:
+def write_case(case: Case, path: Path) -> None:
     """Writes the library, and the mission as a line."""
     path.mkdir(parents=True, exist_ok=True)
     (path / "lib.json").write_text(library_text(case.library))

@@ -20,12 +20,13 @@ class Conditions(FileValue):
         wind: wind class, such as `gtmax`; `not stated` for a library from a book.
         altitude: metres above ground; None where not stated.
         maneuver_end: the rule by which maneuvers were ended; None where not stated.
-        trim_error_kind: whether trim errors are instantaneous deviations, averages over a coast, or assumed.
+        trim_error_kind: kind of trim errors: instantaneous deviations, averages over a coast, or assumed.
         coasting_range: shortest and longest coast flown, seconds; None where not stated.
         vehicle_hash: SHA-256 of the parameters of the vehicle that flew; None where not stated.
         speed_range: lowest and highest forward speed commanded, metres per second; None where not stated.
         without_coast: share of maneuvers that were to be entered right after another one.
         entry_trims: ids of the trims that were held and left by maneuvers; None where not stated.
+        air: mean wind, standard deviations and intensities at the altitude; None where not stated.
     """
 
     wind: str = "not stated"
@@ -46,3 +47,4 @@ class Conditions(FileValue):
     without_coast: Annotated[
         Omittable[Share], Field(description="share of maneuvers entered right after another; absent: none")
     ] = 0.0
+    air: Annotated[str | None, Field(description="mean wind and gusts at the altitude")] = None

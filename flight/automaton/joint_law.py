@@ -5,7 +5,7 @@ a flight lacks a primitive, the next flight that has it stands in.
 """
 
 from dataclasses import dataclass
-from math import exp
+from math import exp, sqrt
 from typing import Annotated
 
 from pydantic import Field, NonNegativeFloat, PositiveFloat
@@ -116,6 +116,11 @@ class ManeuverLaw(FileValue):
     path: Annotated[tuple[PathInstant, ...], Field(min_length=PATH_INSTANTS, max_length=PATH_INSTANTS)]
     entry: EntryDependence | None = None
 
+    @property
+    def claims_entries(self) -> bool:
+        """True if bounds about the mean for an entry are claimed."""
+        return self.entry is not None and self.entry.bounds is not None and self.entry.coverage > 0
+
     def mean_after(self, previous: int | None, coast: float, offset: Row3) -> Row4:
         """Returns the mean values for one way of entering, or for all."""
         return self.mean if self.entry is None else self.entry.mean_after(previous, coast, offset)
@@ -151,9 +156,36 @@ class TrimLaw(FileValue):
         covariance: of a flight's mean velocity, between flights.
         deviations: rows of a flight's mean velocity less the mean.
         within: fluctuation within a coast.
+        bounds: standard deviations after a coast that forward, side and heading errors stay within, whatever
+            the coast's duration; None where none were identified.
+        coverage: share of future flights inside all bounds at all times of all coasts at once, at the
+            confidence of the trim's statistics; 0 without a claim.
     """
 
     mean: Twist
     covariance: tuple[Row3, Row3, Row3]
     deviations: Annotated[tuple[Row3, ...], Field(max_length=MOST_DEVIATIONS)]
     within: VelocityFluctuation
+    bounds: Row3 | None = None
+    coverage: Omittable[Share] = 0.0
+
+    def standard_deviation_after(self, coast: float) -> Row3:
+        """Returns the standard deviations of the velocity's integral over a coast.
+
+        Metres along and across the heading, and radians, after so many seconds.
+        """
+        forward, side, heading = (
+            sqrt(self.covariance[place][place] * coast**2 + grown)
+            for place, grown in enumerate(self.within.integrated_variance(coast))
+        )
+        return forward, side, heading
+
+    def bounds_after(self, coast: float) -> Row3 | None:
+        """Returns the bounds of these errors; None where none are claimed."""
+        if self.bounds is None or not self.coverage:
+            return None
+        forward, side, heading = (
+            factor * spread
+            for factor, spread in zip(self.bounds, self.standard_deviation_after(coast), strict=True)
+        )
+        return forward, side, heading

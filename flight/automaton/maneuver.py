@@ -9,7 +9,7 @@ from pydantic import Field, NonNegativeFloat
 from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
-from .joint_law import ManeuverLaw
+from .joint_law import ManeuverLaw, Row3, Row4
 from .statistics import InterpolationClaim, Statistics
 
 
@@ -27,7 +27,7 @@ class ManeuverError(FileValue):
         if not all(
             isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)
         ):
-            raise ValueError(f"maneuver errors are finite, got {self}")
+            raise ValueError(f"maneuver errors must be finite, got {self}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,6 +36,15 @@ class ManeuverOutcome:
 
     duration: float
     displacement: SE2
+
+
+@dataclass(frozen=True, slots=True)
+class ManeuverBounds:
+    """Values and half widths: duration, forward, side, heading change."""
+
+    centre: Row4
+    size: Row4
+    coverage: float | None
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +59,10 @@ class Maneuver:
         displacement: forward, to the right, heading change, in the body frame at entry, so that
             `pose_exit = pose_entry @ displacement` (thesis, eq. 3b with the rotation it leaves out).
         error: signed errors; gamma scales them.
-        statistics: how the errors were found, where they were measured.
-        notes: what a reader should know, such as a suspect row of a printed table.
-        interpolated: what is claimed of its errors, where they were interpolated between flown maneuvers.
-        law: joint law of its values over flights, where it was identified.
+        statistics: samples behind the errors, if they were measured.
+        notes: remarks, such as a suspect row of a printed table.
+        interpolated: claim of the errors, if they were interpolated between flown maneuvers.
+        law: joint law of its values over flights, if it was identified.
     """
 
     id: int
@@ -83,6 +92,32 @@ class Maneuver:
             ),
         )
 
+    @property
+    def bounds(self) -> ManeuverBounds:
+        """Bounds for every entry: the values and their errors."""
+        moved, error = self.displacement, self.error
+        return ManeuverBounds(
+            centre=(self.duration, moved.x, moved.y, moved.heading),
+            size=(abs(error.duration), abs(error.forward), abs(error.side), abs(error.heading_change)),
+            coverage=None if self.statistics is None else self.statistics.coverage,
+        )
+
+    def bounds_after(self, previous: int | None, coast: float, believed: Row3) -> ManeuverBounds:
+        """Returns the bounds for one way of entering, if claimed.
+
+        Without such a claim they are the bounds for every entry.
+
+        Args:
+            previous: id of the maneuver before; None where there was none.
+            coast: seconds since that maneuver ended.
+            believed: believed entry velocity less the command of the trim left: m/s, m/s, rad/s.
+        """
+        law = self.law
+        if law is None or law.entry is None or law.entry.bounds is None or not law.entry.coverage:
+            return self.bounds
+        mean = law.entry.mean_after(previous, coast, believed)
+        return ManeuverBounds(mean, law.entry.bounds, law.entry.coverage)
+
 
 @dataclass(frozen=True, slots=True)
 class DisplacementRow(FileValue):
@@ -94,7 +129,7 @@ class DisplacementRow(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class ManeuverRow(FileValue):
-    """A maneuver as it stands in files."""
+    """A maneuver as in files."""
 
     id: int
     from_trim: Annotated[int, Field(alias="from")]

@@ -27,9 +27,9 @@ class ArrivalVerdict:
     """Judgement of a mission flight.
 
     Attributes:
-        reached: whether the true track met position, heading and trim of the goal, on a plan, and the vehicle
+        reached: True if the true track met position, heading and trim of the goal, on a plan, and the vehicle
             declared its arrival.
-        declared: whether the vehicle ended its mission as arrived, by its estimate.
+        declared: True if the vehicle ended its mission as arrived, by its estimate.
         time: seconds since the start of the first true arrival; None where not reached.
         closest: least true distance to the goal in metres, up to the arrival; None where nothing was flown.
         reason: why it was not reached; empty where it was.
@@ -51,7 +51,7 @@ def judge_arrival(
         segments: of the flight, in order.
         goal: position and heading with their tolerances.
         trim: id of the trim wanted at the goal; None for any.
-        declared: whether the vehicle declared its arrival.
+        declared: True if the vehicle declared its arrival.
     """
     counted = [part.track for part in segments if part.on_plan and trim in {None, part.trim}]
     met = first_arrival(counted, goal)

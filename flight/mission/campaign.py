@@ -33,8 +33,8 @@ class Campaign(FileValue):
         library: name or path of the library that names the trims and the maneuvers.
         wind: wind class.
         altitude: metres above ground.
-        flights: how many give the bounds.
-        nominal_flights: how many others give the values of maneuvers; 0 lets the same flights give both.
+        flights: number of flights for the bounds.
+        nominal_flights: number of other flights for the values of maneuvers; 0 for the same flights.
         without_coast: share of trims left at once; the other coasts are then short ones more often.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.

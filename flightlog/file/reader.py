@@ -73,7 +73,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         zstandard.ZstdError,
         MemoryError,
     ) as error:
-        raise BadFileError(path, f"is no flight log: {error}") from None
+        raise BadFileError(path, f"is not a flight log: {error}") from None
 
 
 def _check_complete(content: bytes, path: Path) -> None:
@@ -118,7 +118,8 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
     names = {field.name for field in fields(FlightHeader)}
-    if set(metadata) != names:
+    # Logs of earlier releases do not state the air.
+    if set(metadata) | {"air"} != names:
         raise ValueError(f"expected header fields {sorted(names)}, got {sorted(metadata)}")
     return FlightHeader(**{**metadata, "seed": int(metadata["seed"])})  # type: ignore[arg-type]
 

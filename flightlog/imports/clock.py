@@ -62,7 +62,7 @@ def check_clock(time: Column, *, sample: str) -> None:
         sample: name of a sample in the file, such as `row`.
 
     Raises:
-        ClockError: it does; the message says at which sample and by how much.
+        ClockError: it is not; the message has the sample and the size.
     """
     places = np.flatnonzero(np.isfinite(time))
     steps = np.diff(time[places])
@@ -77,7 +77,7 @@ def check_clock(time: Column, *, sample: str) -> None:
     if len(steps) and 0.0 < np.ptp(time[places]) < INTERVALS[0] * len(steps):
         raise ClockError(
             f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {len(places)} in "
-            f"{np.ptp(time[places]):.3g} s: the unit of the times is another"
+            f"{np.ptp(time[places]):.3g} s: check the unit of the times"
         )
     latest = np.maximum.accumulate(time[places])
     lost = int((time[places] < latest).sum())

@@ -74,11 +74,13 @@ def coasting_times(
         rng: random number generator.
         without_coast: share of zeros.
     """
-    if not without_coast:
-        return rng.uniform(*coasting_range, count).tolist()
     shortest, longest = coasting_range
-    drawn = (rng.uniform(0.0, 1.0, count) - without_coast) / (1.0 - without_coast)
-    return np.where(drawn < 0, 0.0, shortest + (longest - shortest) * drawn**2).tolist()
+    if without_coast:
+        drawn = (rng.uniform(0.0, 1.0, count) - without_coast) / (1.0 - without_coast)
+        times = np.where(drawn < 0, 0.0, shortest + (longest - shortest) * drawn**2)
+    else:
+        times = rng.uniform(shortest, longest, count)
+    return list(map(float, times))
 
 
 def tour_edges(edges: list[Edge]) -> list[Edge]:

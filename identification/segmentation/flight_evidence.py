@@ -27,8 +27,7 @@ class FlightEvidence:
 
     Attributes:
         name: name of the log in errors.
-        sha256: hash of the log's content (`flightlog.identity.fingerprint`), as
-            hexadecimal digits.
+        sha256: hash of the flight to six digits (`flightlog.identity.fingerprint`), as hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.

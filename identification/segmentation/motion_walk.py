@@ -23,7 +23,7 @@ def trim_graph_of(library: Library) -> TrimGraph:
     rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError(
-            f"library {library.name!r} has no conditions.maneuver_end: expected a band for each trim, dwell, "
+            f"library {library.name!r}: expected conditions.maneuver_end with a band for each trim, dwell, "
             "timeout"
         )
     places = {trim.id: place for place, trim in enumerate(library.trims)}

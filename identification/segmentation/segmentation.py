@@ -8,6 +8,7 @@ from jaxtyping import Float
 
 from flight.automaton.joint_law import PATH_INSTANTS, Row3
 from flight.automaton.library import Library
+from flight.automaton.maneuver import Maneuver, ManeuverBounds
 from flight.automaton.maneuver_end import ManeuverEnd, ManeuverEndDetector, ManeuverStatus
 from flight.errors import FlightError
 from flight.se2 import SE2, Twist
@@ -190,6 +191,17 @@ def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> S
     return Segments(tuple(maneuvers), tuple(coasts))
 
 
+def entry_bounds(library: Library, maneuver: Maneuver, part: ManeuverSegment) -> ManeuverBounds:
+    """Returns a maneuver's bounds for the entry of one performance."""
+    believed, command = part.believed, library.trim(maneuver.from_trim).velocity
+    offset = (
+        believed.forward - command.forward,
+        believed.side - command.side,
+        believed.yaw_rate - command.yaw_rate,
+    )
+    return maneuver.bounds_after(part.previous, part.coast, offset)
+
+
 def believed_motion(log: FlightLog) -> Series:
     """Returns the motion that the vehicle applies the rule to."""
     return log[ESTIMATE] if ESTIMATE.name in log.series else log.motion
@@ -235,7 +247,7 @@ def _path(motion: Series, first: int, last: int) -> tuple[Row3, ...]:
 
 
 def _row_at(motion: Series, time: float) -> int:
-    """Returns the first row at a time or after it, to 0.5 µs; the last if none is."""
+    """Returns the first row not before a time, or the last."""
     return min(int(np.searchsorted(motion.time, time - 5e-7)), len(motion.time) - 1)
 
 

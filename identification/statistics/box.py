@@ -5,9 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-_ROUNDING = 2e-9
-"""Share of a half width that is rounding, as `digits` has it."""
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Box:
@@ -27,9 +24,7 @@ class Box:
         self, low: Float[np.ndarray, "n scalars"], high: Float[np.ndarray, "n scalars"]
     ) -> np.ndarray:
         """Returns True for each sample that lies entirely inside."""
-        # The sample that determines a side lies on it, but for the rounding of the side.
-        size = self.size * (1 + _ROUNDING)
-        inside = (np.abs(low - self.centre) <= size) & (np.abs(high - self.centre) <= size)
+        inside = (np.abs(low - self.centre) <= self.size) & (np.abs(high - self.centre) <= self.size)
         return np.asarray(inside.all(axis=1))
 
 

@@ -20,19 +20,24 @@ def rounded(value: float) -> float:
 
 
 def rounded_up(value: float) -> float:
-    """Returns the least number of six digits that is not below a positive one."""
+    """Returns a positive number rounded up to six digits.
+
+    What is such a number but for a processor's last bits becomes the next one, so that it is a bound on all.
+    """
     if value <= _ZERO:
-        return 0.0
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return rounded(ceil(value * (1 - _SAME) / unit) * unit)
+        return 2 * _ZERO if value > 0 else 0.0
+    above = value * (1 + _SAME)
+    unit = 10.0 ** (floor(log10(above)) - DIGITS + 1)
+    return rounded(ceil(above / unit) * unit)
 
 
 def rounded_down(value: float) -> float:
-    """Returns the largest number of six digits that is not above a positive one."""
+    """Returns a positive number rounded down to six digits."""
     if value <= _ZERO:
         return 0.0
-    unit = 10.0 ** (floor(log10(value)) - DIGITS + 1)
-    return rounded(floor(value * (1 + _SAME) / unit) * unit)
+    below = value * (1 - _SAME)
+    unit = 10.0 ** (floor(log10(below)) - DIGITS + 1)
+    return rounded(floor(below / unit) * unit)
 
 
 def row3(values: Iterable[float]) -> Row3:

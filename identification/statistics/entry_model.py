@@ -1,4 +1,4 @@
-"""Dependence of a maneuver's values on its entry: ridge regression and held-out choice.
+"""Dependence of a maneuver's values on its entry, by ridge regression.
 
 A value is modelled as base + shift of the previous maneuver exp(-coast / fade time) + a linear term in the
 believed entry velocity less the trim's command. Coefficients are shrunk towards 0 (ridge, in standard
@@ -79,7 +79,8 @@ class EntryFit:
     def means(self, entries: Entries) -> Float[np.ndarray, "n 4"]:
         """Returns the mean values at given entries."""
         faded = _faded(entries, self.previous, self.fade_time)
-        return self.base + faded @ self.shifts + entries.offset @ self.velocity.T
+        means: Float[np.ndarray, "n 4"] = self.base + faded @ self.shifts + entries.offset @ self.velocity.T
+        return means
 
 
 def fit_entries(entries: Entries, terms: EntryTerms) -> EntryFit:
@@ -153,4 +154,5 @@ def _score_by_flight(maneuvers: Sequence[Entries], terms: EntryTerms) -> Float[n
 
 def _faded(entries: Entries, previous: tuple[int, ...], fade_time: float) -> Float[np.ndarray, "n previous"]:
     share = np.exp(-entries.coast / fade_time)
-    return (entries.previous[:, None] == np.array(previous, dtype=np.int64)) * share[:, None]
+    follows = entries.previous[:, None] == np.array(previous, dtype=np.int64)
+    return np.asarray(follows * share[:, None])

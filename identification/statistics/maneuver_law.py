@@ -1,4 +1,4 @@
-"""Joint law of a maneuver's values, its path, and its dependence on the entry."""
+"""Joint law of a maneuver: values, path, dependence on the entry."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -135,7 +135,7 @@ def identify_entry(
 
 
 def _rounded_fit(fit: EntryFit) -> EntryFit:
-    """Returns the fit with the digits of files, which the bounds are about."""
+    """Returns the fit in the digits of files, for bounds about it."""
     return EntryFit(
         base=np.array(row4(fit.base)),
         previous=fit.previous,
@@ -157,7 +157,7 @@ def _covariance(errors: Float[np.ndarray, "n 4"]) -> tuple[Row4, Row4, Row4, Row
 def _chosen_rows(
     entries: Entries, errors: Float[np.ndarray, "n 4"], chosen: Sequence[int]
 ) -> tuple[Row4, ...]:
-    """Returns the first error of each chosen flight, or of the next one."""
+    """Returns the first error of each chosen flight, or the next."""
     flights = entries.flight
     places = [int(np.searchsorted(flights, place)) % len(flights) for place in chosen]
     return tuple(row4(errors[place]) for place in places)

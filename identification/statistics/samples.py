@@ -53,7 +53,10 @@ class Samples:
             NeverFlownError: no flight has the primitive.
         """
         if not len(self.low):
-            raise NeverFlownError(f"expected {what} in at least one log, got none")
+            raise NeverFlownError(
+                f"expected {what} in at least one log, got none: command it, fly longer, or change "
+                "--trims or --resolution"
+            )
         return self
 
 

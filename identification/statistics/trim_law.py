@@ -1,6 +1,7 @@
 """Law of a trim's velocity: between flights, and within a coast."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from jaxtyping import Float
@@ -10,9 +11,11 @@ from flight.automaton.joint_law import TrimLaw, VelocityFluctuation
 from flight.automaton.trim import Trim
 from flight.se2 import Twist
 from identification.segmentation.flight_evidence import FlightEvidence
+from identification.segmentation.segmentation import CoastSegment
 
-from .digits import matrix3, rounded, row3
-from .samples import coasts_of
+from .coverage import joint_coverage
+from .digits import matrix3, rounded, rounded_down, rounded_up, row3
+from .samples import TRIM_SCALARS, coasts_of
 
 COASTS = (0.1, 0.25, 0.5, 1.0, 2.0, 4.0, 6.0)
 """Durations in seconds at which the growth of errors is fitted."""
@@ -24,57 +27,106 @@ LEAST_COASTS = 8
 """Coasts of a duration that its variance is taken from, at least."""
 
 
-def identify_trim_law(trim: Trim, flights: Sequence[FlightEvidence], chosen: Sequence[int]) -> TrimLaw | None:
+def identify_trim_law(
+    trim: Trim,
+    *,
+    bounding: Sequence[FlightEvidence],
+    nominal: Sequence[FlightEvidence],
+    chosen: Sequence[int],
+    discarded: int,
+    confidence: float,
+) -> TrimLaw | None:
     """Returns the law of a trim's velocity; None without two flights.
 
     The variance of the velocity's integral over the first t seconds of a coast is fitted by
     b^2 t^2 + 2 s^2 T (t - T (1 - exp(-t / T))): b between flights, s and T within a coast. Means of flights
-    scatter by both, so their deviations are shrunk to the standard deviation b.
+    scatter by both, so their deviations are shrunk to the standard deviation b. Mean and growth are those of
+    the nominal flights, so that bounds of the others in standard deviations have one fitted value a scalar;
+    without nominal flights they are those of all, and no coverage is claimed.
 
     Args:
         trim: the trim.
-        flights: evidence in a fixed order.
-        chosen: places of the flights whose deviations are kept.
+        bounding: flights for the bounds, in a fixed order.
+        nominal: flights for the values.
+        chosen: places, in bounding and nominal flights, of those whose deviations are kept.
+        discarded: samples outside the bounds.
+        confidence: confidence of the coverage.
     """
-    held = {place: coasts_of(flight, trim.id) for place, flight in enumerate(flights)}
-    velocities = {
-        place: np.concatenate([coast.velocity for coast in coasts])
-        for place, coasts in held.items()
+    flights = [*bounding, *nominal]
+    held = [coasts_of(flight, trim.id) for flight in flights]
+    learnt = held[len(bounding) :] if nominal else held
+    samples = [np.concatenate([coast.velocity for coast in coasts]) for coasts in learnt if coasts]
+    if len(samples) < 2:
+        return None
+    mean = np.array(row3(np.concatenate(samples).mean(axis=0)))
+    integrals = [_integral(coast, mean) for coasts in learnt for coast in coasts]
+    between, within, times = np.array([_fit_growth(integrals, part) for part in range(3)]).T
+    means = {
+        place: np.concatenate([coast.velocity for coast in coasts]).mean(axis=0) - mean
+        for place, coasts in enumerate(held)
         if coasts
     }
-    if len(velocities) < 2:
-        return None
-    mean = np.concatenate(list(velocities.values())).mean(axis=0)
-    integrals = [
-        _integral(coast.velocity - mean, coast.duration) for coasts in held.values() for coast in coasts
-    ]
-    fitted = np.array([_fit_growth(integrals, part) for part in range(3)])
-    between, within, times = fitted.T
-    means = {place: velocity.mean(axis=0) - mean for place, velocity in velocities.items()}
     rows = np.array(list(means.values()))
     spread = rows.std(axis=0, ddof=1)
     shrunk = np.where(spread > 0, np.minimum(between / np.where(spread > 0, spread, 1.0), 1.0), 0.0)
-    covariance = np.cov((rows * shrunk).T)
     places = list(means)
-    return TrimLaw(
-        mean=Twist(*row3(mean)),
-        covariance=matrix3(covariance),
+    law = TrimLaw(
+        mean=Twist(*mean.tolist()),
+        covariance=matrix3(np.outer(between, between) * _correlation(rows)),
         deviations=tuple(row3(means[_at(place, places)] * shrunk) for place in chosen),
         within=VelocityFluctuation(row3(within), row3(times)),
     )
+    if not nominal:
+        return law
+    largest = [growth_ratios(coasts, law) for coasts in held[: len(bounding)] if coasts]
+    known = [ratios for ratios in largest if ratios is not None]
+    if not known:
+        return law
+    coverage = joint_coverage(
+        len(known) + discarded, support=len(TRIM_SCALARS), confidence=confidence, discarded=discarded
+    )
+    bounds = row3(map(rounded_up, np.max(known, axis=0).tolist()))
+    return replace(law, bounds=bounds, coverage=rounded_down(coverage))
+
+
+def growth_ratios(coasts: Sequence[CoastSegment], law: TrimLaw) -> Float[np.ndarray, "3"] | None:
+    """Returns the largest errors of coasts in standard deviations of their growth.
+
+    None where no coast is longer than a control period.
+    """
+    mean = np.array([law.mean.forward, law.mean.side, law.mean.yaw_rate])
+    largest = []
+    for coast in coasts:
+        time, way = _integral(coast, mean)
+        spread = np.array([law.standard_deviation_after(float(one)) for one in time[1:]])
+        # A component that never deviated has no scale; any deviation is outside.
+        scaled = np.abs(way[1:]) / np.where(spread > 0, spread, 1e-12)
+        largest.append(scaled.max(axis=0))
+    return np.asarray(np.max(largest, axis=0)) if largest else None
+
+
+def _correlation(rows: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "3 3"]:
+    """Returns the correlation of columns; none with a constant one."""
+    covariance = np.cov(rows.T)
+    spread = np.sqrt(np.diag(covariance))
+    sizes = np.outer(spread, spread)
+    found = np.where(sizes > 0, covariance / np.where(sizes > 0, sizes, 1.0), 0.0)
+    np.fill_diagonal(found, 1.0)
+    return np.asarray(found)
 
 
 def _at(place: int, known: Sequence[int]) -> int:
-    """Returns the place itself where it is known, else the next known one."""
+    """Returns a place if known, else the next known one."""
     return next((one for one in known if one >= place), known[0])
 
 
 def _integral(
-    velocity: Float[np.ndarray, "n 3"], duration: float
+    coast: CoastSegment, mean: Float[np.ndarray, "3"]
 ) -> tuple[Float[np.ndarray, "n"], Float[np.ndarray, "n 3"]]:
-    """Returns times since a coast's start and the velocity's integrals."""
-    time = np.linspace(0.0, duration, len(velocity))
-    steps = (velocity[1:] + velocity[:-1]) / 2 * np.diff(time)[:, None]
+    """Returns times since a coast's start and the integrals of its deviations."""
+    off = coast.velocity - mean
+    time = np.linspace(0.0, coast.duration, len(off))
+    steps = (off[1:] + off[:-1]) / 2 * np.diff(time)[:, None]
     return time, np.concatenate([np.zeros((1, 3)), np.cumsum(steps, axis=0)])
 
 

@@ -1,4 +1,4 @@
-"""`maneuver library test`: new flights against what a library claims."""
+"""`maneuver library test`: test of a library's coverage claim on new flights."""
 
 import json as json_module
 import sys
@@ -43,7 +43,7 @@ from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
 REFUTED = 1
 
 FLIGHTS = 100
-"""New flights where no other number is asked for."""
+"""New flights by default."""
 
 
 def run_trial(
@@ -55,18 +55,23 @@ def run_trial(
     seed: Seed = 1,
     wind: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    of: StateJudged | None = None,
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Tests a library's coverage claim on new flights.
 
-    A flight is inside the bounds of a primitive when all its numbers are, at once. The new flights have air
-    and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
-    95 % interval, and how improbable so few would be if the claim were true, corrected for the number of
-    primitives (Holm). The exit code is 1 where a claim is refuted at 5 %.
+    A flight is inside the bounds of a primitive if all its numbers are. Wind and schedules of the new flights
+    differ from those of every campaign, for any seed. The table lists for each primitive the share of flights
+    inside, its exact 95 % interval, and the p-value of the claim, corrected for the number of primitives
+    (Holm). The exit code is 1 if a claim is refuted at 5 %.
 
-    Of a grown library a random sample of its grown maneuvers, and of the trims that they lead to, is flown,
-    and the share of them that every flight keeps is held against what the library claims of each kind.
+    `growth` is a trim's claim on errors that grow with the coast, `entry` a maneuver's claim on deviations
+    from the mean for its entry. A maneuver ends where the vehicle ended it; one that was cut is not counted.
+    Logs may be of missions.
+
+    For an interpolated library, a random sample of interpolated maneuvers and of the trims that they lead to
+    is flown. The share of them with every flight inside is compared with the claim for each kind.
 
     For example:
 
@@ -74,23 +79,25 @@ def run_trial(
 
         maneuver library test mine.json --logs other-flights/ --json
 
-        maneuver library test grown.json --sample 60
+        maneuver library test interpolated.json --sample 60
 
     Args:
-        library: name or path.
-        flights: how many new ones; 100 by default, of a grown library as many as its claim is for.
-        sample: trims, and maneuvers, of a grown library that are drawn.
-        seed: of all their chance.
+        library: name or path of the library.
+        flights: number of new flights; 100 by default, for an interpolated library the number of its claim.
+        sample: number of trims, and of maneuvers, drawn from an interpolated library.
+        seed: seed of all random numbers.
         wind: wind class; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
-        workers: processes; one for each processor by default.
+        of: motion whose deviations are tested: true or estimated; the library's by default.
+        workers: number of processes; one per processor by default.
         json: print the trials as JSON.
     """
     found = find_library(library)
     measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
     if not (found.interpolated or measured):
         raise NoClaimError(found.name)
-    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    stated: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    of = of or stated
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)
@@ -125,14 +132,14 @@ def run_trial(
 def _sample_and_flights(
     library: Library, *, sample: int, seed: int, flights: int | None, wind: str
 ) -> tuple[PrimitiveSample, tuple[FlightSpecification, ...]]:
-    """Returns what is drawn of a grown library, and new flights."""
+    """Returns the sample of an interpolated library, and new flights."""
     if not library.interpolated:
         return EMPTY_SAMPLE, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
     claimed = claimed_flight_count(library)
     count = flights or claimed
     if count > claimed:
         raise FlightError(
-            f"--flights: the claim of {library.name} is for {claimed} flights each, got {count}"
+            f"--flights: expected at most {claimed}, the number in the claim of {library.name}, got {count}"
         )
     ordered = _coasting_range(library)
     return sampled_flights(library, ordered, most=sample, seed=seed, flights=count, wind=wind)
@@ -169,8 +176,8 @@ def _coasting_range(library: Library) -> tuple[float, float]:
     ordered = library.provenance.get("coasting_times_ordered") or conditions.coasting_range
     if conditions.maneuver_end is None or ordered is None:
         raise FlightError(
-            f"library {library.name} states no maneuver-end rule or no coasting times: it was not identified "
-            "from flights of this program, so none can be flown like them; --logs tests it with other logs"
+            f"library {library.name}: expected a maneuver-end rule and a range of coasting times for new "
+            "flights, got none; give --logs with existing flights"
         )
     return ordered[0], ordered[1]
 
@@ -197,7 +204,7 @@ def _print_trials(library: Library, trials: tuple[CoverageTrial, ...], flights: 
         console = Console(highlight=False, width=110)
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("primitive", no_wrap=True)
-    for name in ("flights", "inside", "unsettled", "share", "95 %", "claim", "p", ""):
+    for name in ("flights", "inside", "unsettled", "share inside", "95 %", "claim", "p", ""):
         table.add_column(name, justify="right", no_wrap=True)
     for trial in trials:
         share = f"{trial.inside / trial.flights:.3f}" if trial.flights else "-"

@@ -35,7 +35,7 @@ class FlightRecord:
         times: seconds since the start at which each planning began.
         latencies: seconds charged for each.
         missions: mission of each planning: start and tolerance.
-        decisions: what was decided, in the order of time.
+        decisions: decisions in the order of time.
         legs: flown legs, in order.
         steps: the intended primitive of each leg.
         reason: reason for the end, one sentence.
@@ -82,7 +82,7 @@ class FlightRecorder:
         predicted_time: seconds predicted at the start.
         declared_within: metres from the goal within which arrival is declared, where fewer than the above.
         choices: number of decisions of a policy with feedback.
-        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
+        claimed: True if the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
@@ -114,11 +114,11 @@ class FlightRecorder:
         self.legs.append(leg)
         self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
+        if counts and not self.claimed and not leg.alarm and self._estimates_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _believes_arrival(self, leg: Leg) -> bool:
+    def _estimates_arrival(self, leg: Leg) -> bool:
         sure = min(self.goal.tolerance - self.certainty * leg.standard_deviation, self.declared_within)
         estimated = leg.track if leg.estimated_track is None else leg.estimated_track
         goal = replace(self.goal.destination, tolerance=sure)

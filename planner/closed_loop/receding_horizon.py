@@ -26,7 +26,7 @@ class NoToleranceError(FlightError):
     """A mission to be flown has no goal tolerance."""
 
     def __init__(self, mission: str) -> None:
-        super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
+        super().__init__(f"mission {mission}: expected a goal tolerance > 0 m for a flight, got 0 m")
 
 
 def fly_closed_loop(

@@ -52,7 +52,7 @@ class Incumbent:
         found: its coasting times; None where none were found.
         value: seconds or metres; infinite without times.
         bound: lower bound in seconds or metres.
-        complete: whether the bound is proved to the gap.
+        complete: True if the bound is proved to the gap.
         nodes: boxes examined.
     """
 

@@ -27,7 +27,7 @@ class WorstMiss:
 
     Attributes:
         gamma: the level at which the largest miss was found.
-        found: that miss in metres.
+        found: largest miss found, in metres.
         bound: metres that no level of the interval exceeds.
     """
 

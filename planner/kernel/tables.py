@@ -47,7 +47,7 @@ class KernelTable:
 
     Attributes:
         walks: trim ids.
-        arrays: what the kernel reads, in the order of its structure; kept alive here.
+        arrays: arrays read by the kernel, in the order of its structure; kept alive here.
     """
 
     walks: Int[np.ndarray, "walks trims"]

@@ -37,8 +37,8 @@ class ProofFailure:
 
     Attributes:
         walk: the one that was not refuted; empty where there are too many walks.
-        reached: whether it reaches the goal in less time at every level; if not, the effort was exhausted.
-        walks: how many there are.
+        reached: True if it reaches the goal in less time at every level; if not, the effort was exhausted.
+        walks: number of walks.
     """
 
     walk: Walk

@@ -34,7 +34,7 @@ class NoSensorsError(FlightError):
     """Sensor fault in a flight with ideal navigation."""
 
     def __init__(self, fault: str) -> None:
-        super().__init__(f"fault {fault!r} needs sensors: expected sensor models, got ideal navigation")
+        super().__init__(f"fault {fault!r}: expected sensor models, got ideal navigation")
 
 
 class WindOrderError(FlightError):

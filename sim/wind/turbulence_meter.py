@@ -6,7 +6,7 @@ whether the estimate, and so the velocity error, is reliable.
 """
 
 from collections.abc import Sequence
-from math import exp, sqrt
+from math import exp, hypot, sqrt
 
 AVERAGING_TIME = 10.0
 """Averaging time of squared errors in seconds: a few turbulence lengths at the speeds flown."""
@@ -17,14 +17,22 @@ WARM_UP_TIME = 5.0
 STILL_AIR_ERROR = 0.017
 """Root mean square velocity error of trims in still air in m/s, measured."""
 
-ERROR_PER_WIND = 0.0125
+ERROR_PER_WIND = 0.0155
 """Root mean square velocity error for each m/s of wind at 20 ft in straight flight.
 
-`benchmarks.flight.turbulence` measures 0.011 in trims; maneuvers of missions add errors.
+`benchmarks.flight.turbulence` measures 0.0137 in trims in `gtmax`; maneuvers of missions add errors.
 """
 
-ERROR_PER_WIND_AND_YAW_RATE = 0.016
-"""Increase of that for each rad/s of yaw rate, because the mean wind's direction rotates in the body."""
+ERROR_PER_WIND_IN_TURNS = 0.046
+"""Largest increase of that in turns, because the mean wind's direction rotates in the body; measured."""
+
+TURN_CORNER = 0.2
+"""Yaw rate in rad/s of a first-order response to the rotation, fitted to turns at 0.1 and 0.6 rad/s."""
+
+
+def error_per_wind(yaw_rate: float) -> float:
+    """Returns the velocity error for each m/s of wind at 20 ft."""
+    return ERROR_PER_WIND + ERROR_PER_WIND_IN_TURNS * abs(yaw_rate) / hypot(yaw_rate, TURN_CORNER)
 
 
 class TurbulenceMeter:
@@ -47,8 +55,7 @@ class TurbulenceMeter:
             errors: velocity error of each axis, m/s.
             yaw_rate: commanded yaw rate, rad/s.
         """
-        per_wind = ERROR_PER_WIND + ERROR_PER_WIND_AND_YAW_RATE * abs(yaw_rate)
-        square = (sum(error**2 for error in errors) - STILL_AIR_ERROR**2) / per_wind**2
+        square = (sum(error**2 for error in errors) - STILL_AIR_ERROR**2) / error_per_wind(yaw_rate) ** 2
         self._square = self._decay * self._square + (1.0 - self._decay) * square
         self._updates += 1
 

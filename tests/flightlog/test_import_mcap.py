@@ -117,8 +117,8 @@ def test_stated_axes_are_used_and_wrong_ones_are_detected(
     log = imported(bags["ros"], tmp_path, *right)
     assert capsys.readouterr().err == ""
     for wrong, words in (
-        (("--velocity-in", "world"), "velocities differ from what the positions show"),
-        (("--world", "ned"), "flies upside down"),
+        (("--velocity-in", "world"), "velocities differ from the slope of the positions"),
+        (("--world", "ned"), "inverted flight most of the time"),
     ):
         twisted = imported(bags["ros"], tmp_path, "--pose", "/odom", *wrong)
         assert words in capsys.readouterr().err
@@ -135,7 +135,7 @@ def test_stated_axes_are_used_and_wrong_ones_are_detected(
         ),
         (("--pose", "/velocity"), "/velocity (geometry_msgs/msg/TwistStamped): expected a position"),
         (("--pose", "/pose", "--velocity", "/pose"), "expected a velocity, got none"),
-        (("--pose", "/pose", "--columns", "time=t"), "--columns cannot be given here"),
+        (("--pose", "/pose", "--columns", "time=t"), "--columns: not valid for an .mcap file"),
     ],
 )
 def test_what_cannot_be_meant_is_refused_in_one_line(

@@ -1,4 +1,4 @@
-"""The list of packages: it stands in pyproject once, and its copies are the same."""
+"""Tests of the list of packages in pyproject and its copies."""
 
 import re
 from collections import Counter
@@ -36,7 +36,7 @@ def test_every_copy_of_the_list_is_the_same(copy: list[str], expected: list[str]
     assert sorted(copy) == sorted(expected)
 
 
-def test_every_package_of_the_wheel_says_that_it_has_types() -> None:
+def test_every_package_of_the_wheel_has_a_type_marker() -> None:
     assert [name for name in SHIPPED if not (ROOT / name / "py.typed").is_file()] == []
 
 

@@ -1,4 +1,4 @@
-"""A log is of other code where that flies otherwise; a verdict also where it is judged otherwise."""
+"""Code versions: of flights by what flies, of results also by the evaluation."""
 
 import shutil
 from pathlib import Path

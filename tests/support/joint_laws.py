@@ -73,3 +73,12 @@ def with_laws(library: Library) -> Library:
         trims=tuple(replace(trim, law=trim_law(trim)) for trim in library.trims),
         maneuvers=tuple(replace(row, law=maneuver_law(row, previous=previous)) for row in library.maneuvers),
     )
+
+
+def without_laws(library: Library) -> Library:
+    """Returns the library with constant values and errors only."""
+    return replace(
+        library,
+        trims=tuple(replace(trim, law=None) for trim in library.trims),
+        maneuvers=tuple(replace(row, law=None) for row in library.maneuvers),
+    )

@@ -225,7 +225,7 @@ PIVOT, LEFT = Twist(0.0, 0.0, 0.5), Twist(2.0, 0.0, -0.4)
 )
 @pytest.mark.parametrize("goal", [(0.0, 0.0), (5.0, 0.0), (-5.0, 0.3), (0.2, 9.0)])
 @pytest.mark.parametrize("tolerance", [0.0, 0.6])
-def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
+def test_odd_libraries_give_a_proof_or_an_unproved_status(
     trims: tuple[Twist, ...], goal: tuple[float, float], tolerance: float
 ) -> None:
     library = lonely(*trims)
@@ -235,7 +235,7 @@ def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
     assert plan_problems(plan, library, mission) == ()
 
 
-def test_the_verb_leaves_a_proof_that_the_other_verb_believes(
+def test_a_certificate_of_plan_is_verified_by_plan_check(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "plan.json"

@@ -37,7 +37,7 @@ def chords_in_line(walk: WalkProblem, distance: float) -> float:
 
 
 @pytest.mark.parametrize("seed", range(30))
-def test_chords_in_line_cover_a_distance_soonest(seed: int) -> None:
+def test_chords_in_line_cover_a_distance_in_least_time(seed: int) -> None:
     rng = np.random.default_rng(seed)
     walk = random_walk(rng, slow=0.0)
     reach = sum(

@@ -89,7 +89,7 @@ def test_the_look_at_longer_walks_ends_in_time() -> None:
     assert perf_counter() - began < 1.0
 
 
-def test_an_answer_that_is_not_proved_says_nothing_of_longer_walks() -> None:
+def test_an_unproved_result_makes_no_claim_on_longer_walks() -> None:
     unknown = replace(answer(TURN_BACK), status="unknown")
     assert longer_walk(TURN_BACK, lambda _mission, _seconds: unknown, patience=inf) == ""
     assert with_full_reason(unknown, LIBRARY, TURN_BACK) is unknown

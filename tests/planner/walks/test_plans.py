@@ -194,7 +194,7 @@ def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch
     assert "broken on purpose" in plan.reason
 
 
-def test_a_plan_can_be_drawn_and_an_honest_no_cannot() -> None:
+def test_a_plan_can_be_drawn_and_a_result_without_plan_cannot() -> None:
     library, mission = thesis_kinematic(), shipped("kinematic-2")
     axes = plan_picture(worst_case_planner(library, 1.0).plan(mission), library, mission).axes[0]
     assert axes.get_aspect() == 1.0

@@ -67,6 +67,39 @@ def test_what_is_known_of_walks_that_are_alike_leaves_out_none_that_is_best(seed
     assert cost_of(ExactSearch(library, gammas).answer(mission)) == pytest.approx(exact, rel=1e-9, abs=1e-9)
 
 
+@pytest.mark.parametrize("seed", range(8))
+def test_goals_that_maneuvers_alone_lead_to_are_reached_as_fast(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    library = alike_library(rng, trims=3, size=0.3)
+    mission = near_mission(rng, trims=3, max_trims=5)
+    end, trim = mission.start, mission.start_trim
+    for _ in range(4):
+        onward = int(rng.integers(1, 4))
+        end, trim = end @ library.maneuver(trim, onward).displacement, onward
+    heading = None if mission.goal_heading is None else end.heading
+    mission = replace(mission, goal=end.position, goal_heading=heading)
+    exact = least_of_all(library, (0.0,), mission)
+    with little_room():
+        found = ExactSearch(library, (0.0,)).answer(mission)
+    assert found.exhausted
+    assert cost_of(found) == pytest.approx(exact, rel=1e-9, abs=1e-9)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_bounds_hold_wherever_the_search_of_similar_walks_is_stopped(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    library = alike_library(rng, trims=3, size=1e-4)
+    mission = near_mission(rng, trims=3, max_trims=5)
+    best = cost_of(ExactSearch(library, GAMMAS).answer(mission))
+    bounds = []
+    for nodes in range(50, 1000, 50):
+        stopped = ExactSearch(library, GAMMAS).answer(mission, max_nodes=nodes)
+        assert stopped.lower_bound <= best * (1 + 1e-9)
+        assert cost_of(stopped) >= best * (1 - 1e-9)
+        bounds.append(stopped.lower_bound)
+    assert bounds[-1] >= bounds[0]
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_walks_that_come_depth_first_are_as_many(seed: int) -> None:
     """With room for 40 walks most are followed depth first."""

@@ -1,4 +1,4 @@
-"""The policy with feedback for one mission: its table, its statement, its flight."""
+"""Policy with feedback for one mission: table, statement, flight."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +21,13 @@ FEEDBACK = "feedback"
 
 STATEMENT_SEED = 1
 """Seed of the rollouts behind stated times; never that of a flight."""
+
+
+class MeasuredLatencyError(FlightError):
+    """A measured latency for decisions that are looked up."""
+
+    def __init__(self) -> None:
+        super().__init__("expected a latency in s for the policy with feedback, got measured")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,12 +59,10 @@ class StatedPolicy:
         """Flies the mission; overdue flights go on by nominal plans.
 
         Raises:
-            FlightError: the latency is to be measured, which decisions of a table are too fast for.
+            MeasuredLatencyError: the latency is to be measured.
         """
         if settings.latency.measured:
-            raise FlightError(
-                "the policy with feedback looks its decisions up: expected a latency in s, got measured"
-            )
+            raise MeasuredLatencyError
         return fly_with_feedback(
             vehicle,
             mission,

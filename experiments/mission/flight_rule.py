@@ -32,7 +32,7 @@ def _planner(task: MissionTask) -> Planner:
 
 
 class FlightRule(Protocol):
-    """How a mission is flown, prepared before the flight."""
+    """Prepared rule by which a mission is flown."""
 
     @property
     def planned_time(self) -> float | None:

@@ -37,7 +37,7 @@ def state_times(
     force: bool,
     json: bool,
 ) -> int:
-    """Prints, writes and draws what the policy with feedback states about a mission.
+    """Prints, writes and draws the stated times of a mission.
 
     Args:
         library: the primitives.
@@ -95,7 +95,7 @@ def _action(maneuver: int | None, library: Library) -> str:
 
 
 def statement_faults(statement: PolicyStatement, library: Library) -> tuple[str, ...]:
-    """Returns where a statement is not of a library, its table or its rollouts.
+    """Returns contradictions of a statement to its library, table or rollouts.
 
     The policy is rolled out anew by code that shares nothing with the planner but the decisions.
 

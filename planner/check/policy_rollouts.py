@@ -1,4 +1,4 @@
-"""Rollouts of a policy, one flight at a time, by code of their own.
+"""Independent rollouts of a policy, one flight at a time.
 
 They share nothing with the planner but the decisions that they are handed.
 """
@@ -57,7 +57,7 @@ Decide = Callable[[Situation], Maneuver | None]
 def arrival_times(
     decide: Decide, library: Library, mission: Mission, *, count: int, rng: np.random.Generator
 ) -> Float[np.ndarray, "count"]:
-    """Returns the arrival times of rollouts; infinite where the goal was not reached."""
+    """Returns the arrival times of rollouts; infinite without arrival."""
     return np.array([_Flight(library, mission, rng).fly(decide) for _ in range(count)])
 
 
@@ -186,7 +186,7 @@ class _Flight:
         return mean, values
 
     def _entered(self, maneuver: Maneuver, offset: tuple[float, float, float]) -> list[float]:
-        """Returns the mean values for the way in which a maneuver is entered."""
+        """Returns the mean values of a maneuver as entered."""
         law = maneuver.law
         assert law is not None
         if law.entry is None:
@@ -225,7 +225,7 @@ def _maneuver_moments(maneuver: Maneuver) -> tuple[Float[np.ndarray, "4"], Float
 def _mean_path(
     maneuver: Maneuver, library: Library, mean: Float[np.ndarray, "4"]
 ) -> Float[np.ndarray, "points 3"]:
-    """Returns the mean path: the identified one, or else the cubic between both trims' velocities."""
+    """Returns the identified mean path, or else a cubic one."""
     if maneuver.law is not None:
         return np.array([instant.mean for instant in maneuver.law.path])
     start = _mean_velocity(library.trim(maneuver.from_trim))

@@ -35,8 +35,9 @@ def fly_with_feedback(
     settings: Settings | None = None,
     on_leg: Callable[[Leg], None] | None = None,
 ) -> FlightRecord:
-    """Flies a mission by decisions, one at every maneuver's end and twice a second in coasts.
+    """Flies a mission by the decisions of a policy with feedback.
 
+    It decides at every maneuver's end and twice a second in coasts.
     A flight that takes longer than 99.9 % of those stated is overdue: from there nominal plans are flown. It
     ends as the receding horizon's flights do, by a safe stop where it has not arrived.
 
@@ -94,7 +95,7 @@ class _FeedbackLoop:
         return self._record.close(self._vehicle.time, reason)
 
     def _decide_and_fly(self) -> str:
-        """Decides for where the vehicle will be after the latency, and flies the action."""
+        """Decides for the pose after the latency, and flies the action."""
         latency = self._settings.latency.configured
         choice = self._choice_after(latency)
         perform = choice.maneuver is not None
@@ -130,7 +131,7 @@ class _FeedbackLoop:
         return ended
 
     def _believed_offset(self) -> tuple[float, float, float]:
-        """Returns the velocity believed at the end of the last leg less the trim's command."""
+        """Returns the estimated velocity less the trim's command."""
         leg = self._record.legs[-1]
         track = leg.track if leg.estimated_track is None else leg.estimated_track
         begin = track[np.searchsorted(track[:, 0], track[-1, 0] - _VELOCITY_WINDOW)]

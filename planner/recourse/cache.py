@@ -40,7 +40,7 @@ def find_table(
     error_scale: float = 1.0,
     threads: int = 2,
 ) -> CostTable:
-    """Returns the table of a library and goal, from the cache where it is there.
+    """Returns the table of a library and goal, cached or made.
 
     Args:
         library: the primitives.
@@ -74,7 +74,7 @@ def _made(path: Path, problem: ShortestPathProblem, threads: int) -> CostTable:
 
 
 def _opened(path: Path, problem: ShortestPathProblem) -> CostTable | None:
-    """Returns the table in a file; None where there is none or it is torn."""
+    """Returns the table in a file; None if missing or torn."""
     try:
         with path.open("rb") as file:
             header = json.loads(file.read(_HEADER))

@@ -28,7 +28,7 @@ REACH = 100.0
 
 @dataclass(frozen=True, slots=True)
 class NestedGrid:
-    """Square grids around the vehicle, each three times as wide and coarse as the one inside.
+    """Square grids around the vehicle, each three times wider and coarser.
 
     The nodes of a coarser grid that the one inside covers are not used. Forward is the first axis, to the
     right the second.

@@ -1,4 +1,4 @@
-"""Policy with feedback: the best action by one look ahead from the state at hand."""
+"""Policy with feedback: the best action by one look ahead."""
 
 from dataclasses import dataclass
 from math import inf, pi
@@ -157,12 +157,12 @@ class FeedbackPolicy:
         return Choice(first, float(costs[chosen]), runner_up, float(others[second]))
 
     def _over(self, states: States) -> Bool[np.ndarray, "n"]:
-        """Returns where a coast has lasted long enough and the trim can be left."""
+        """Returns which coasts must end."""
         over = states.coasted > self._longest[states.trims] - 0.5 * DECISION_INTERVAL
         return np.asarray(over & self._leads_on[states.trims])
 
     def _shifts(self, states: States) -> Float[np.ndarray, "n actions 5"] | None:
-        """Returns what each maneuver is off its mean for the way it is entered."""
+        """Returns the shift of each maneuver's outcomes by its entry."""
         if all(one.law is None or one.law.entry is None for one in self._maneuvers.values()):
             return None
         shifts = np.tile(NO_SHIFT, (len(states.trims), self.table.most_actions, 1))
@@ -179,7 +179,7 @@ class FeedbackPolicy:
 
 
 def entry_shift(maneuver: Maneuver, states: States, rows: Int[np.ndarray, "m"]) -> Float[np.ndarray, "m 4"]:
-    """Returns the mean values of a maneuver as entered less those averaged over entries.
+    """Returns the shift of a maneuver's mean values by its entry.
 
     Args:
         maneuver: about to be performed.

@@ -42,11 +42,11 @@ class ZeroDurationLoopError(FlightError):
         )
 
 
-class NoToleranceError(FlightError):
+class ZeroToleranceError(FlightError):
     """A goal without a tolerance cannot be reached by chance."""
 
     def __init__(self) -> None:
-        super().__init__("the policy with feedback needs a goal tolerance > 0 m, got 0 m")
+        super().__init__("expected a goal tolerance > 0 m for feedback, got 0 m")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,12 +123,12 @@ def state_problem(
         refined: whether the grid is three times finer, for studies of its error.
 
     Raises:
-        NoToleranceError: the tolerance is 0.
+        ZeroToleranceError: the tolerance is 0.
         UnknownTrimError: the library lacks the goal trim.
         ZeroDurationLoopError: a loop of maneuvers takes no time.
     """
     if not tolerance > 0:
-        raise NoToleranceError
+        raise ZeroToleranceError
     if goal_trim is not None:
         library.trim(goal_trim)
     law = transition_law(library, error_scale=error_scale)
@@ -202,7 +202,7 @@ def _maneuver(
 
 
 def _coarsest(law: CoastDistribution, duration: float, grid: NestedGrid) -> int:
-    """Returns the last grid on which a coast is long enough to be considered.
+    """Returns the last grid on which a coast is considered.
 
     Each look-up errs by what it interpolates, and the best of many actions is one that errs to the good side:
     where flight is straight, decisions a few nodes apart would add up such errors.
@@ -219,7 +219,7 @@ def _flies_straight(law: CoastDistribution) -> bool:
 
 
 def _best_speed(law: TransitionLaw) -> float:
-    """Returns the speed of the fastest straight trim, or else of the fastest trim."""
+    """Returns the fastest straight speed, or else the fastest of all."""
     speeds = [float(np.hypot(*one.mean[:2])) for one in law.trims]
     straight = [speed for speed, one in zip(speeds, law.trims, strict=True) if _flies_straight(one)]
     return max(straight, default=0.0) or max(speeds) or inf

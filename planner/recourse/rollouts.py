@@ -1,4 +1,4 @@
-"""Rollouts of the policy with feedback by the full law of the library.
+"""Rollouts of the policy with feedback by the full law.
 
 What a flight shares is shared: all its coasts in a trim have one mean velocity, and the first performance of
 each maneuver has the deviations of one identified flight. Further performances have those of other flights.
@@ -262,7 +262,7 @@ def _arcs(
 def _entries(
     path: Float[np.ndarray, "m points 2"], goals: Float[np.ndarray, "m 2"], tolerance: float
 ) -> Float[np.ndarray, "m"]:
-    """Returns the share of each path at which it enters the tolerance; infinite where it does not."""
+    """Returns the share of each path flown at its entry into the tolerance."""
     offset, way = path[:, :-1] - goals[:, None], np.diff(path, axis=1)
     a, b = (way**2).sum(axis=2), (offset * way).sum(axis=2)
     c = (offset**2).sum(axis=2) - tolerance**2

@@ -80,8 +80,9 @@ def first_values(problem: ShortestPathProblem) -> Float[np.ndarray, "trims level
 
 
 def solve(problem: ShortestPathProblem, *, threads: int = 2) -> Solution:
-    """Returns the least expected times, the same bytes for any number of threads.
+    """Returns the least expected times.
 
+    The bytes are the same for any number of threads.
     All nodes of one trim on one grid are computed from the values before and then stored together. With
     values V of which no node changes by more than a share r of the seconds of its best action, nor falls by
     more than a share s of those of any action, the greedy policy takes at most V / (1 - r) and no policy less
@@ -123,7 +124,7 @@ class _Sweeps:
         self._blocks = [(trim, level) for level in range(grid.levels) for trim in range(len(problem.trims))]
 
     def bounds_of_all(self) -> float:
-        """Returns the seconds between the bounds of the values, and prepares the next ones."""
+        """Prepares the next values; returns the seconds between their bounds."""
         return self._gap([self._block(block, _ALL) for block in self._blocks])
 
     def improve(self) -> float:

@@ -33,14 +33,11 @@ CERTAINTY = 3.0
 """Of these it must be inside the goal's tolerance before it declares arrival."""
 
 
-class WantedHeadingError(FlightError):
-    """A heading is wanted at the goal, which the policy does not aim at."""
+class GoalHeadingError(FlightError):
+    """A goal with a heading, which the policy does not aim at."""
 
     def __init__(self, mission: str) -> None:
-        super().__init__(
-            f"mission {mission}: the policy with feedback needs a goal without a heading, got one; "
-            "plan it with --policy worst-case"
-        )
+        super().__init__(f"mission {mission}: expected a goal without a heading for feedback, got one")
 
 
 def declared_tolerance(tolerance: float) -> float:
@@ -55,13 +52,13 @@ def declared_tolerance(tolerance: float) -> float:
 
 
 def feedback_policy(library: Library, mission: Mission) -> FeedbackPolicy:
-    """Returns the policy for a mission's goal; its table is made or found.
+    """Returns the policy for a mission's goal.
 
     Raises:
         FlightError: the goal has no tolerance or a wanted heading, or there is no table for it.
     """
     if mission.destination.wants_heading:
-        raise WantedHeadingError(mission.name)
+        raise GoalHeadingError(mission.name)
     return FeedbackPolicy(
         library,
         find_table(library, tolerance=declared_tolerance(mission.tolerance), goal_trim=mission.goal_trim),

@@ -13,7 +13,7 @@ from .problem import ShortestPathProblem
 _SHORTEST = 1e-3
 
 
-class CTable(ctypes.Structure):
+class CCostTable(ctypes.Structure):
     """`Table` of recourse.h."""
 
     _fields_ = (
@@ -40,7 +40,7 @@ class CActions(ctypes.Structure):
 class Structures:
     """C structures with the arrays that they point to."""
 
-    table: CTable
+    table: CCostTable
     actions: CActions
     arrays: tuple[np.ndarray, ...]
 
@@ -48,7 +48,7 @@ class Structures:
 def structures(
     problem: ShortestPathProblem, values: Float[np.ndarray, "trims levels side side"]
 ) -> Structures:
-    """Returns a problem and its values as C reads them; nothing is copied of the values."""
+    """Returns a problem and its values, not copied, as C reads them."""
     actions, grid = problem.actions, problem.grid
     points = np.array([one.path.shape[1] if one.arrives else 0 for one in actions], dtype=np.intc)
     ends = np.array(problem.ends, dtype=np.uint8)
@@ -65,7 +65,7 @@ def structures(
         np.ascontiguousarray(np.concatenate([one.displacement for one in actions])),
         np.ascontiguousarray(np.concatenate([one.path.reshape(-1, 2) for one in actions])),
     )
-    table = CTable(
+    table = CCostTable(
         values.ctypes.data,
         ends.ctypes.data,
         grid.step,

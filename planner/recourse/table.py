@@ -1,4 +1,4 @@
-"""Table of the least expected times to a goal, and costs of the actions."""
+"""Table of the least expected times to a goal."""
 
 import ctypes
 from dataclasses import dataclass, field
@@ -65,7 +65,7 @@ class CostTable:
         goals: Float[np.ndarray, "n 2"],
         shifts: Float[np.ndarray, "n actions 5"] | None = None,
     ) -> Float[np.ndarray, "n actions"]:
-        """Returns the expected seconds of each action of a trim and what follows.
+        """Returns the expected seconds to the goal by each action.
 
         Rows of trims with fewer actions end in infinity.
 

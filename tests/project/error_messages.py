@@ -4,6 +4,7 @@ from pathlib import Path
 
 from mcap.records import Channel
 
+from experiments.mission.feedback import MeasuredLatencyError
 from experiments.mission.random_missions import NoMissionError
 from flight import errors
 from flight.mission.campaign import NoRuleForWindError
@@ -21,6 +22,9 @@ from planner.closed_loop.receding_horizon import NoToleranceError
 from planner.independent_errors.independent_errors import TooManyScenariosError
 from planner.policies.price_of_robustness import AlphaError
 from planner.proof.certify_plan import NotProvableError
+from planner.recourse.problem import ZeroDurationLoopError, ZeroToleranceError
+from planner.recourse.solve import NotSolvedError
+from planner.recourse.statement import GoalHeadingError
 from planner.walks.kinematics import GammaError, NegativeDurationError
 from review.film.canvas import NoCanvasError
 from review.pictures.plan_picture import NothingToDrawError
@@ -126,6 +130,26 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     (
         TooManyScenariosError(20),
         "expected at most 11 trims and maneuvers to enumerate all signs, got 20",
+    ),
+    (
+        MeasuredLatencyError(),
+        "expected a latency in s for the policy with feedback, got measured",
+    ),
+    (
+        GoalHeadingError("m"),
+        "mission m: expected a goal without a heading for feedback, got one",
+    ),
+    (
+        ZeroToleranceError(),
+        "expected a goal tolerance > 0 m for feedback, got 0 m",
+    ),
+    (
+        ZeroDurationLoopError([2, 1]),
+        "expected every loop of maneuvers to take time, got one of 0 s through trims [1, 2]",
+    ),
+    (
+        NotSolvedError(0.2),
+        "expected bounds of the least time at most 0.05 s apart after 200 sweeps, got 0.2 s",
     ),
     (
         AlphaError(0.5),

@@ -20,7 +20,7 @@ from planner.recourse.policy import FeedbackPolicy
 from planner.recourse.problem import ShortestPathProblem
 from planner.recourse.rollouts import roll_out
 from planner.recourse.solve import Solution
-from planner.recourse.statement import WantedHeadingError, feedback_policy, mission_rollouts, state_policy
+from planner.recourse.statement import GoalHeadingError, feedback_policy, mission_rollouts, state_policy
 
 from .small_problem import LEFT, STRAIGHT, TOLERANCE, small_library, small_table
 
@@ -110,7 +110,7 @@ def test_a_statement_survives_its_file(statement: PolicyStatement, tmp_path: Pat
 
 def test_a_wanted_heading_is_refused() -> None:
     wanted = replace(MISSION, goal_heading=1.0, heading_tolerance=0.1)
-    with pytest.raises(WantedHeadingError, match="needs a goal without a heading"):
+    with pytest.raises(GoalHeadingError, match="expected a goal without a heading"):
         feedback_policy(small_library(), wanted)
 
 

@@ -19,6 +19,9 @@ from planner.recourse.statement import feedback_policy, mission_rollouts, state_
 FEEDBACK = "feedback"
 """Name of the policy."""
 
+DEFAULT_LATENCY = Settings().latency.configured
+"""Seconds of latency that times are stated with, as flights have it."""
+
 STATEMENT_SEED = 1
 """Seed of the rollouts behind stated times; never that of a flight."""
 
@@ -79,6 +82,7 @@ def stated_policy(
     mission: Mission,
     *,
     seed: int = STATEMENT_SEED,
+    latency: float = DEFAULT_LATENCY,
     by: float | None = None,
     tracks: int = 0,
 ) -> StatedPolicy:
@@ -88,6 +92,7 @@ def stated_policy(
         library: the primitives.
         mission: with the tolerance that flights are judged by.
         seed: of the rollouts.
+        latency: seconds before a decision is acted on.
         by: seconds for which the probability of arriving is wanted.
         tracks: number of rollouts of which the way is kept.
 
@@ -95,7 +100,9 @@ def stated_policy(
         FlightError: there is no table for the goal.
     """
     policy = feedback_policy(library, mission)
-    rollouts = mission_rollouts(policy, mission, seed=seed, tracks=tracks)
+    rollouts = mission_rollouts(policy, mission, seed=seed, latency=latency, tracks=tracks)
     error_free = nominal_planner(library).plan(mission).cost
-    statement = state_policy(policy, mission, rollouts, seed=seed, error_free_time=error_free, by=by)
+    statement = state_policy(
+        policy, mission, rollouts, seed=seed, latency=latency, error_free_time=error_free, by=by
+    )
     return StatedPolicy(policy, statement, rollouts)

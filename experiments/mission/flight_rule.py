@@ -95,7 +95,9 @@ class FeedbackRule:
 
     def __init__(self, task: MissionTask) -> None:
         self._task = task
-        self._stated = stated_policy(task.library, task.stated_mission)
+        self._stated = stated_policy(
+            task.library, task.stated_mission, latency=task.settings.latency.configured
+        )
 
     @property
     def planned_time(self) -> float | None:

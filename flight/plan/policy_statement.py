@@ -53,6 +53,7 @@ class PolicyStatement(FileValue):
         stated_mission: the mission.
         policy: `feedback`.
         tolerance: metres from the goal within which arrival is declared; inside the mission's tolerance.
+        latency: seconds before a decision is acted on, at the start and after every maneuver.
         table: SHA-256 of the table of costs.
         rollouts: number of flights rolled out by the library's law.
         seed: of their chance.
@@ -75,6 +76,7 @@ class PolicyStatement(FileValue):
     stated_mission: Mission
     policy: Literal["feedback"] = "feedback"
     tolerance: NonNegativeFloat
+    latency: NonNegativeFloat
     table: str
     rollouts: PositiveInt
     seed: NonNegativeInt

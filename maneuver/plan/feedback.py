@@ -122,5 +122,6 @@ def statement_faults(statement: PolicyStatement, library: Library) -> tuple[str,
     rng = np.random.default_rng(statement.seed + STATEMENT_SEED)
     declared = replace(mission, tolerance=statement.tolerance)
     return statement_problems(
-        statement, arrival_times(decide, library, declared, count=_CHECKED_FLIGHTS, rng=rng)
+        statement,
+        arrival_times(decide, library, declared, count=_CHECKED_FLIGHTS, rng=rng, latency=statement.latency),
     )

@@ -55,10 +55,16 @@ Decide = Callable[[Situation], Maneuver | None]
 
 
 def arrival_times(
-    decide: Decide, library: Library, mission: Mission, *, count: int, rng: np.random.Generator
+    decide: Decide,
+    library: Library,
+    mission: Mission,
+    *,
+    count: int,
+    rng: np.random.Generator,
+    latency: float = 0.0,
 ) -> Float[np.ndarray, "count"]:
     """Returns the arrival times of rollouts; infinite without arrival."""
-    return np.array([_Flight(library, mission, rng).fly(decide) for _ in range(count)])
+    return np.array([_Flight(library, mission, rng, latency).fly(decide) for _ in range(count)])
 
 
 def statement_problems(statement: PolicyStatement, times: Float[np.ndarray, "n"]) -> tuple[str, ...]:
@@ -89,8 +95,8 @@ def statement_problems(statement: PolicyStatement, times: Float[np.ndarray, "n"]
 
 
 class _Flight:
-    def __init__(self, library: Library, mission: Mission, rng: np.random.Generator) -> None:
-        self._library, self._mission, self._rng = library, mission, rng
+    def __init__(self, library: Library, mission: Mission, rng: np.random.Generator, latency: float) -> None:
+        self._library, self._mission, self._rng, self._latency = library, mission, rng, latency
         self._number = int(rng.integers(0, 2**31))
         self._performed: set[int] = set()
         self._fluctuation = np.zeros(3)
@@ -104,26 +110,32 @@ class _Flight:
         if self._ends(self._mission.start_trim) and self._mission.destination.reached(self._pose):
             return 0.0
         self._enter()
+        arrived = self._wait()
+        if arrived is not None:
+            return arrived
         while self._time < _GIVEN_UP:
             velocity = self._velocity()
             command = _components(self._library.trim(self._trim).velocity)
             off = velocity - command
             offset = (float(off[0]), float(off[1]), float(off[2]))
             chosen = decide(Situation(self._pose, self._trim, self._coasted, self._previous, offset))
-            arrived = self._coast(velocity) if chosen is None else self._perform(chosen, offset)
+            arrived = self._coast(velocity, COAST) if chosen is None else self._perform(chosen, offset)
             if arrived is not None:
                 return arrived
         return inf
 
-    def _coast(self, velocity: Float[np.ndarray, "3"]) -> float | None:
+    def _wait(self) -> float | None:
+        return self._coast(self._velocity(), self._latency) if self._latency else None
+
+    def _coast(self, velocity: Float[np.ndarray, "3"], time: float) -> float | None:
         twist = Twist(*velocity.tolist())
-        poses = [self._pose @ SE2.exp(twist, COAST * share) for share in np.linspace(0, 1, _POINTS)]
-        arrived = self._moved(poses, COAST, counts=self._ends(self._trim))
-        self._coasted += COAST
+        poses = [self._pose @ SE2.exp(twist, time * share) for share in np.linspace(0, 1, _POINTS)]
+        arrived = self._moved(poses, time, counts=self._ends(self._trim))
+        self._coasted += time
         law = self._library.trim(self._trim).law
         if law is not None:
             spread, memory = np.array(law.within.standard_deviation), np.array(law.within.correlation_time)
-            kept = np.exp(-COAST / memory)
+            kept = np.exp(-time / memory)
             fresh = self._rng.standard_normal(3) * spread * np.sqrt(1 - kept**2)
             self._fluctuation = kept * self._fluctuation + fresh
         return arrived
@@ -140,7 +152,7 @@ class _Flight:
         self._enter()
         if arrived is None and self._ends(self._trim) and self._mission.destination.reached(self._pose):
             return self._time
-        return arrived
+        return self._wait() if arrived is None else arrived
 
     def _moved(self, poses: list[SE2], duration: float, *, counts: bool) -> float | None:
         times = self._time + np.linspace(0, duration, len(poses))

@@ -75,12 +75,11 @@ class _FeedbackLoop:
     def fly(
         self, statement: PolicyStatement, otherwise: Planner, on_leg: Callable[[Leg], None] | None
     ) -> FlightRecord:
-        latency = self._settings.latency.configured
-        self._record.predicted_time = inf if statement.mean is None else latency + statement.mean
+        self._record.predicted_time = inf if statement.mean is None else statement.mean
         most = statement.patience.time if statement.within_999 is None else statement.within_999
         reason = f"{self._settings.max_activations} decisions did not reach the goal"
         while self._record.choices < self._settings.max_activations:
-            if self._vehicle.time > latency + most:
+            if self._vehicle.time > most:
                 self._record.decide(self._vehicle.time, DecisionKind.OVERDUE, cost=inf, level=0.0)
                 return self._continue(otherwise, on_leg)
             ended = self._decide_and_fly()

@@ -48,6 +48,7 @@ def roll_out(
     goal: tuple[float, float],
     count: int,
     rng: np.random.Generator,
+    latency: float = 0.0,
     tracks: int = 0,
 ) -> Rollouts:
     """Returns rollouts from one state.
@@ -58,13 +59,14 @@ def roll_out(
         goal: forward and side of the goal as seen from the vehicle, in metres.
         count: number of rollouts.
         rng: of all chance.
+        latency: seconds of a coast at the start and after every maneuver, before the decision is acted on.
         tracks: number of rollouts of which the way is kept.
 
     Raises:
         UnknownTrimError: the library lacks the trim.
     """
     policy.library.trim(trim)
-    fleet = _Fleet(policy, trim, goal, count, rng=rng, tracks=tracks)
+    fleet = _Fleet(policy, trim, goal, count, rng=rng, latency=latency, tracks=tracks)
     while len(fleet.flying):
         fleet.step()
     return fleet.rollouts()
@@ -81,10 +83,11 @@ class _Fleet:
         count: int,
         *,
         rng: np.random.Generator,
+        latency: float,
         tracks: int,
     ) -> None:
         problem = policy.table.problem
-        self._policy, self._rng, self._problem = policy, rng, problem
+        self._policy, self._latency, self._problem = policy, latency, problem
         self._law = _FlightLaw(policy.library, count, rng)
         place = problem.trims.index(trim)
         self._trims = np.full(count, place)
@@ -98,6 +101,9 @@ class _Fleet:
         self._tracks = [[(0.0, 0.0)] for _ in range(tracks)]
         self._reached = (np.hypot(*self._goals.T) <= problem.tolerance) & problem.ends[place]
         self.flying = np.flatnonzero(~self._reached)
+        if latency and len(self.flying):
+            self._coast(self.flying, latency)
+            self.flying = np.flatnonzero(~self._reached)
 
     def step(self) -> None:
         """Flies one decision of every rollout under way."""
@@ -110,7 +116,7 @@ class _Fleet:
                 int(self._trims[rows[0]]), int(key) % self._policy.table.most_actions
             )
             if action.maneuver is None:
-                self._coast(rows, arrives=action.arrives)
+                self._coast(rows, DECISION_INTERVAL)
             else:
                 self._perform(rows, action.maneuver, action.to, arrives=action.arrives)
         for number in self.flying[self.flying < len(self._tracks)].tolist():
@@ -128,14 +134,14 @@ class _Fleet:
         offset = self._velocity[rows] - self._law.commands[trims]
         return States(trims, self._goals[rows], self._coasted[rows], self._previous[rows], offset)
 
-    def _coast(self, rows: Int[np.ndarray, "m"], *, arrives: bool) -> None:
+    def _coast(self, rows: Int[np.ndarray, "m"], time: float) -> None:
         place = int(self._trims[rows[0]])
         velocity = self._velocity[rows]
-        path = _arcs(velocity, np.linspace(0.0, DECISION_INTERVAL, _CHORDS + 1))
-        duration = np.full(len(rows), DECISION_INTERVAL)
-        self._move(rows, duration, path, velocity[:, 2] * DECISION_INTERVAL, arrives=arrives)
-        self._coasted[rows] += DECISION_INTERVAL
-        self._velocity[rows] = self._law.later_velocities(place, rows, velocity, DECISION_INTERVAL)
+        path = _arcs(velocity, np.linspace(0.0, time, _CHORDS + 1))
+        duration = np.full(len(rows), time)
+        self._move(rows, duration, path, velocity[:, 2] * time, arrives=self._problem.ends[place])
+        self._coasted[rows] += time
+        self._velocity[rows] = self._law.later_velocities(place, rows, velocity, time)
 
     def _perform(self, rows: Int[np.ndarray, "m"], number: int, to: int, *, arrives: bool) -> None:
         values, path = self._law.outcomes(number, rows, self._states(rows))
@@ -145,6 +151,9 @@ class _Fleet:
         self._move(rows, values[:, 0], path, values[:, 3], arrives=arrives)
         for row in rows.tolist():
             self._walks[row].append(self._problem.trims[to])
+        left = rows[~self._reached[rows]]
+        if self._latency and len(left):
+            self._coast(left, self._latency)
 
     def _move(
         self,
@@ -262,7 +271,7 @@ def _arcs(
 def _entries(
     path: Float[np.ndarray, "m points 2"], goals: Float[np.ndarray, "m 2"], tolerance: float
 ) -> Float[np.ndarray, "m"]:
-    """Returns the share of each path flown at its entry into the tolerance."""
+    """Returns the share of each path at its entry into the tolerance."""
     offset, way = path[:, :-1] - goals[:, None], np.diff(path, axis=1)
     a, b = (way**2).sum(axis=2), (offset * way).sum(axis=2)
     c = (offset**2).sum(axis=2) - tolerance**2

@@ -66,7 +66,13 @@ def feedback_policy(library: Library, mission: Mission) -> FeedbackPolicy:
 
 
 def mission_rollouts(
-    policy: FeedbackPolicy, mission: Mission, *, seed: int, count: int = ROLLOUTS, tracks: int = 0
+    policy: FeedbackPolicy,
+    mission: Mission,
+    *,
+    seed: int,
+    latency: float = 0.0,
+    count: int = ROLLOUTS,
+    tracks: int = 0,
 ) -> Rollouts:
     """Returns rollouts of a mission.
 
@@ -74,13 +80,20 @@ def mission_rollouts(
         policy: for the mission's goal.
         mission: from where to where.
         seed: of all chance.
+        latency: seconds before a decision is acted on.
         count: number of rollouts.
         tracks: number of rollouts of which the way is kept.
     """
     seen = mission.start.inverse() @ SE2(*mission.goal, 0.0)
     rng = np.random.default_rng(seed)
     return roll_out(
-        policy, trim=mission.start_trim, goal=(seen.x, seen.y), count=count, rng=rng, tracks=tracks
+        policy,
+        trim=mission.start_trim,
+        goal=(seen.x, seen.y),
+        count=count,
+        rng=rng,
+        latency=latency,
+        tracks=tracks,
     )
 
 
@@ -90,6 +103,7 @@ def state_policy(
     rollouts: Rollouts,
     *,
     seed: int,
+    latency: float = 0.0,
     error_free_time: float,
     by: float | None = None,
 ) -> PolicyStatement:
@@ -100,6 +114,7 @@ def state_policy(
         mission: from where to where.
         rollouts: of it.
         seed: of the rollouts.
+        latency: of the rollouts.
         error_free_time: seconds of the best plan without errors; infinite where there is none.
         by: seconds for which the probability of arriving is wanted.
     """
@@ -116,6 +131,7 @@ def state_policy(
         library_hash=library_hash(policy.library),
         stated_mission=mission,
         tolerance=policy.table.problem.tolerance,
+        latency=latency,
         table=policy.table.digest,
         rollouts=len(times),
         seed=seed,

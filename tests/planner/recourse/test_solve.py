@@ -116,7 +116,7 @@ def test_a_loop_of_maneuvers_that_take_no_time_is_refused() -> None:
 
 def test_a_goal_without_tolerance_or_with_an_unknown_trim_is_refused() -> None:
     library: Library = small_library()
-    with pytest.raises(ZeroToleranceError, match="> 0 m, got 0 m"):
+    with pytest.raises(ZeroToleranceError, match="> 0 m for feedback, got 0 m"):
         state_problem(library, tolerance=0.0)
     with pytest.raises(UnknownTrimError, match="no trim 9"):
         state_problem(library, tolerance=1.0, goal_trim=9)

@@ -22,16 +22,16 @@ class FirstDecision(FileValue):
     """Decision of a policy at the start.
 
     Attributes:
-        maneuver: id of the maneuver to perform; None to coast.
         value: expected seconds to the goal.
+        maneuver: id of the maneuver to perform; None to coast.
         runner_up: id of the second best maneuver; None for a coast, or where there is none.
         runner_up_value: expected seconds by it; None where there is none.
     """
 
-    maneuver: int | None
     value: float
-    runner_up: int | None
-    runner_up_value: float | None
+    maneuver: int | None = None
+    runner_up: int | None = None
+    runner_up_value: float | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,11 +80,13 @@ class PolicyStatement(FileValue):
     table: str
     rollouts: PositiveInt
     seed: NonNegativeInt
-    mean: NonNegativeFloat | None
-    median: NonNegativeFloat | None
-    within_90: NonNegativeFloat | None
-    within_95: NonNegativeFloat | None
-    within_999: Annotated[NonNegativeFloat | None, Field(description="seconds within which 99.9 % arrive")]
+    mean: NonNegativeFloat | None = None
+    median: NonNegativeFloat | None = None
+    within_90: NonNegativeFloat | None = None
+    within_95: NonNegativeFloat | None = None
+    within_999: Annotated[
+        NonNegativeFloat | None, Field(description="seconds within which 99.9 % arrive")
+    ] = None
     patience: Deadline
     deadline: Deadline | None = None
     first: FirstDecision

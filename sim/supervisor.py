@@ -17,6 +17,7 @@ from sim.loop.signals import Signals
 from sim.loop.specification import CONTROL_PERIOD
 from sim.navigation.filter import GATE
 from sim.navigation.navigation import Navigation, Navigator
+from sim.navigation.sensor_errors import sensor_errors
 from sim.wind.turbulence_meter import TurbulenceMeter
 from sim.wind.wind import WIND_CLASSES
 
@@ -54,20 +55,25 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
 
 They are above the largest values of fault-free flights in wind classes `gtmax` and `moderate`, as printed by
 `benchmarks.flight.alarm_limits`. Limits of missing and stuck readings are chosen: the filter bridges such
-times. The turbulence limit depends on the library (`alarm_limits`).
+times. The limits of turbulence and of the unknown position depend on library and sensors (`alarm_limits`).
 """
 
 TURBULENCE_FACTOR = 2.5
 """Turbulence limit over the wind of the library's wind class."""
 
+POSITION_FACTOR = 5.0
+"""Limit of the claimed position error over that of one fix of the sensor class."""
+
 _INNOVATIONS = frozenset({AlarmKind.FIXES_AMISS, AlarmKind.HEADING_AMISS, AlarmKind.ALTIMETER_AMISS})
 
 
-def alarm_limits(library: Library) -> Mapping[AlarmKind, float]:
-    """Returns the limits for a library, with its turbulence limit."""
+def alarm_limits(library: Library, sensors: str = "rtk") -> Mapping[AlarmKind, float]:
+    """Returns the limits for a library and a sensor class."""
     known = WIND_CLASSES.get(library.conditions.wind)
     beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
-    return {**LIMITS, AlarmKind.TURBULENCE: beyond}
+    errors, _ = sensor_errors(sensors)
+    unknown = POSITION_FACTOR * hypot(errors.position_sigma, errors.position_sigma)
+    return {**LIMITS, AlarmKind.TURBULENCE: beyond, AlarmKind.POSITION_UNKNOWN: unknown}
 
 
 class Supervisor:

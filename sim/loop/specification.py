@@ -3,6 +3,7 @@
 import operator
 from dataclasses import dataclass, fields
 from itertools import pairwise
+from typing import Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
@@ -17,6 +18,9 @@ DEFAULT_ALTITUDE = 30.0
 
 CONTROL_RATE = 100
 """Hz."""
+
+Vehicles = Literal["nominal", "one", "fleet"]
+"""Populations of vehicles: the one believed, one airframe, an airframe for each flight."""
 
 WIND_FADE_TIME = 5.0
 """Seconds of the transition from one wind to the next."""
@@ -35,6 +39,13 @@ class NoSensorsError(FlightError):
 
     def __init__(self, fault: str) -> None:
         super().__init__(f"fault {fault!r} needs sensors: expected sensor models, got ideal navigation")
+
+
+class NoAirframeError(FlightError):
+    """Flight of one airframe without the seed that draws it."""
+
+    def __init__(self) -> None:
+        super().__init__("expected the seed of the airframe with vehicles 'one', got none")
 
 
 class WindOrderError(FlightError):
@@ -56,9 +67,14 @@ class FlightOptions:
     faults: tuple[Fault, ...] = ()
     supervised: bool = False
     wind_changes: tuple[WindChange, ...] = ()
+    vehicles: Vehicles = "nominal"
+    airframe_seed: int | None = None
+    sensors: str = "rtk"
 
     def __post_init__(self) -> None:
-        """Refuses sensor faults without sensors, and overlapping wind changes."""
+        """Refuses what does not go together."""
+        if self.vehicles == "one" and self.airframe_seed is None:
+            raise NoAirframeError
         failing = [fault.words for fault in self.faults if fault.where in SENSORS]
         if self.ideal_navigation and failing:
             raise NoSensorsError(failing[0])
@@ -87,6 +103,9 @@ class FlightSpecification(FileModel):
         faults: injected faults, with times from time 0.
         wind_changes: later wind classes in the order of their times.
         supervised: whether the vehicle is supervised; its first alarm ends the current primitive.
+        vehicles: population of the vehicle flown; the nominal one is believed.
+        airframe_seed: seed of the airframe; None but for `one`.
+        sensors: class of the sensors.
         start: true pose at time 0.
         start_trim: id of the trim held at time 0 and during settling.
         settling_time: time of settling before time 0, s.
@@ -106,6 +125,9 @@ class FlightSpecification(FileModel):
     faults: tuple[Fault, ...] = ()
     supervised: bool = Field(default=False, exclude_if=operator.not_)
     wind_changes: tuple[WindChange, ...] = Field(default=(), exclude_if=operator.not_)
+    vehicles: Vehicles = "nominal"
+    airframe_seed: int | None = Field(default=None, ge=0)
+    sensors: str = "rtk"
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
@@ -124,7 +146,7 @@ class FlightSpecification(FileModel):
     def _check_options(self) -> "FlightSpecification":
         try:
             _ = self.flight_options
-        except (NoSensorsError, WindOrderError) as error:
+        except (NoAirframeError, NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
 

@@ -23,7 +23,7 @@ class FlightHeader:
         backend: numeric back-end of the vehicle, such as `casadi-3.8.2 compiled`; with planning in flight
             also that of the search: `casadi-3.8.2 compiled, plans compiled`.
         outcome: `completed`, or the reason of the failure.
-        vehicles: population that the vehicle was drawn from: `nominal`, `one` airframe or `fleet`.
+        vehicles: population that the vehicle was drawn from: `nominal`, `airframe SEED` or `fleet`.
         drawn: differences of the vehicle flown from the one believed, by name, SI units.
         sensors: class of the sensors; `ideal` without errors; empty where not stated.
     """

@@ -29,6 +29,7 @@ from flight.mission.fault import Fault
 from flight.mission.mission import Mission
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import write_atomically
 from scenarios.find import find_library
@@ -119,7 +120,9 @@ class _MatrixFlights:
     def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
         """Returns a flight of every mission, with a fault or without."""
         settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, certainty=0.0)
-        flight_options = FlightOptions(faults=() if fault is None else (fault,), supervised=protected)
+        population = library_population(self.library, None, airframe=None, seed=self.seed, sensors=None)
+        faults = () if fault is None else (fault,)
+        flight_options = FlightOptions(faults=faults, supervised=protected, **population)
         return [
             MissionTask(
                 mission=mission,

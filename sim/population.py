@@ -49,7 +49,7 @@ def sensors_of(
 def header_entries(specification: FlightSpecification, nominal: Parameters) -> dict[str, str]:
     """Returns the entries of a flight's header that say what it draws."""
     return {
-        "vehicles": specification.vehicles,
+        "vehicles": specification.flight_options.population,
         "drawn": vehicle_of(specification, nominal).describe(),
         "sensors": IDEAL if specification.ideal_navigation else specification.sensors,
     }

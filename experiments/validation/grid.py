@@ -11,6 +11,7 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from planner.closed_loop.settings import Settings
+from sim.loop.specification import SUPERVISED_OPTIONS, FlightOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,6 +29,7 @@ class Grid:
     settings: Settings
     max_nodes: int | None
     logs: Path | None
+    flight_options: FlightOptions = SUPERVISED_OPTIONS
 
     def tasks(self) -> list[MissionTask]:
         """Returns every distinct flight; policies share the wind of a mission."""
@@ -56,6 +58,7 @@ class Grid:
             seed=mission_seed(self.seed, mission.name, number),
             settings=self.settings,
             max_nodes=self.max_nodes,
+            flight_options=self.flight_options,
             log=None if self.logs is None else self.logs / name,
             force=True,
         )

@@ -3,11 +3,11 @@
 import operator
 from dataclasses import dataclass, fields
 from itertools import pairwise
-from typing import Literal
 
 from pydantic import Field, FiniteFloat, model_validator
 
 from flight.errors import FlightError
+from flight.mission.campaign import DEFAULT_SENSORS, VehiclePopulation
 from flight.mission.fault import SENSORS, Fault
 from flight.mission.sequence import Sequence
 from flight.mission.wind_change import WindChange
@@ -18,9 +18,6 @@ DEFAULT_ALTITUDE = 30.0
 
 CONTROL_RATE = 100
 """Hz."""
-
-Vehicles = Literal["nominal", "one", "fleet"]
-"""Populations of vehicles: the one believed, one airframe, an airframe for each flight."""
 
 WIND_FADE_TIME = 5.0
 """Seconds of the transition from one wind to the next."""
@@ -67,9 +64,9 @@ class FlightOptions:
     faults: tuple[Fault, ...] = ()
     supervised: bool = False
     wind_changes: tuple[WindChange, ...] = ()
-    vehicles: Vehicles = "nominal"
+    vehicles: VehiclePopulation = "nominal"
     airframe_seed: int | None = None
-    sensors: str = "rtk"
+    sensors: str = DEFAULT_SENSORS
 
     def __post_init__(self) -> None:
         """Refuses what does not go together."""
@@ -81,6 +78,11 @@ class FlightOptions:
         times = [change.time for change in self.wind_changes]
         if any(later < before + WIND_FADE_TIME for before, later in pairwise(times)):
             raise WindOrderError(times)
+
+    @property
+    def population(self) -> str:
+        """Population flown, with the airframe's seed: such as `airframe 1`."""
+        return f"airframe {self.airframe_seed}" if self.vehicles == "one" else self.vehicles
 
 
 DEFAULT_OPTIONS = FlightOptions()
@@ -125,9 +127,9 @@ class FlightSpecification(FileModel):
     faults: tuple[Fault, ...] = ()
     supervised: bool = Field(default=False, exclude_if=operator.not_)
     wind_changes: tuple[WindChange, ...] = Field(default=(), exclude_if=operator.not_)
-    vehicles: Vehicles = "nominal"
+    vehicles: VehiclePopulation = "nominal"
     airframe_seed: int | None = Field(default=None, ge=0)
-    sensors: str = "rtk"
+    sensors: str = DEFAULT_SENSORS
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)

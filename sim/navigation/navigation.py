@@ -24,7 +24,7 @@ from .installation import Installation
 from .sensor_errors import SensorErrors, sensor_classes
 from .sensors import SensorReadings, Sensors
 
-# Initial standard deviations: position (m, at least that of a fix), velocity (m/s), roll, pitch, heading (rad).
+# Initial standard deviations: position (m, or that of a fix), velocity (m/s), roll, pitch, heading (rad).
 _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
 # Entries of the error that are world vectors, by their first index.
 _WORLD_VECTORS = (0, 3, ESTIMATED)

@@ -137,14 +137,24 @@ class SensorErrors(FileValue):
             gyro_bias=replace(self.gyro_bias, sigma=0.0),
             position_drift=replace(self.position_drift, sigma=0.0),
             heading_drift=replace(self.heading_drift, sigma=0.0),
-            **dict.fromkeys(("gyro_scale", "misalignment", "heading_deviation", "vibration"), 0.0),
+            gyro_scale=0.0,
+            misalignment=0.0,
+            heading_deviation=0.0,
+            vibration=0.0,
         )
 
     def without_noise(self) -> "SensorErrors":
         """Returns everything but the white noise."""
-        names = ("accelerometer_noise", "gyro_noise", "velocity_noise", "heading_noise")
-        heights = ("height_noise", "low_height_noise")
-        return replace(self, position_noise=(0.0, 0.0, 0.0), **dict.fromkeys((*names, *heights), 0.0))
+        return replace(
+            self,
+            accelerometer_noise=0.0,
+            gyro_noise=0.0,
+            position_noise=(0.0, 0.0, 0.0),
+            velocity_noise=0.0,
+            heading_noise=0.0,
+            height_noise=0.0,
+            low_height_noise=0.0,
+        )
 
 
 @cache

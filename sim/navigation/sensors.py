@@ -69,14 +69,16 @@ def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Fun
     """Builds the sensor readings of a motion, without latency.
 
     Returns:
-        (motion now, noise, installation, state) -> (inertial reading, antenna position and velocity, heading and height,
-        state). The noise drives the Gauss-Markov errors and adds white noise, in the units of the readings
-        except for the height; the state is velocity (world) and attitude quaternion of the previous period,
-        the Gauss-Markov errors, and the phase of the vibration.
+        (motion now, noise, installation, state) -> (inertial reading, antenna position and velocity,
+        heading and height, state). The noise drives the Gauss-Markov errors and adds white noise, in the
+        units of the readings except for the height; the state is velocity (world) and attitude quaternion of
+        the previous period, the Gauss-Markov errors, and the phase of the vibration.
     """
     now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
     built = ca.SX.sym("installation", SIZE)
-    scale, misalignment, deviation, arm, vibration, phase_step = ca.vertsplit(built, (0, 3, 6, 10, 13, 14, 15))
+    scale, misalignment, deviation, arm, vibration, phase_step = ca.vertsplit(
+        built, (0, 3, 6, 10, 13, 14, 15)
+    )
     velocity_before, first, drifts, phase = ca.vertsplit(state, (0, 3, _BEFORE, _STATE - 1, _STATE))
     keep = ca.DM([exp(-step / drift.time) for drift in errors.drifts])
     drifts, white = keep * drifts + noise[:_DRIFTS], noise[_DRIFTS:]

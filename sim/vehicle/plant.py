@@ -44,7 +44,7 @@ def plant_function(
         With `servo_dynamics` also, before the memory, the servo rates lost against nominal servos, rad/s.
     """
     inputs = _plant_inputs(parameters, step)
-    results = _step_plant(parameters, step, servo_dynamics, *inputs)
+    results = _step_plant(parameters, step, servo_dynamics, inputs)
     return ca.Function("plant", inputs, ca.cse(results))
 
 
@@ -64,7 +64,7 @@ def drawn_plant_function(parameters: Parameters, step: float) -> ca.Function:
     *inputs, memory = _plant_inputs(parameters, step)
     values = ca.SX.sym("values", len(VARIED))
     varied = with_values(parameters, dict(zip(VARIED, ca.vertsplit(values), strict=True)))
-    results = _step_plant(varied, step, None, *inputs, memory)
+    results = _step_plant(varied, step, None, [*inputs, memory])
     return ca.Function("drawn_plant", [*inputs, values, memory], ca.cse(results))
 
 
@@ -78,13 +78,10 @@ def _step_plant(
     parameters: Parameters,
     step: float,
     servo_dynamics: AllServoDynamics | None,
-    position: ca.SX,
-    velocity: ca.SX,
-    controls: ca.SX,
-    wind: ca.SX,
-    memory: ca.SX,
+    inputs: list[ca.SX],
 ) -> list[ca.SX]:
     """Returns wrench, servo positions, rates lost and memory."""
+    position, velocity, controls, wind, memory = inputs
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - wind[:3])
     rates = _FLIP @ velocity[3:]

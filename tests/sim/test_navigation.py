@@ -26,8 +26,8 @@ from sim.loop.motion import Motion
 from sim.loop.signals import Signals
 from sim.navigation import filter as equations
 from sim.navigation.filter import ESTIMATED
-from sim.navigation.navigation import IdealNavigation, Navigation
 from sim.navigation.installation import Installation
+from sim.navigation.navigation import IdealNavigation, Navigation
 from sim.navigation.sensor_errors import (
     GaussMarkovError,
     SensorErrors,
@@ -104,16 +104,22 @@ def test_installed_sensors_read_what_their_errors_say() -> None:
     """A turn at constant rate: scale, misalignment and deviation by hand."""
     quiet = sensor_classes()["rtk"].only_noise().without_noise()
     scale, tilt, deviation = 0.01, 0.02, 0.03
-    built = Installation((0.0, 0.0, scale), (tilt, 0.0, 0.0), (deviation, 0.0, 0.0, 0.0), quiet.antenna, 0.0, 0.0)
+    built = Installation(
+        (0.0, 0.0, scale), (tilt, 0.0, 0.0), (deviation, 0.0, 0.0, 0.0), quiet.antenna, 0.0, 0.0
+    )
     navigation = Navigation(
         STILL, step=0.01, gravity=9.81, rng=np.random.default_rng(1), errors=quiet, installation=built
     )
     level = STILL._replace(roll=0.0, pitch=0.0, forward=0.0, side=0.0)
     for period in range(1, 101):
-        navigation.signals.truth[:] = level._replace(heading=2.0 + 0.005 * period, body_yaw_rate=0.5, yaw_rate=0.5)
+        navigation.signals.truth[:] = level._replace(
+            heading=2.0 + 0.005 * period, body_yaw_rate=0.5, yaw_rate=0.5
+        )
         navigation.sensors.run()
     rates = navigation.sensors.inertial[3:]
-    np.testing.assert_allclose(rates, [0.0, 0.5 * np.sin(tilt), 0.5 * np.cos(tilt) * (1.0 + scale)], atol=1e-6)
+    np.testing.assert_allclose(
+        rates, [0.0, 0.5 * np.sin(tilt), 0.5 * np.cos(tilt) * (1.0 + scale)], atol=1e-6
+    )
     heading = navigation.sensors.heading_and_height[0]
     assert heading == pytest.approx(2.5 + deviation * np.sin(2.5), abs=1e-9)
 

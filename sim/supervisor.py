@@ -61,6 +61,12 @@ times. The limits of turbulence and of the unknown position depend on library an
 TURBULENCE_FACTOR = 2.5
 """Turbulence limit over the wind of the library's wind class."""
 
+FIXES_LIMITS: Mapping[str, float] = MappingProxyType({"gps": 4.0})
+"""Limits of the fixes' innovations by sensor class, where not that of `LIMITS`.
+
+The wander of `gps` is most of an innovation, so that its mean over a second is as wide as a single one.
+"""
+
 POSITION_FACTOR = 5.0
 """Limit of the claimed position error over that of one fix of the sensor class."""
 
@@ -73,7 +79,12 @@ def alarm_limits(library: Library, sensors: str = "rtk") -> Mapping[AlarmKind, f
     beyond = inf if known is None or not known.wind_at_20_ft else TURBULENCE_FACTOR * known.wind_at_20_ft
     errors, _ = sensor_errors(sensors)
     unknown = POSITION_FACTOR * hypot(errors.position_sigma, errors.position_sigma)
-    return {**LIMITS, AlarmKind.TURBULENCE: beyond, AlarmKind.POSITION_UNKNOWN: unknown}
+    return {
+        **LIMITS,
+        AlarmKind.TURBULENCE: beyond,
+        AlarmKind.POSITION_UNKNOWN: unknown,
+        AlarmKind.FIXES_AMISS: FIXES_LIMITS.get(sensors, LIMITS[AlarmKind.FIXES_AMISS]),
+    }
 
 
 class Supervisor:
@@ -160,7 +171,7 @@ class Supervisor:
             mean = _DECAY * self._squares[kind] + (1.0 - _DECAY) * error**2
             self._squares[kind] = mean
             yield kind, sqrt(mean)
-        self._meter.update((forward - reference[0], side - reference[3], descent), yaw_rate=reference[6])
+        self._meter.update(descent, yaw_rate=reference[6])
         if (turbulence := self.turbulence) is not None:
             yield AlarmKind.TURBULENCE, turbulence
         if self._readings is not None:

@@ -16,6 +16,7 @@ from flightlog.file.writer import log_bytes, write_log
 from flightlog.identity.fingerprint import fingerprint
 from flightlog.log import FlightLog
 from maneuver.app import run
+from runtime.job import JobState
 from scenarios.find import find_campaign
 from sim.campaign_flight import CampaignFlight, fly_specification
 from sim.loop.backend import Backend
@@ -181,7 +182,7 @@ def test_populations_are_different_flights(tmp_path: Path) -> None:
         CampaignFlight(flight, LIBRARY, path).status()
         for flight in (one(7, 3), one(8, 3), FLEET, SHORT, FLEET.with_options(FlightOptions(sensors="gps")))
     ]
-    assert [state.state for state in states] == ["whole", *["another"] * 4]
+    assert [state.state for state in states] == [JobState.WHOLE, *[JobState.ANOTHER] * 4]
 
 
 def test_a_campaign_of_a_fleet_flies_from_the_command_line(tmp_path: Path) -> None:

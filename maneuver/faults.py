@@ -119,7 +119,7 @@ class _MatrixFlights:
 
     def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
         """Returns a flight of every mission, with a fault or without."""
-        settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, certainty=0.0)
+        settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, arrival_probability=0.0)
         population = library_population(self.library, None, airframe=None, seed=self.seed, sensors=None)
         faults = () if fault is None else (fault,)
         flight_options = FlightOptions(faults=faults, supervised=protected, **population)

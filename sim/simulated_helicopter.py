@@ -238,12 +238,14 @@ class SimulatedHelicopter:
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
         track, estimated_track = self._recorder.tracks(first, self._periods)
+        position, heading = self._recorder.standard_deviations(first, self._periods)
         return Leg(
             (self._periods - first) / CONTROL_RATE,
             settled=settled,
             track=track,
             estimated_track=estimated_track,
-            standard_deviation=self._recorder.standard_deviation(first, self._periods),
+            standard_deviation=position,
+            heading_deviation=heading,
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
         )

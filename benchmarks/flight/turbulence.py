@@ -1,7 +1,7 @@
 """Estimated against true turbulence: `python -m benchmarks.flight.turbulence 20 3`.
 
-First the vertical velocities in each trim per m/s of wind at 20 ft, the input of `sim.wind.turbulence_meter`, and
-the filter's innovations, for comparison; then the estimates at the ends of random missions in each wind
+First the vertical velocities in each trim per m/s of wind at 20 ft, the input of `sim.wind.turbulence_meter`,
+and the filter's innovations, for comparison; then the estimates at the ends of random missions in each wind
 class.
 """
 

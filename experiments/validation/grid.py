@@ -7,6 +7,7 @@ from pathlib import Path
 from experiments.mission.fly import mission_seed
 from experiments.mission.mission_task import MissionTask, Plant
 from experiments.mission.policies import FlownPolicy
+from experiments.mission.sensor_tolerance import check_tolerance
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
@@ -32,7 +33,11 @@ class Grid:
     flight_options: FlightOptions = SUPERVISED_OPTIONS
 
     def tasks(self) -> list[MissionTask]:
-        """Returns every distinct flight; policies share the wind of a mission."""
+        """Returns every distinct flight; policies share the wind of a mission.
+
+        Raises:
+            ToleranceTooFineError: the sensors cannot tell the goal of a mission.
+        """
         tasks = [
             self._task(mission, policy, gamma, plant=plant, wind=wind, number=number)
             for mission in self.missions
@@ -41,6 +46,8 @@ class Grid:
             for plant, wind in self._plants(gamma)
             for number in range(self.flights)
         ]
+        for task in tasks:
+            check_tolerance(task)
         return list({self._identity(task): task for task in tasks}.values())
 
     def _task(

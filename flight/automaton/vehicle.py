@@ -22,7 +22,8 @@ class Leg:
             heading in radians (not wrapped).
         estimated_track: the same as the vehicle believes it; None where that is the truth.
         standard_deviation: of the believed position in metres, the largest on the way, as the vehicle
-            claims it.
+            claims it: the root of the summed variances of north and east.
+        heading_deviation: standard deviation of the believed heading in radians, likewise.
         turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
             None where it does not know.
         alarm: what the vehicle found wrong with itself, and broke the leg off for; empty where nothing.
@@ -33,6 +34,7 @@ class Leg:
     track: Float[np.ndarray, "n 4"]
     estimated_track: Float[np.ndarray, "n 4"] | None = None
     standard_deviation: float = 0.0
+    heading_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
 

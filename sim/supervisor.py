@@ -18,7 +18,7 @@ from sim.loop.specification import CONTROL_PERIOD
 from sim.navigation.filter import GATE
 from sim.navigation.navigation import Navigation, Navigator
 from sim.navigation.sensor_errors import sensor_errors
-from sim.wind.turbulence_meter import TurbulenceMeter
+from sim.wind.turbulence_meter import AVERAGING_TIME, TurbulenceMeter
 from sim.wind.wind import WIND_CLASSES
 
 PERIODS_PER_CHECK = 10
@@ -172,7 +172,9 @@ class Supervisor:
             self._squares[kind] = mean
             yield kind, sqrt(mean)
         self._meter.update(descent, yaw_rate=reference[6])
-        if (turbulence := self.turbulence) is not None:
+        # Earlier means are of too few gusts to blame the wind.
+        averaged = self._periods * CONTROL_PERIOD >= AVERAGING_TIME
+        if averaged and (turbulence := self.turbulence) is not None:
             yield AlarmKind.TURBULENCE, turbulence
         if self._readings is not None:
             yield from self._readings.monitored_values()

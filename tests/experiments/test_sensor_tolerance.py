@@ -44,7 +44,7 @@ def test_every_shipped_mission_can_be_told_by_the_default_sensors() -> None:
         ({"tolerance": 0.1}, r"expected a tolerance of at least 0.144 m \(4 standard deviations of rtk\)"),
         (
             {"goal_heading": 1.0, "heading_tolerance": 0.05},
-            r"expected a heading_tolerance of at least 0.0866 rad \(4 standard deviations of rtk\), got 0.05 rad",
+            r"expected a heading_tolerance of at least 0.0866 rad \(4 standard deviations of rtk\), got 0.05",
         ),
     ],
 )

@@ -44,26 +44,34 @@ def poison(truth: Array) -> Iterator[None]:
 
 
 class PoisonedController(Controller):
+    """The controller without the truth."""
+
     def run(self) -> None:
+        """Computes the controls."""
         with poison(self.signals.truth):
             super().run()
 
 
 class PoisonedGenerator(ManeuverGenerator):
+    """The maneuver generator without the truth."""
+
     def __init__(self, *arguments: Any, signals: Signals, **options: Any) -> None:
         self._truth = signals.truth
         super().__init__(*arguments, signals=signals, **options)
         # Bound in the constructor for speed.
         generate = self.run
-        self.run = lambda: _poisoned(generate, self._truth)  # type: ignore[method-assign]
+        self.run = lambda: _poisoned(generate, self._truth)
 
 
 class PoisonedSupervisor(Supervisor):
+    """The supervisor without the truth."""
+
     def __init__(self, signals: Signals, *arguments: Any, **options: Any) -> None:
         self._truth = signals.truth
         super().__init__(signals, *arguments, **options)
 
     def run(self) -> None:
+        """Checks a control period."""
         with poison(self._truth):
             super().run()
 
@@ -91,9 +99,11 @@ class PoisonedLegs(SimulatedHelicopter):
     """Planner and closed loop get true tracks of not-a-number."""
 
     def coast(self, duration: float) -> Leg:
+        """Holds the trim."""
         return _without_truth(super().coast(duration))
 
     def perform(self, maneuver: Maneuver) -> Leg:
+        """Performs a maneuver."""
         return _without_truth(super().perform(maneuver))
 
 

@@ -3,7 +3,7 @@
 import json as json_module
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -25,6 +25,7 @@ from experiments.mission.random_missions import random_missions
 from experiments.mission.result import MissionResult
 from experiments.mission.result_store import fly_tasks
 from flight.automaton.library import Library
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.fault import Fault
 from flight.mission.mission import Mission
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
@@ -47,6 +48,9 @@ def faults(
     library: str = "gtmax-sim",
     policy: FlownPolicy = "worst-case",
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     flights: Count = 50,
     seed: Seed = 1,
     bare: bool = True,
@@ -76,6 +80,9 @@ def faults(
         library: name or path of the library planned with.
         policy: which planner.
         wind: wind class; the library's by default.
+        vehicles: what flies: the nominal vehicle, `one` airframe, or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: class of the sensors, rtk or gps; the library's by default.
         flights: of each fault, each a mission of its own.
         seed: of all chance.
         bare: fly without protection too.
@@ -86,7 +93,10 @@ def faults(
     """
     what, flown_with = find_fault_matrix(matrix), find_library(library)
     missions = random_missions(flown_with, count=flights, seed=seed, gamma=1.0)
-    flying = _MatrixFlights(what, flown_with, policy, wind or flown_with.conditions.wind, seed, missions)
+    population = library_population(flown_with, vehicles, airframe=airframe, seed=seed, sensors=sensors)
+    options = FlightOptions(**population)
+    air = wind or flown_with.conditions.wind
+    flying = _MatrixFlights(what, flown_with, policy, air, seed, missions, options)
     cases = [case.fault for case in what.cases]
     orders: list[tuple[Fault | None, bool]] = [(None, True), *((fault, True) for fault in cases)]
     orders += [(fault, False) for fault in cases] if bare else []
@@ -116,13 +126,13 @@ class _MatrixFlights:
     wind: str
     seed: int
     missions: Sequence[Mission]
+    flight_options: FlightOptions
 
     def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
         """Returns a flight of every mission, with a fault or without."""
         settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, arrival_probability=0.0)
-        population = library_population(self.library, None, airframe=None, seed=self.seed, sensors=None)
         faults = () if fault is None else (fault,)
-        flight_options = FlightOptions(faults=faults, supervised=protected, **population)
+        flight_options = replace(self.flight_options, faults=faults, supervised=protected)
         return [
             MissionTask(
                 mission=mission,

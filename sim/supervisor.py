@@ -33,7 +33,7 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
         AlarmKind.NO_NUMBER: 0.0,
         AlarmKind.TILT: 0.55,
         AlarmKind.HEIGHT: 2.5,
-        AlarmKind.VELOCITY: 1.1,
+        AlarmKind.VELOCITY: 0.9,
         AlarmKind.DESCENT: 1.0,
         AlarmKind.YAW_RATE: 0.4,
         AlarmKind.FIXES_AMISS: 2.5,
@@ -53,7 +53,7 @@ LIMITS: Mapping[AlarmKind, float] = MappingProxyType(
 )
 """Limits by kind.
 
-They are above the largest values of fault-free flights of a fleet in wind class `gtmax`, as printed by
+At most one flight in 200 of a fleet in wind class `gtmax` exceeds one without a fault, as printed by
 `benchmarks.flight.alarm_limits`. Limits of missing and stuck readings are chosen: the filter bridges such
 times. The limits of turbulence and of the unknown position depend on library and sensors (`alarm_limits`).
 """

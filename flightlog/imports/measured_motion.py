@@ -129,7 +129,7 @@ def _is_plausible(values: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n"]:
     return np.asarray((np.abs(values) < LARGEST_VALUE).all(axis=1))
 
 
-def _has_neighbours(time: Column, wanted: Column) -> Bool[np.ndarray, "n"]:
+def _has_neighbours(time: Column, wanted: Float[np.ndarray, "wanted"]) -> Bool[np.ndarray, "wanted"]:
     """Returns a mask of times with samples close on both sides."""
     longest = max(MAX_GAP * float(np.median(np.diff(time))), _MIN_GAP)
     after = np.searchsorted(time, wanted).clip(1, len(time) - 1)

@@ -45,7 +45,7 @@ def all_edges(trims: int) -> np.ndarray:
 
 
 def walks_of(
-    motions: Sequence[Float[np.ndarray, "n 3"]], library: Library, *, model: MotionModel | None = None
+    motions: Sequence[Float[np.ndarray, "_ 3"]], library: Library, *, model: MotionModel | None = None
 ) -> tuple[ObservedWalk, ...]:
     """Returns the walk of each flight through a library's trims.
 

@@ -127,9 +127,9 @@ class BranchAndBound:
     def descend(
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, minimise_time: bool
     ) -> Incumbent | None:
-        """Returns local optimum times of a walk from a start, or None."""
+        """Returns locally optimal times of a walk; None if there are none."""
         descent, budget = self._descents(row), limit - float(self.fixed[row])
-        if budget < 0:
+        if budget < 0 or perf_counter() > self._until:
             return None
         found = (descent.minimise_time if minimise_time else descent.minimise_miss)(start, budget)
         if found is None:

@@ -15,6 +15,7 @@ import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flight.automaton.library import Library
+from planner.walks.flow import fly_walks
 from planner.walks.walk import Walk
 
 from .whole_interval import LinearWalk
@@ -48,16 +49,8 @@ class WalkBatch:
         Args:
             times: seconds, of each walk.
         """
-        swept = self.rate * times[:, None, :]
-        half = 0.5 * swept
-        turn = np.exp(1j * half)
-        chord = self.velocity * times[:, None, :] * np.sinc(half / np.pi) * turn
-        heading = np.cumsum(swept, axis=2)
-        facing = np.exp(1j * (heading - swept))
-        after = np.cumsum(facing * (self.displacement + chord), axis=2)
-        end = after[:, :, -1]
-        along = facing * turn * turn * self.velocity + 1j * self.rate * (end[:, :, None] - after)
-        return end, heading[:, :, -1] + self.turned, along
+        flow = fly_walks(self.velocity, self.rate, self.displacement, times[:, None, :])
+        return flow.end, flow.heading[:, :, -1] + self.turned, flow.velocity
 
     def fastest(
         self,

@@ -12,6 +12,7 @@ import numpy as np
 from jaxtyping import Complex, Float
 
 from flight.automaton.library import Library
+from planner.walks.flow import fly_walks, fold_turns
 from planner.walks.walk import Walk
 
 FIRST_PIECES = 8
@@ -68,7 +69,7 @@ class LinearWalk:
         turns = [[one.displacement.heading for one in steps], [one.error.heading_change for one in steps]]
         return cls(
             velocity=np.array([[complex(one.forward, one.side) for one in row] for row in speeds]),
-            rate=np.array([[one.yaw_rate for one in row] for row in speeds]),
+            rate=np.array([[one.yaw_rate for one in row] for row in speeds], dtype=float),
             displacement=np.array([[0j, *row] for row in moves]),
             turn=np.array([[0.0, *row] for row in turns]),
         )
@@ -79,14 +80,10 @@ class LinearWalk:
         """Returns the ends for coasting times at every level."""
         level = gammas[:, None]
         velocity, rate = self.velocity[0] + level * self.velocity[1], self.rate[0] + level * self.rate[1]
-        moved = self.displacement[0] + level * self.displacement[1]
         turn = self.turn[0] + level * self.turn[1]
-        half = 0.5 * rate * times
-        heading = np.cumsum(turn + 2 * half, axis=1) - 2 * half
-        step = np.exp(1j * (heading - turn)) * moved
-        coast = np.exp(1j * (heading + half)) * velocity * times * np.sinc(half / np.pi)
-        ends: Complex[np.ndarray, "n"] = (step + coast).sum(axis=1)
-        return ends
+        moved = self.displacement[0] + level * self.displacement[1]
+        velocity, moved, _ = fold_turns(velocity, moved, turn)
+        return fly_walks(velocity, rate, moved, times).end
 
     def curvature_bound(self, times: Float[np.ndarray, "trims"], gamma: float) -> float:
         """Returns a bound of the end's second derivative, in metres."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Complex, Float
 
-from .error_path import ErrorPath, walk_geometry
+from .error_path import ErrorPath
 
 SERIES = 0.5
 """Radians below which integrals over a turn are taken from their series."""
@@ -50,18 +50,20 @@ def enclose_end(
         answer: by how many seconds the coasting times change with each error variable.
     """
     numbers = path.at(errors)
-    closure = walk_geometry(numbers, times)
+    flow, turned_before = numbers.flow(times)
+    facing = flow.facing * np.exp(1j * turned_before)
+    leaving = flow.facing[:, 1:] * np.exp(1j * turned_before[:, :-1])
     velocity, rate = numbers.velocity[:, :, None], numbers.rate[:, :, None]
     moved = times[:, :, None] * path.velocity[1] + velocity * answer
     turned = times[:, :, None] * path.rate[1] + rate * answer
     stretch = numbers.velocity * times
-    arm = 1j * (closure.end[:, None] - closure.exit)
-    swing = closure.facing * stretch * 1j * _first_moment(numbers.rate * times) + arm
-    hinge = 1j * (closure.end[:, None] - closure.entry)[:, 1:]
+    arm = 1j * (flow.end[:, None] - flow.exit)
+    swing = facing * stretch * 1j * _first_moment(numbers.rate * times) + arm
+    hinge = (arm + 1j * facing * stretch * flow.mean)[:, 1:]
     slope = (
-        np.einsum("nt,ntv->nv", closure.facing * closure.mean, moved)
+        np.einsum("nt,ntv->nv", facing * flow.mean, moved)
         + np.einsum("nt,ntv->nv", swing, turned)
-        + np.einsum("ns,sv->nv", closure.leaving, path.displacement[1])
+        + np.einsum("ns,sv->nv", leaving, path.displacement[1])
         + np.einsum("ns,sv->nv", hinge, path.turn[1])
     )
 
@@ -87,7 +89,7 @@ def enclose_end(
     radius = coasts.sum(axis=1) + maneuvers.sum(axis=1) + (pushed + bent * np.abs(swing)).sum(axis=1)
     length = np.abs(stretch).sum(axis=1) + np.abs(numbers.displacement).sum(axis=1)
     influence = width * (np.abs(after).max(axis=1) * length[:, None] + np.abs(slope))
-    return Enclosure(closure.end, slope, radius, influence)
+    return Enclosure(flow.end, slope, radius, influence)
 
 
 def _first_moment(angle: np.ndarray) -> np.ndarray:

@@ -12,6 +12,7 @@ from jaxtyping import Complex, Float
 
 from flight.automaton.library import Library
 from planner.kernel.tables import KernelTable, kernel_table
+from planner.walks.flow import WalkFlow, fly_walks, fold_turns, mean_direction
 from planner.walks.walk import Walk
 
 ErrorGranularity = Literal["primitive", "scalar"]
@@ -114,7 +115,14 @@ class WalkCoefficients:
 
     def end(self, times: Float[np.ndarray, "n trims"]) -> Complex[np.ndarray, "n"]:
         """Returns the ends as north + i east in metres."""
-        return walk_geometry(self, times).end
+        return self.flow(times)[0].end
+
+    def flow(self, times: Float[np.ndarray, "n trims"]) -> tuple[WalkFlow, Float[np.ndarray, "n trims"]]:
+        """Returns the flow, and the heading change of earlier maneuvers."""
+        nothing = np.zeros((len(times), 1))
+        displacement, turn = np.hstack([nothing, self.displacement]), np.hstack([nothing, self.turn])
+        velocity, displacement, turned = fold_turns(self.velocity, displacement, turn)
+        return fly_walks(velocity, self.rate, displacement, times), turned
 
 
 def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularity) -> ErrorPath:
@@ -191,37 +199,3 @@ def _add_errors(
             names.append(f"{name} {part}")
         errors.append((kind, place, error))
         owners.append(len(names) - 1)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class WalkGeometry:
-    """Geometry of walks: heading factors, mean coast directions, ends."""
-
-    facing: Complex[np.ndarray, "n trims"]
-    leaving: Complex[np.ndarray, "n steps"]
-    mean: Complex[np.ndarray, "n trims"]
-    entry: Complex[np.ndarray, "n trims"]
-    exit: Complex[np.ndarray, "n trims"]
-    end: Complex[np.ndarray, "n"]
-
-
-def walk_geometry(numbers: WalkCoefficients, times: Float[np.ndarray, "n trims"]) -> WalkGeometry:
-    """Returns walks from the origin, heading north."""
-    angle = numbers.rate * times
-    mean = mean_direction(angle)
-    nothing = np.zeros((len(times), 1))
-    turned = np.hstack([nothing, np.cumsum(numbers.turn, axis=1)])
-    before = np.cumsum(angle, axis=1) - angle
-    facing = np.exp(1j * (before + turned))
-    leaving = np.exp(1j * (before + angle + turned)[:, :-1])
-    coast = facing * numbers.velocity * times * mean
-    step = np.hstack([nothing, leaving * numbers.displacement])
-    exit_ = np.cumsum(coast + step, axis=1)
-    return WalkGeometry(facing, leaving, mean, exit_ - coast, exit_, exit_[:, -1])
-
-
-def mean_direction(angle: np.ndarray) -> np.ndarray:
-    """Returns the integral of `exp(i angle s)` over [0, 1]."""
-    half = 0.5 * angle
-    mean: np.ndarray = np.sinc(half / np.pi) * np.exp(1j * half)
-    return mean

@@ -101,8 +101,9 @@ def enumerate_signs(
     if len(path.names) > MOST_PRIMITIVES:
         raise TooManyScenariosError(len(path.names))
     signs = np.array(list(product((-1, 0, 1), repeat=len(path.names))))
-    costs = least_costs(path.table(signs), mission)
-    misses = _misses(path, mission, coasting_times, signs)
+    errors = signs.astype(float)
+    costs = least_costs(path.table(errors), mission)
+    misses = _misses(path, mission, coasting_times, errors)
     scenarios = tuple(
         SignScenario(tuple(row), cost, miss)
         for row, cost, miss in zip(signs.tolist(), costs.tolist(), misses.tolist(), strict=True)

@@ -25,6 +25,7 @@ from jaxtyping import Complex, Float, Int
 
 from flight.mission.mission import Mission
 from flight.se2 import rotate
+from planner.walks.flow import fly_walks
 from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.kinematics import WalkMotion
 
@@ -90,7 +91,7 @@ class WalkProblems:
             displacement,
             centre,
             longest,
-            np.array([motion.fixed_time for motion in motions]),
+            np.array([motion.fixed_time for motion in motions], dtype=float),
             np.array([row[3] for row in rows]),
             goal_from_start(mission),
             mission.destination.reach,
@@ -143,18 +144,8 @@ class WalkProblems:
         self, times: PerTrim
     ) -> tuple[Complex[np.ndarray, "boxes trims"], Complex[np.ndarray, "boxes"], PerBox]:
         """Returns end velocities, ends and turns from coasting."""
-        position, psi = np.zeros(len(times), dtype=complex), np.zeros(len(times))
-        own, after = [], []
-        for place in range(times.shape[1]):
-            position = position + np.exp(1j * psi) * self.displacement[:, place]
-            half = 0.5 * self.rate[:, place] * times[:, place]
-            chord = self.velocity[:, place] * times[:, place] * np.sinc(half / np.pi)
-            position = position + np.exp(1j * (psi + half)) * chord
-            psi = psi + 2 * half
-            own.append(np.exp(1j * psi) * self.velocity[:, place])
-            after.append(position)
-        arm = position[:, None] - np.stack(after, axis=1)
-        return np.stack(own, axis=1) + 1j * self.rate * arm, position, psi
+        flow = fly_walks(self.velocity, self.rate, self.displacement, times)
+        return flow.velocity, flow.end, flow.heading[:, -1]
 
 
 def _merge_displacements(

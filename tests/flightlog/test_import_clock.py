@@ -1,5 +1,6 @@
 """Tests of the clocks of imported files."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from jaxtyping import Float
+from mcap.writer import Writer
 
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
@@ -119,3 +121,47 @@ def test_what_is_made_of_a_log_does_not_grow_with_its_time_alone() -> None:
     assert velocity_disagreement(log.motion) is not None
     assert amplitude_density(time, np.sin(time)) is None
     assert amplitude_density(TIME, np.sin(TIME)) is not None
+
+
+def bag(folder: Path, *, stamps: Column, logged: Column) -> Path:
+    """Writes poses in JSON with these stamps and log times, both in seconds."""
+    path = folder / "bag.mcap"
+    with path.open("wb") as stream:
+        writer = Writer(stream)
+        writer.start()
+        schema = writer.register_schema("Pose", "jsonschema", b"{}")
+        channel = writer.register_channel("/odom", "json", schema)
+        for stamp, at in zip(stamps, logged, strict=True):
+            header = {"stamp": {"sec": int(stamp), "nanosec": round(stamp % 1 * 1e9)}}
+            message = {"header": header, "position": {"x": 4.0 * at, "y": 0.0, "z": 0.0}}
+            time = round(at * 1e9)
+            writer.add_message(channel, log_time=time, publish_time=time, data=json.dumps(message).encode())
+        writer.finish()  # type: ignore[no-untyped-call]
+    return path
+
+
+@pytest.mark.parametrize("stamps", [shifted(250, 1.7e9), 1e15 + TIME, -5.0 - TIME])
+def test_stamps_of_no_clock_give_way_to_the_log_times(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], stamps: Column
+) -> None:
+    path, out = bag(tmp_path, stamps=stamps, logged=TIME), tmp_path / "out.mcap"
+    assert run(["import", str(path), "--pose", "/odom", "--out", str(out)]) == 0
+    assert "of logging" in capsys.readouterr().out
+    np.testing.assert_allclose(read_log(out)[ESTIMATE].time, TIME, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("logged", "words"),
+    [
+        (shifted(250, 1.7e9), "/odom message 251: time jumps ahead by 1.7e+09 s"),
+        (TIME / 1e3, "expected a /odom message every 0.0001 s or less often"),
+    ],
+)
+def test_log_times_of_no_flight_are_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], logged: Column, words: str
+) -> None:
+    path, out = bag(tmp_path, stamps=0.0 * TIME, logged=logged), tmp_path / "out.mcap"
+    assert run(["import", str(path), "--pose", "/odom", "--out", str(out)]) == 2
+    refusal = capsys.readouterr().err
+    assert words in refusal
+    assert refusal.count("\n") == 1

@@ -16,6 +16,7 @@ from flightlog.series import Series
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from planner.kernel.build import SEARCH_BACKEND
+from runtime.version import VERSION
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import parse_specification
@@ -158,7 +159,7 @@ def test_a_flight_of_another_code_version_is_replayed_with_a_notice(
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
     printed = capsys.readouterr().out
     assert ": 0 of " in printed
-    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in printed
+    assert f"flown by code 0.1.0+000000000000, flown again by {VERSION}+" in printed
     assert read_log(tmp_path / "again.mcap").header == walk.header
 
 

@@ -166,6 +166,19 @@ def test_where_there_is_no_way_that_is_proved_too() -> None:
     assert any("not refuted" in problem for problem in plan_problems(plan, library, ahead))
 
 
+def test_a_turn_that_its_error_cancels_is_a_straight_line_in_every_proof() -> None:
+    """At gamma 1 the trim flies straight past the goal, for as long as it likes."""
+    turn = Trim(1, "turn", Twist(7.0, 0.0, 0.1), Twist(0.0, 0.0, -0.1))
+    library = Library("cancelled", "", "", (turn,), ())
+    mission = Mission("abeam", SE2.identity(), 1, (30.0, 9.0), 0.5, max_trims=1)
+    plan = certify_plan(worst_case_planner(library, 1.0).plan(mission), library, mission)
+    assert (plan.status, plan.reason) == (
+        "infeasible",
+        "no walk of at most 1 trims leads to the goal, proved",
+    )
+    assert plan_problems(plan, library, mission) == ()
+
+
 def test_a_plan_that_is_not_the_best_is_not_certified() -> None:
     library, mission = thesis_kinematic(), Mission("slow", SE2.identity(), 1, (30.0, 12.0), 0.0)
     best = nominal_planner(library).plan(mission)

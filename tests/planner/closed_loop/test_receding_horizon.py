@@ -64,7 +64,7 @@ class Refusing:
 
 
 def track(*points: tuple[float, float, float, float]) -> Leg:
-    return Leg(points[-1][0] - points[0][0], settled=True, track=np.array(points))
+    return Leg(points[-1][0] - points[0][0], settled=True, track=np.array(points, dtype=float))
 
 
 def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:

@@ -14,6 +14,7 @@ from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.errors import NoManeuverError
 from flight.se2 import SE2, Twist
+from planner.walks.flow import WalkFlow, fly_walks, fold_turns
 from planner.walks.kinematics import NegativeDurationError, WalkMotion, walk_motion
 from tests.oracles.symbolic_motion import symbolic_motion
 
@@ -54,6 +55,49 @@ def test_the_symbolic_end_of_a_walk_is_the_numeric_one(numbers: WalkMotion, star
     symbolic = np.array(end(velocities, moved, [start.x, start.y, start.heading], list(times))).ravel()
     numeric = numbers.end(start, times)
     assert symbolic == pytest.approx([numeric.x, numeric.y, numeric.heading], abs=TWIN_AGREEMENT)
+
+
+def flow_of(numbers: WalkMotion, times: np.ndarray) -> tuple[WalkFlow, float]:
+    """Returns the flow along one walk, and the heading change of its maneuvers."""
+    turn = np.array([0.0, *(d.heading for d in numbers.displacements)])
+    velocity, displacement, turned = fold_turns(
+        np.array([complex(v.forward, v.side) for v in numbers.velocities]),
+        np.array([0j, *(complex(d.x, d.y) for d in numbers.displacements)]),
+        turn,
+    )
+    rate = np.array([v.yaw_rate for v in numbers.velocities])
+    return fly_walks(velocity, rate, displacement, times), float(turned[-1])
+
+
+@given(motions(), st.integers(0, 1000))
+def test_the_end_of_a_walk_in_arrays_is_the_numeric_one(numbers: WalkMotion, seed: int) -> None:
+    times = times_for(numbers, seed)
+    flow, turned = flow_of(numbers, np.array(times))
+    numeric = numbers.end(SE2.identity(), times)
+    assert flow.end == pytest.approx(complex(numeric.x, numeric.y), abs=TWIN_AGREEMENT)
+    assert flow.heading[-1] + turned == pytest.approx(numeric.heading, abs=TWIN_AGREEMENT)
+
+
+@given(motions(), st.integers(0, 1000))
+def test_the_end_moves_with_each_time_as_its_velocities_say(numbers: WalkMotion, seed: int) -> None:
+    times = np.array(times_for(numbers, seed)) + 0.1
+    velocity, step = flow_of(numbers, times)[0].velocity, 1e-5
+    for place, held in enumerate(np.eye(len(times))):
+        later, earlier = (flow_of(numbers, times + sign * step * held)[0].end for sign in (1, -1))
+        # Second differences of positions up to some hundred metres.
+        assert velocity[place] == pytest.approx((later - earlier) / (2 * step), abs=1e-5)
+
+
+@given(motions(), st.integers(0, 1000))
+def test_many_walks_at_once_are_flown_like_one(numbers: WalkMotion, seed: int) -> None:
+    times = np.random.default_rng(seed).uniform(0, 8, (2, 3, len(numbers.velocities)))
+    rate = np.array([v.yaw_rate for v in numbers.velocities])
+    velocity = np.array([complex(v.forward, v.side) for v in numbers.velocities])
+    nothing = np.zeros(len(rate), dtype=complex)
+    many = fly_walks(velocity, rate, nothing, times)
+    one = fly_walks(velocity, rate, nothing, times[1, 2])
+    assert many.end[1, 2] == pytest.approx(one.end, abs=TWIN_AGREEMENT)
+    assert many.velocity[1, 2] == pytest.approx(one.velocity, abs=TWIN_AGREEMENT)
 
 
 def test_gamma_moves_a_walk_by_its_signed_errors() -> None:

@@ -1,4 +1,4 @@
-"""Study of the sources of error: campaigns with one source each, and with all."""
+"""Study of error sources: campaigns with one each, and with all."""
 
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor

@@ -1,4 +1,4 @@
-"""Shares of variance between flights: one-way random effects with the flight as cluster."""
+"""Shares of variance between flights by one-way random effects."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -30,7 +30,7 @@ def sources(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Studies the sources of a campaign's errors, one at a time and together.
+    """Studies sources of a campaign's errors, one by one and together.
 
     A campaign each is flown with wind, white noise, drawn vehicles and systematic sensor errors alone, and
     one with all, every maneuver twice a flight. Said are each source's share of the variance of every scalar,

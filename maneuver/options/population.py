@@ -1,4 +1,4 @@
-"""Population of vehicles and class of sensors, as options and files name them."""
+"""Vehicles and sensors of flights, by options and files."""
 
 from typing import Any, cast
 

@@ -32,7 +32,7 @@ _WALK_STREAM = 11
 
 
 def check_alarms(library: Library, *, executor: Executor) -> Iterator[CheckResult]:
-    """Yields the share of sound flights with an alarm, and a model error's.
+    """Yields shares of flights with false alarms.
 
     Args:
         library: trims, maneuvers, wind class and the maneuver-end rule.
@@ -83,7 +83,7 @@ def _fly_walk(
     sensors: str,
     flown: DrawnVehicle | None = None,
 ) -> frozenset[AlarmKind]:
-    """Flies a random walk along the maneuvers; a lost flight is an alarm."""
+    """Flies a random walk; a lost flight is an alarm."""
     rng = np.random.default_rng([number, _WALK_STREAM])
     flight = FlightSpecification(
         seed=number,

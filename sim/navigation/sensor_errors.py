@@ -94,7 +94,7 @@ class SensorErrors(FileValue):
 
     @property
     def believed_drifts(self) -> tuple[GaussMarkovError, ...]:
-        """Gauss-Markov errors of the filter, with what it does not model put into them."""
+        """Gauss-Markov errors of the filter, enlarged by unmodelled ones."""
         gyro = replace(self.gyro_bias, sigma=hypot(self.gyro_bias.sigma, _TURNING * self.gyro_scale))
         # Four terms, each of mean square one half.
         deviation = sqrt(2.0) * self.heading_deviation
@@ -178,7 +178,7 @@ def sensor_classes(path: Path | None = None) -> Mapping[str, SensorErrors]:
 
 
 def sensor_errors(name: str) -> tuple[SensorErrors, SensorErrors]:
-    """Returns the errors believed and the errors made, of a class by name.
+    """Returns believed and actual errors of a class by name.
 
     Raises:
         UnknownSensorsError: it does not exist.

@@ -1,4 +1,4 @@
-"""MuJoCo model of the helicopter: a free body of stated mass and inertia."""
+"""MuJoCo model of the helicopter, a free body."""
 
 from functools import lru_cache
 

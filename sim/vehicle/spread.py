@@ -1,4 +1,4 @@
-"""Vehicles drawn around the nominal one, as far as a builder cannot know them."""
+"""Vehicles drawn around the nominal one, within what is unknown."""
 
 import json
 from collections.abc import Mapping
@@ -169,7 +169,7 @@ def differ(nominal: Parameters, differences: Mapping[str, float]) -> DrawnVehicl
 
 
 def value_of(parameters: Parameters, name: str) -> float:
-    """Returns a parameter by its name, such as `body.mass`; 0 for a shift."""
+    """Returns a parameter by its name; 0 for a shift."""
     if name in CENTRE_OF_MASS:
         return 0.0
     part, field = name.split(".")

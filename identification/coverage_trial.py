@@ -12,13 +12,25 @@ from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
+from identification.segmentation.segmentation import ManeuverSegment, SegmentEnd, entry_bounds
 from identification.statistics.box import Box
 from identification.statistics.coast_errors import averaged_hull, instantaneous_hull
-from identification.statistics.samples import Samples, maneuver_samples, trim_samples
+from identification.statistics.samples import (
+    Samples,
+    coasts_of,
+    maneuver_row,
+    maneuver_samples,
+    performances_of,
+    trim_samples,
+)
+from identification.statistics.trim_law import growth_ratios
 
 from .identify import InconsistentLogsError
 
 INTERVAL_CONFIDENCE = 0.95
+
+
+TrialKind = Literal["trim", "maneuver", "growth", "entry"]
 
 
 class NoClaimError(FlightError):
@@ -33,7 +45,7 @@ class CoverageTrial:
     """Coverage claim of one primitive and its result in new flights.
 
     Attributes:
-        kind: trim or maneuver.
+        kind: trim or maneuver; growth of a trim's errors over a coast; maneuver by its entry.
         id: id of the trim or maneuver.
         claimed: claimed share of future flights inside all bounds at once.
         flights: new flights with this primitive, lost and unsettled ones included.
@@ -46,7 +58,7 @@ class CoverageTrial:
         refuted: True if the p-value is below the level of the test.
     """
 
-    kind: Literal["trim", "maneuver"]
+    kind: TrialKind
     id: int
     claimed: float
     flights: int
@@ -77,32 +89,59 @@ def coverage_trials(
             maneuvers or another rule.
     """
     check_consistency(library, flights)
-    claims = [
-        (kind, part, part.statistics.coverage)
-        for kind, parts in (("trim", library.trims), ("maneuver", library.maneuvers))
-        for part in parts
-        if part.statistics is not None
-    ]
+    claims = _claims(library, flights)
     if not claims:
         raise NoClaimError(library.name)
-    counted = [(kind, part.id, claim, *count_inside(library, part, flights)) for kind, part, claim in claims]
-    p_values = [float(binom.cdf(inside, count, claim)) for _, _, claim, count, inside, _ in counted]
+    p_values = [float(binom.cdf(one.inside, one.flights, one.claimed)) for one in claims]
     return tuple(
         CoverageTrial(
-            kind="trim" if kind == "trim" else "maneuver",
-            id=number,
-            claimed=claim,
-            flights=count,
-            inside=inside,
-            unsettled=unsettled,
-            **clopper_pearson_interval(inside, count),
+            kind=one.kind,
+            id=one.id,
+            claimed=one.claimed,
+            flights=one.flights,
+            inside=one.inside,
+            unsettled=one.unsettled,
+            **clopper_pearson_interval(one.inside, one.flights),
             p_value=p_value,
             refuted=p_value < level,
         )
-        for (kind, number, claim, count, inside, unsettled), p_value in zip(
-            counted, adjust_p_values(p_values), strict=True
-        )
+        for one, p_value in zip(claims, adjust_p_values(p_values), strict=True)
     )
+
+
+@dataclass(frozen=True, slots=True)
+class _Claim:
+    kind: TrialKind
+    id: int
+    claimed: float
+    flights: int
+    inside: int
+    unsettled: int
+
+
+def _claims(library: Library, flights: Sequence[FlightEvidence]) -> list[_Claim]:
+    """Returns the claims of a library with the flights inside."""
+    known: tuple[tuple[TrialKind, Sequence[Trim] | Sequence[Maneuver]], ...] = (
+        ("trim", library.trims),
+        ("maneuver", library.maneuvers),
+    )
+    claims = [
+        _Claim(kind, part.id, part.statistics.coverage, *count_inside(library, part, flights))
+        for kind, parts in known
+        for part in parts
+        if part.statistics is not None
+    ]
+    claims += [
+        _Claim("growth", trim.id, trim.law.coverage, *count_growth_inside(trim, flights))
+        for trim in library.trims
+        if trim.law is not None and trim.law.bounds is not None and trim.law.coverage
+    ]
+    claims += [
+        _Claim("entry", row.id, row.law.entry.coverage, *count_entries_inside(library, row, flights))
+        for row in library.maneuvers
+        if row.law is not None and row.law.entry is not None and row.law.claims_entries
+    ]
+    return claims
 
 
 def adjust_p_values(p_values: Sequence[float]) -> list[float]:
@@ -125,10 +164,8 @@ def trim_box(trim: Trim) -> Box:
 
 def maneuver_box(row: Maneuver) -> Box:
     """Returns the box of a maneuver's bounds: duration and displacement."""
-    moved, error = row.displacement, row.error
-    centre = np.array([row.duration, moved.x, moved.y, moved.heading])
-    size = np.abs([error.duration, error.forward, error.side, error.heading_change])
-    return Box(centre, size, len(centre))
+    bounds = row.bounds
+    return Box(np.array(bounds.centre), np.array(bounds.size), len(bounds.centre))
 
 
 def count_inside(
@@ -149,6 +186,42 @@ def _box_and_samples(
     # An interpolated trim has no bins; the shortest coast flown is that of the library.
     hull = averaged_hull(min(bins)) if averaged else instantaneous_hull
     return trim_box(part), trim_samples(flights, part.id, hull=hull)
+
+
+def count_growth_inside(trim: Trim, flights: Sequence[FlightEvidence]) -> tuple[int, int, int]:
+    """Returns flights with coasts in a trim: all, inside its growth, discarded."""
+    assert trim.law is not None
+    assert trim.law.bounds is not None
+    bounds = np.array(trim.law.bounds)
+    held = [coasts_of(flight, trim.id) for flight in flights if not flight.lost]
+    ratios = [growth_ratios(coasts, trim.law) for coasts in held if coasts]
+    lost = sum(flight.lost for flight in flights)
+    inside = [bool((one <= bounds).all()) for one in ratios if one is not None]
+    return len(inside) + lost, sum(inside), lost
+
+
+def count_entries_inside(
+    library: Library, row: Maneuver, flights: Sequence[FlightEvidence]
+) -> tuple[int, int, int]:
+    """Returns a maneuver's flights: all, inside the bounds by entry, discarded."""
+    count, inside, out = 0, 0, 0
+    for flight in flights:
+        performed = performances_of(flight, row.id)
+        settled = [part for part in performed if part.settled]
+        late = any(part.end is SegmentEnd.TIMED_OUT for part in performed)
+        if flight.lost or late:
+            out += 1
+        elif settled:
+            count += 1
+            inside += all(is_inside(library, row, part) for part in settled)
+    return count + out, inside, out
+
+
+def is_inside(library: Library, row: Maneuver, part: ManeuverSegment) -> bool:
+    """Returns True where a performance is inside the bounds for its entry."""
+    bounds = entry_bounds(library, row, part)
+    off = np.abs(np.subtract(maneuver_row(part), bounds.centre))
+    return bool((off <= np.array(bounds.size)).all())
 
 
 def clopper_pearson_interval(inside: int, count: int) -> dict[str, float]:

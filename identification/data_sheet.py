@@ -2,12 +2,15 @@
 
 from collections.abc import Iterable, Sequence
 
+from flight.automaton.conditions import Conditions
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.maneuver_end import Band
 from flight.automaton.statistics import InterpolationClaim, Statistics
 from flight.automaton.trim import Trim
 from flight.plural import plural
+
+from .law_sheet import law_sections
 
 
 def data_sheet(library: Library) -> str:
@@ -23,6 +26,7 @@ def data_sheet(library: Library) -> str:
         ]
     parts += _averaged_section(library)
     parts += ["## Maneuvers", _table(_MANEUVER_HEAD, map(_maneuver_row, library.maneuvers))]
+    parts += law_sections(library, _table)
     notes = [
         f"- maneuver {row.id}: {row.notes}"
         for row in library.maneuvers
@@ -81,9 +85,15 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
         ("speeds flown", unknown if speeds is None else f"{speeds[0]:g} to {speeds[1]:g} m/s"),
         ("maneuvers flown from trims", unknown if entries is None else ", ".join(map(str, entries))),
         ("coasts flown", unknown if coasts is None else f"{coasts[0]:.1f} to {coasts[1]:.1f} s"),
+        *_without_coast(conditions),
         ("end of a maneuver", unknown if rule is None else f"after {rule.dwell:g} s inside the band"),
         ("time-out", unknown if rule is None else f"{rule.timeout:g} s"),
     ]
+
+
+def _without_coast(conditions: Conditions) -> list[tuple[str, str]]:
+    share = conditions.without_coast
+    return [("maneuvers entered without a coast", f"{100 * share:.0f} %")] if share else []
 
 
 # Provenance has `believed` for the estimate.
@@ -102,10 +112,11 @@ _CLAIM = (
     "the confidence of the library's `statistics`. `centre` is the source of the values that deviations are "
     "measured from; values from the same flights as the bounds need twice as many fitted numbers, so their "
     "coverage is lower. A `discarded` sample is outside the bounds: a lost flight, or one in which the "
-    "maneuver did not settle. It is counted and listed, and the coverage accounts for it. Durations and "
-    "displacements end where the true motion has settled; in flight the same rule is applied to the "
-    "estimate. Signs of errors: of trims as their nominal values; of maneuvers, duration negative, forward "
-    "opposite to the motion, heading change with the turn, side against it (thesis, 3.2.6)."
+    "maneuver timed out. It is counted and listed, and the coverage accounts for it. A maneuver ends where "
+    "the vehicle ended it: at the next command, or by the rule applied to the estimate. Deviations are those "
+    "of the motion between these ends; a maneuver that was cut has none. Signs of errors: of trims as their "
+    "nominal values; of maneuvers, duration negative, forward opposite to the motion, heading change with "
+    "the turn, side against it (thesis, 3.2.6)."
 )
 
 
@@ -177,15 +188,22 @@ def _averaged_section(library: Library) -> list[str]:
 
 
 def _outlier_section(library: Library) -> list[str]:
-    """Returns the section on flights outside the bounds, by seed."""
+    """Returns the section on flights outside the bounds and cut maneuvers."""
     lost = library.provenance.get("lost") or []
     unsettled = library.provenance.get("unsettled") or {}
     lines = [f"- lost: seeds {', '.join(map(str, lost))}"] if lost else []
     lines += [
-        f"- maneuver {number} did not settle: seeds {', '.join(map(str, seeds))}"
+        f"- maneuver {number} timed out: seeds {', '.join(map(str, seeds))}"
         for number, seeds in unsettled.items()
     ]
-    return ["Flights outside the bounds:\n\n" + "\n".join(lines)] if lines else []
+    lines += [
+        f"- maneuver {row.id} was cut before its end: {plural(row.statistics.cut, 'time')}"
+        for row in library.maneuvers
+        if row.statistics is not None and row.statistics.cut
+    ]
+    return (
+        ["Flights outside the bounds, and maneuvers without values:\n\n" + "\n".join(lines)] if lines else []
+    )
 
 
 def _interpolated_section(library: Library) -> list[str]:

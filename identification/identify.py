@@ -10,9 +10,14 @@ from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
+from identification.segmentation.segmentation import SegmentEnd
 from identification.statistics.coast_errors import averaged_hull, duration_bins, instantaneous_hull
+from identification.statistics.dependence import dependence
 from identification.statistics.deviations import DurationBin, identify_maneuver, identify_trim
-from identification.statistics.samples import maneuver_samples, trim_samples
+from identification.statistics.digits import rounded
+from identification.statistics.samples import MANEUVER_SCALARS, maneuver_samples, trim_samples
+
+from .library_laws import add_laws
 
 TrimErrors = Literal["instantaneous", "averaged"]
 
@@ -63,6 +68,9 @@ def identify(
     _check_automaton(flown)
     trims = _trims(bounding, trim_errors, confidence)
     maneuvers = tuple(_maneuver(row, flown, bounding, centring, confidence) for row in flown.maneuvers)
+    trims, maneuvers = add_laws(
+        trims, maneuvers, flown=flown, bounding=bounding, nominal=centring, confidence=confidence
+    )
     beside = f" (values from {len(centring)} others)" if centring else ""
     return Library(
         name=name,
@@ -178,13 +186,17 @@ def _check_automaton(library: Library) -> None:
     if len(library.trims) < 2 or not library.maneuvers:
         raise NoAutomatonError(
             f"expected at least two trims and a maneuver to identify, got {len(library.trims)} and "
-            f"{len(library.maneuvers)} in library {library.name!r}"
+            f"{len(library.maneuvers)} in library {library.name!r}: command steps between trims, or "
+            "change --trims or --resolution"
         )
 
 
-def _coasting_range(flights: Sequence[FlightEvidence]) -> tuple[float, float]:
+def _coasting_range(flights: Sequence[FlightEvidence]) -> tuple[float, float] | None:
     durations = [coast.duration for flight in flights for coast in flight.segments.coasts]
-    return min(durations), max(durations)
+    entered = [part for flight in flights for part in flight.segments.maneuvers if part.previous is not None]
+    if any(part.coast == 0 for part in entered):
+        durations.append(0.0)
+    return (rounded(min(durations)), rounded(max(durations))) if durations else None
 
 
 def _speed_range(library: Library) -> tuple[float, float]:
@@ -213,6 +225,7 @@ def _provenance(
         "backend": header.arithmetic,
         **({} if campaign is None else {"campaign": dict(campaign)}),
         **({} if ordered is None else {"coasting_times_ordered": list(ordered)}),
+        **_dependence(everyone),
         "nominal": [flight.header.seed for flight in centring],
         "lost": [flight.header.seed for flight in everyone if flight.lost],
         "unsettled": _unsettled_seeds(everyone),
@@ -220,11 +233,22 @@ def _provenance(
     }
 
 
+def _dependence(flights: Sequence[FlightEvidence]) -> dict[str, Any]:
+    """Returns what flights and successive maneuvers share, where known."""
+    known = dependence([flight for flight in flights if not flight.lost])
+    if known is None:
+        return {}
+    return {
+        "variance_between_flights": dict(zip(MANEUVER_SCALARS, known.between_flights, strict=True)),
+        "correlation_of_successive": {"largest": known.successive, "of": list(known.scalars)},
+    }
+
+
 def _unsettled_seeds(flights: Sequence[FlightEvidence]) -> dict[str, list[int]]:
-    """Returns the seeds of flights with unsettled maneuvers, by maneuver id."""
+    """Returns the seeds of flights with timed-out maneuvers, by maneuver id."""
     listed: dict[str, list[int]] = {}
     for flight in flights:
         for segment in flight.segments.maneuvers:
-            if not segment.settled:
+            if segment.end is SegmentEnd.TIMED_OUT:
                 listed.setdefault(str(segment.id), []).append(flight.header.seed)
     return dict(sorted(listed.items(), key=lambda item: int(item[0])))

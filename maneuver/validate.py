@@ -126,7 +126,7 @@ def validate(
         gamma: uncertainty levels of the worst-case policy, 0 to 1.
         plant: simulated helicopter, or automaton: the library's model with the library's errors.
         true_gamma: true gamma of the automaton: numbers from -1 to 1, `plus` or `minus` the planned gamma, or
-            `random`, drawn for every primitive; 1 by default.
+            `random`, drawn for every primitive; `law` for the library's joint laws; 1 by default.
         wind: wind classes; the library's by default.
         vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
         airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.automaton.trim import Trim
+from flight.se2 import Twist
 from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.primitives import PrimitiveKind
@@ -75,6 +76,11 @@ class Recorder:
             np.column_stack([times, motion[:, :2], motion[:, _HEADING]]) for motion in (truth, estimate)
         )
         return true, estimated
+
+    def believed(self, period: int) -> Twist:
+        """Returns the estimated body velocity at a control period."""
+        row = self._motion.values()[period][_MOTION : 2 * _MOTION]
+        return Motion._make(row.tolist()).velocity
 
     def standard_deviations(self, first: int, last: int) -> tuple[float, float]:
         """Returns the largest claimed horizontal (m) and heading (rad) deviations."""

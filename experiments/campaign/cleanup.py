@@ -9,7 +9,7 @@ from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
 from flight.errors import AlreadyExistsError, BadFileError
 from flightlog.file.reader import read_log
-from flightlog.identity.fingerprint import fingerprint
+from flightlog.identity.fingerprint import rounded_fingerprint
 from identification.identify import TrimErrors
 from identification.segmentation.flight_evidence import StateJudged
 from runtime.atomic_write import write_atomically
@@ -54,7 +54,7 @@ def _is_made_from(library: Library, order: CampaignOrder) -> bool:
         for path, content in flight.run().files:
             write_atomically(content, path)
         known = library.provenance.get("logs_by_seed", {})
-        return bool(known.get(str(flight.specification.seed)) == fingerprint(read_log(flight.path)))
+        return bool(known.get(str(flight.specification.seed)) == rounded_fingerprint(read_log(flight.path)))
 
 
 def remove_flights(flights: Sequence[CampaignFlight], folder: Path) -> None:

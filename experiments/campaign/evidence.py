@@ -14,7 +14,7 @@ from flight.automaton.library import Library
 from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.file.reader import read_log
-from flightlog.identity.fingerprint import fingerprint
+from flightlog.identity.fingerprint import rounded_fingerprint
 from flightlog.topics import PRIMITIVE
 from identification.segmentation.flight_evidence import (
     FlightEvidence,
@@ -103,7 +103,7 @@ def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> Fli
     log = read_log(path)
     return FlightEvidence(
         str(path),
-        fingerprint(log),
+        rounded_fingerprint(log),
         log.header,
         library,
         cut_into_segments(log, walk, library),
@@ -144,7 +144,7 @@ def evidence_of(path: Path, of: StateJudged = "truth") -> FlightEvidence:
         FlightError: the log is broken or lacks something.
     """
     log = read_log(path)
-    return extract_evidence(log, name=str(path), sha256=fingerprint(log), of=of)
+    return extract_evidence(log, name=str(path), sha256=rounded_fingerprint(log), of=of)
 
 
 def log_paths(logs: list[Path]) -> list[Path]:

@@ -65,6 +65,7 @@ def campaign_library(campaign: Campaign, wind: str) -> Library:
         maneuver_end=campaign.rule(wind),
         trim_error_kind="instantaneous",
         coasting_range=campaign.coasting_range,
+        without_coast=campaign.without_coast,
     )
     return replace(find_library(campaign.library), conditions=conditions)
 
@@ -78,6 +79,7 @@ def specify_campaign(
         flights=flights,
         rng=np.random.default_rng(np.random.SeedSequence(seed, spawn_key=(role.schedule_stream,))),
         coasting_range=campaign.coasting_range,
+        without_coast=campaign.without_coast,
         wind=wind,
     )
     return specify_tours(tours, campaign.name, seed=seed, altitude=campaign.altitude, role=role)

@@ -9,7 +9,14 @@ from scipy.stats import binom
 from flight.automaton.library import Library
 from flightlog.log import FlightLog
 from flightlog.topics import PRIMITIVE
-from identification.segmentation.segmentation import CoastSegment, ManeuverSegment, segment
+from identification.segmentation.segmentation import (
+    CoastSegment,
+    ManeuverSegment,
+    SegmentEnd,
+    entry_bounds,
+    segment,
+)
+from identification.statistics.samples import MANEUVER_SCALARS, maneuver_row
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +41,9 @@ class Performance:
 def performances(log: FlightLog) -> tuple[Performance, ...]:
     """Returns the true deviations of a flight's primitives.
 
-    Numbers without an error in the library are left out; a flight without a plan has no primitives.
+    A maneuver that was cut before its end has none.
+    Numbers without an error in the library are left out; a flight without a plan has no primitives. Where the
+    library claims bounds for a maneuver's entry, the deviation is from the mean for that entry.
 
     Raises:
         FlightError: the log lacks a topic, the library or its maneuver-end rule.
@@ -42,20 +51,17 @@ def performances(log: FlightLog) -> tuple[Performance, ...]:
     if PRIMITIVE.name not in log.series:
         return ()
     library, cut = log.library(), segment(log)
-    flown = [_of_maneuver(part, library) for part in cut.maneuvers]
+    whole = [part for part in cut.maneuvers if part.end is not SegmentEnd.CUT]
+    flown = [_of_maneuver(part, library) for part in whole]
     flown += [_of_coast(part, library) for part in cut.coasts]
     return tuple(sorted((one for one in flown if one is not None), key=lambda one: one.time))
 
 
 def _of_maneuver(part: ManeuverSegment, library: Library) -> Performance | None:
     known = next(maneuver for maneuver in library.maneuvers if maneuver.id == part.id)
-    moved, value, error = part.displacement, known.displacement, known.error
-    shares = {
-        "duration": _share(part.duration - known.duration, error.duration),
-        "forward": _share(moved.x - value.x, error.forward),
-        "side": _share(moved.y - value.y, error.side),
-        "heading_change": _share(moved.heading - value.heading, error.heading_change),
-    }
+    bounds = entry_bounds(library, known, part)
+    rows = zip(MANEUVER_SCALARS, maneuver_row(part), bounds.centre, bounds.size, strict=True)
+    shares = {scalar: _share(value - centre, size) for scalar, value, centre, size in rows}
     return _worst_performance(
         "maneuver", part.id, {scalar: (share, part.start + part.duration) for scalar, share in shares.items()}
     )
@@ -135,9 +141,7 @@ def attribute_errors(
 def _attribute(
     kind: str, number: int, flown: dict[str, list[Performance]], library: Library
 ) -> ErrorAttribution:
-    primitives = library.trims if kind == "trim" else library.maneuvers
-    statistics = next(one for one in primitives if one.id == number).statistics
-    claimed = None if statistics is None else statistics.coverage
+    claimed = _claim(kind, number, library)
     worst = {name: max(parts, key=lambda one: one.share) for name, parts in flown.items()}
     outside = sum(one.share > 1 for one in worst.values())
     furthest = max(worst, key=lambda name: worst[name].share)
@@ -152,3 +156,12 @@ def _attribute(
         worst=worst[furthest],
         flight=furthest,
     )
+
+
+def _claim(kind: str, number: int, library: Library) -> float | None:
+    """Returns the coverage of the bounds that deviations are compared with."""
+    if kind == "trim":
+        statistics = library.trim(number).statistics
+        return None if statistics is None else statistics.coverage
+    maneuver = next(one for one in library.maneuvers if one.id == number)
+    return maneuver.bounds_after(None, 0.0, (0.0, 0.0, 0.0)).coverage

@@ -25,6 +25,7 @@ from flightlog.file.writer import write_log
 from flightlog.log import FlightLog
 from planner.closed_loop.automaton_vehicle import AutomatonVehicle, independent_gammas
 from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.joint_law_vehicle import JointLawVehicle
 from planner.closed_loop.receding_horizon import fly_closed_loop
 from planner.closed_loop.tube import tube_exit_time
 from planner.kernel.build import SEARCH_BACKEND
@@ -46,6 +47,7 @@ from .timed_planner import TimedPlanner
 # Distinct from the stream keys of `fly_campaign`.
 _MISSION_STREAM = 102
 _GAMMA_STREAM = 103
+_LAW_STREAM = 111
 
 TUBES = (1.0, 0.7)
 """Scales of the library's errors for tubes: the claim, and a control with smaller errors."""
@@ -133,8 +135,12 @@ def plant_name(plant: Plant) -> str:
 
 
 def fly_automaton(task: MissionTask, planner: Planner | None = None) -> FlightRecord:
-    """Flies a mission by the automaton with its errors (thesis, chapter 7)."""
+    """Flies a mission by the automaton: errors (thesis, chapter 7) or laws."""
     mission = task.mission
+    if task.plant == "law":
+        rng = np.random.default_rng(np.random.SeedSequence(task.seed, spawn_key=(_LAW_STREAM,)))
+        flown = JointLawVehicle(task.library, start=mission.start, trim=mission.start_trim, rng=rng)
+        return _close_loop(flown, task, planner)
     gamma: float | Iterator[float]
     if isinstance(task.plant, float):
         gamma = task.plant

@@ -12,8 +12,8 @@ from sim.loop.specification import SUPERVISED_OPTIONS, FlightOptions
 from .policies import FlownPolicy
 from .safe_envelope import DEFAULT_ENVELOPE, SafeEnvelope
 
-Plant = Literal["helicopter", "random"] | float
-"""Simulated helicopter; automaton with independent errors per primitive; or automaton at one true gamma."""
+Plant = Literal["helicopter", "random", "law"] | float
+"""Simulated helicopter; automaton: errors independent per primitive, by joint laws, or at one true gamma."""
 
 
 @dataclass(frozen=True)

@@ -76,7 +76,7 @@ class Grid:
         plants = [_true_plant(word, gamma) for word in self.true_gammas]
         if self.flights != 1 and any(isinstance(plant, float) for plant in plants):
             raise FlightError(
-                "--plant automaton without --true-gamma random repeats a flight exactly: expected "
+                "--plant automaton without --true-gamma random or law repeats a flight exactly: expected "
                 f"--flights 1, got {self.flights}"
             )
         return [(plant, "none") for plant in plants]
@@ -89,6 +89,8 @@ def _true_plant(word: str, gamma: float) -> Plant:
     match word:
         case "random":
             return "random"
+        case "law":
+            return "law"
         case "plus":
             return gamma
         case "minus":
@@ -97,5 +99,5 @@ def _true_plant(word: str, gamma: float) -> Plant:
         return float(word)
     except ValueError:
         raise FlightError(
-            f"--true-gamma: expected levels from -1 to 1, `plus`, `minus` or `random`, got {word!r}"
+            f"--true-gamma: expected levels from -1 to 1, `plus`, `minus`, `random` or `law`, got {word!r}"
         ) from None

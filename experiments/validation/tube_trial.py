@@ -68,11 +68,19 @@ def allowed_share(row: MissionResult, library: Library) -> float | None:
     """Returns the share allowed to leave the tube; None without claims."""
     trims = {leg.trim for leg in row.legs if leg.to_trim is None}
     changes = {(leg.trim, leg.to_trim) for leg in row.legs if leg.to_trim is not None}
-    statistics = [library.trim(trim).statistics for trim in trims]
-    statistics += [library.maneuver(*change).statistics for change in changes]
+    held = [library.trim(trim) for trim in trims]
+    flown = [library.maneuver(*change) for change in changes]
+    statistics = [*(trim.statistics for trim in held), *(part.statistics for part in flown)]
     claimed = [known.coverage for known in statistics if known is not None]
     if len(claimed) < len(statistics) or not claimed:
         return None
+    # The tube is that of the errors and of the laws' bounds: either may be left.
+    claimed += [trim.law.coverage for trim in held if trim.law is not None and trim.law.coverage]
+    claimed += [
+        part.law.entry.coverage
+        for part in flown
+        if part.law is not None and part.law.entry is not None and part.law.claims_entries
+    ]
     return min(1.0, sum(1.0 - coverage for coverage in claimed))
 
 

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from flight.file_value import FileValue
+from flight.file_value import FileValue, Omittable, Share
 
 from .maneuver_end import ManeuverEnd
 
@@ -24,6 +24,7 @@ class Conditions(FileValue):
         coasting_range: shortest and longest coast flown, seconds; None where not stated.
         vehicle_hash: SHA-256 of the parameters of the vehicle that flew; None where not stated.
         speed_range: lowest and highest forward speed commanded, metres per second; None where not stated.
+        without_coast: share of maneuvers that were to be entered right after another one.
         entry_trims: ids of the trims that were held and left by maneuvers; None where not stated.
         air: mean wind, standard deviations and intensities at the altitude; None where not stated.
         vehicles: population that flew: `nominal`, `airframe SEED` or `fleet`; None where not stated.
@@ -45,6 +46,9 @@ class Conditions(FileValue):
     entry_trims: Annotated[
         tuple[int, ...] | None, Field(description="trims left by maneuvers that were flown")
     ] = None
+    without_coast: Annotated[
+        Omittable[Share], Field(description="share of maneuvers entered right after another; absent: none")
+    ] = 0.0
     air: Annotated[str | None, Field(description="mean wind and gusts at the altitude")] = None
     vehicles: Annotated[
         str | None, Field(description="population that flew: nominal, airframe SEED or fleet")

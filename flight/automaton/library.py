@@ -19,7 +19,11 @@ from .maneuver import Maneuver, ManeuverRow
 from .statistics import InterpolationClaim
 from .trim import Trim
 
-SCHEMA = "maneuver-library/1"
+SCHEMA = "maneuver-library/2"
+"""Of a library with joint laws."""
+
+SCHEMA_WITHOUT_LAWS = "maneuver-library/1"
+"""Of a library without joint laws, as the thesis's, interpolated and older ones are."""
 
 _Json = Annotated[Any, GetPydanticSchema(lambda _, handler: handler(JsonValue))]
 
@@ -47,9 +51,11 @@ class Library(FileValue):
             maneuvers join the same trims, or there is no trim.
     """
 
-    schema: Annotated[str, schema_named(SCHEMA), WithJsonSchema({"const": SCHEMA})] = field(
-        init=False, default=SCHEMA, repr=False
-    )
+    schema: Annotated[
+        str,
+        schema_named(SCHEMA, SCHEMA_WITHOUT_LAWS),
+        WithJsonSchema({"enum": [SCHEMA, SCHEMA_WITHOUT_LAWS]}),
+    ] = field(init=False, default=SCHEMA_WITHOUT_LAWS, repr=False)
     name: str
     description: str
     vehicle: str
@@ -59,7 +65,10 @@ class Library(FileValue):
     maneuvers: tuple[Annotated[Maneuver, InForm(ManeuverRow, ManeuverRow.maneuver, ManeuverRow.of)], ...]
 
     def __post_init__(self) -> None:
-        """Refuses a library that contradicts itself."""
+        """Works out the schema; refuses a library that contradicts itself."""
+        laws = [*(trim.law for trim in self.trims), *(row.law for row in self.maneuvers)]
+        schema = SCHEMA_WITHOUT_LAWS if all(law is None for law in laws) else SCHEMA
+        object.__setattr__(self, "schema", schema)
         if not self.trims:
             raise InconsistentLibraryError("trims: expected at least one, got none")
         _check_unique_ids("trims", [trim.id for trim in self.trims])

@@ -1,4 +1,4 @@
-"""Libraries as files: `libraries/NAME.json`, schema `maneuver-library/1`."""
+"""Libraries as files: `libraries/NAME.json`, schemas `maneuver-library/2` and /1."""
 
 from pathlib import Path
 from typing import Any

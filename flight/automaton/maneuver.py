@@ -9,6 +9,7 @@ from pydantic import Field, NonNegativeFloat
 from flight.file_value import FileValue, Omittable
 from flight.se2 import SE2
 
+from .joint_law import ManeuverLaw, Row3, Row4
 from .statistics import InterpolationClaim, Statistics
 
 
@@ -38,6 +39,15 @@ class ManeuverOutcome:
 
 
 @dataclass(frozen=True, slots=True)
+class ManeuverBounds:
+    """Values and half widths: duration, forward, side, heading change."""
+
+    centre: Row4
+    size: Row4
+    coverage: float | None
+
+
+@dataclass(frozen=True, slots=True)
 class Maneuver:
     """An edge of the maneuver automaton (thesis, 2.4.2).
 
@@ -52,6 +62,7 @@ class Maneuver:
         statistics: samples behind the errors, if they were measured.
         notes: remarks, such as a suspect row of a printed table.
         interpolated: claim of the errors, if they were interpolated between flown maneuvers.
+        law: joint law of its values over flights, if it was identified.
     """
 
     id: int
@@ -63,6 +74,7 @@ class Maneuver:
     statistics: Statistics | None = None
     notes: str = ""
     interpolated: InterpolationClaim | None = None
+    law: ManeuverLaw | None = None
 
     def __post_init__(self) -> None:
         """Refuses a duration that is not a time."""
@@ -79,6 +91,32 @@ class Maneuver:
                 self.displacement.heading + gamma * self.error.heading_change,
             ),
         )
+
+    @property
+    def bounds(self) -> ManeuverBounds:
+        """Bounds for every entry: the values and their errors."""
+        moved, error = self.displacement, self.error
+        return ManeuverBounds(
+            centre=(self.duration, moved.x, moved.y, moved.heading),
+            size=(abs(error.duration), abs(error.forward), abs(error.side), abs(error.heading_change)),
+            coverage=None if self.statistics is None else self.statistics.coverage,
+        )
+
+    def bounds_after(self, previous: int | None, coast: float, believed: Row3) -> ManeuverBounds:
+        """Returns the bounds for one way of entering, if claimed.
+
+        Without such a claim they are the bounds for every entry.
+
+        Args:
+            previous: id of the maneuver before; None where there was none.
+            coast: seconds since that maneuver ended.
+            believed: believed entry velocity less the command of the trim left: m/s, m/s, rad/s.
+        """
+        law = self.law
+        if law is None or law.entry is None or law.entry.bounds is None or not law.entry.coverage:
+            return self.bounds
+        mean = law.entry.mean_after(previous, coast, believed)
+        return ManeuverBounds(mean, law.entry.bounds, law.entry.coverage)
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,6 +141,7 @@ class ManeuverRow(FileValue):
     statistics: Statistics | None = None
     notes: Omittable[str] = ""
     interpolated: InterpolationClaim | None = None
+    law: ManeuverLaw | None = None
 
     @classmethod
     def of(cls, maneuver: Maneuver) -> Self:

@@ -64,8 +64,9 @@ class Statistics(FileValue):
         timeouts: performances that ended by time-out.
         coverage: share of future samples inside all of the primitive's bounds at once.
         confidence: confidence of that share.
-        discarded: samples that the bounds do not hold, because the flight was lost or a maneuver did not
-            settle; the claim accounts for them.
+        discarded: samples that the bounds do not hold, because the flight was lost or a maneuver timed
+            out; the claim accounts for them.
+        cut: performances cut by the next command or the log's end; they have no values.
         support: number of values fitted to the samples; None if unknown.
         centre: source of the values; None if unknown.
         scalars: one entry per number; a file has them by their names.
@@ -77,6 +78,9 @@ class Statistics(FileValue):
     confidence: Share
     discarded: Annotated[
         Omittable[NonNegativeInt], Field(description="samples outside the bounds; absent: none")
+    ] = field(default=0, kw_only=True)
+    cut: Annotated[
+        Omittable[NonNegativeInt], Field(description="performances cut before their end; absent: none")
     ] = field(default=0, kw_only=True)
     support: Annotated[PositiveInt | None, Field(description="numbers fitted to the samples")] = field(
         default=None, kw_only=True

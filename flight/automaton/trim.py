@@ -8,6 +8,7 @@ from pydantic import Field
 from flight.file_value import FileValue, Omittable
 from flight.se2 import Twist
 
+from .joint_law import TrimLaw
 from .statistics import AveragedError, InterpolationClaim, Statistics
 
 
@@ -23,6 +24,7 @@ class Trim(FileValue):
         statistics: samples behind the error, if it was measured.
         averaged: errors averaged over a coast, by its duration, where they were measured.
         interpolated: claim of the error, if it was interpolated between flown trims.
+        law: joint law of its velocity over flights, if it was identified.
     """
 
     id: int
@@ -35,6 +37,7 @@ class Trim(FileValue):
         Field(description="errors averaged over a coast, by its duration"),
     ] = ()
     interpolated: InterpolationClaim | None = None
+    law: TrimLaw | None = None
 
     def at(self, gamma: float) -> Twist:
         """Returns the body velocity under an uncertainty level gamma (thesis, eq. 8a)."""

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 from jaxtyping import Float
 
-from flight.se2 import SE2
+from flight.se2 import SE2, Twist
 
 from .maneuver import Maneuver
 
@@ -26,6 +26,7 @@ class Leg:
         heading_deviation: largest standard deviation of the estimated heading in radians, likewise.
         turbulence: estimated wind at 20 ft at the end (MIL-F-8785C), in m/s;
             None if unknown.
+        believed: estimated body velocity at the start; None if unknown.
         alarm: alarm that ended the leg early; empty without one.
     """
 
@@ -37,6 +38,7 @@ class Leg:
     heading_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
+    believed: Twist | None = None
 
 
 class Vehicle(Protocol):

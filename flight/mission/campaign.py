@@ -9,7 +9,7 @@ from pydantic import NonNegativeInt, PositiveFloat, PositiveInt
 
 from flight.automaton.maneuver_end import ManeuverEnd
 from flight.errors import FlightError
-from flight.file_value import FileValue, Omittable
+from flight.file_value import FileValue, Omittable, Share
 from flight.schema import read_toml, schema_named
 
 SCHEMA = "maneuver-campaign/1"
@@ -41,6 +41,7 @@ class Campaign(FileValue):
         altitude: metres above ground.
         flights: number of flights for the bounds.
         nominal_flights: number of other flights for the values of maneuvers; 0 for the same flights.
+        without_coast: share of trims left at once; the other coasts are then short ones more often.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
         vehicles: population flown; empty for the nominal vehicle.
@@ -58,6 +59,7 @@ class Campaign(FileValue):
     nominal_flights: Omittable[NonNegativeInt] = 0
     vehicles: Omittable[str] = ""
     sensors: Omittable[str] = ""
+    without_coast: Omittable[Share] = 0.0
 
     def __post_init__(self) -> None:
         """Refuses an unknown population, and coasting times in the wrong order."""
@@ -69,6 +71,9 @@ class Campaign(FileValue):
             raise ValueError(
                 f"coasting_range: expected 0 <= shortest <= longest, got {self.coasting_range} s"
             )
+
+        if self.without_coast == 1:
+            raise ValueError("without_coast: expected less than 1, some trims must be held, got 1")
 
     def rule(self, wind: str) -> ManeuverEnd:
         """Returns the maneuver-end rule for a wind class.

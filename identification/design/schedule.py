@@ -28,6 +28,7 @@ def schedule(
     coasting_range: tuple[float, float],
     wind: str,
     repetitions: int = 1,
+    without_coast: float = 0.0,
 ) -> tuple[Sequence, ...]:
     """Returns one sequence per flight, the independent unit of the statistics.
 
@@ -39,9 +40,10 @@ def schedule(
         library: trims and maneuvers; its values and errors are not used.
         flights: number of flights.
         rng: the campaign's random number generator.
-        coasting_range: shortest and longest coasting time in seconds; times are drawn uniformly between them.
+        coasting_range: shortest and longest coasting time in seconds.
         wind: wind class to fly in.
         repetitions: of the whole tour, in one order that is random too.
+        without_coast: share of trims left at once, as `coasting_times` draws them.
 
     Raises:
         NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.
@@ -49,9 +51,39 @@ def schedule(
     once = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
     edges = once * repetitions
     return tuple(
-        _tour(edges, name=f"flight-{number:04d}", rng=rng, coasting_range=coasting_range, wind=wind)
+        _tour(
+            edges,
+            name=f"flight-{number:04d}",
+            rng=rng,
+            coasting_range=coasting_range,
+            without_coast=without_coast,
+            wind=wind,
+        )
         for number in range(flights)
     )
+
+
+def coasting_times(
+    count: int, coasting_range: tuple[float, float], rng: np.random.Generator, *, without_coast: float = 0.0
+) -> list[float]:
+    """Returns random coasting times in seconds, uniform or as missions fly them.
+
+    Missions coast shortly or not at all. With a share of zeros the others are shortest + range u^2, with u
+    uniform: a quarter of the range holds half of them. Without it they are uniform.
+
+    Args:
+        count: number of times.
+        coasting_range: shortest and longest time.
+        rng: random number generator.
+        without_coast: share of zeros.
+    """
+    shortest, longest = coasting_range
+    if without_coast:
+        drawn = (rng.uniform(0.0, 1.0, count) - without_coast) / (1.0 - without_coast)
+        times = np.where(drawn < 0, 0.0, shortest + (longest - shortest) * drawn**2)
+    else:
+        times = rng.uniform(shortest, longest, count)
+    return list(map(float, times))
 
 
 def tour_edges(edges: list[Edge]) -> list[Edge]:
@@ -82,6 +114,7 @@ def _tour(
     name: str,
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
+    without_coast: float,
     wind: str,
 ) -> Sequence:
     # The circuit found depends on the order in which the edges are added.
@@ -95,6 +128,6 @@ def _tour(
         name=name,
         start=SE2(0.0, 0.0, rng.uniform(-pi, pi)),
         trims=trims,
-        coasting_times=tuple(rng.uniform(*coasting_range, len(trims)).tolist()),
+        coasting_times=tuple(coasting_times(len(trims), coasting_range, rng, without_coast=without_coast)),
         wind=wind,
     )

@@ -10,7 +10,7 @@ from flightlog.log import FlightLog
 from flightlog.series import Series
 from flightlog.topics import ESTIMATE, TRUTH
 
-from .segmentation import Segments, segment
+from .segmentation import SegmentEnd, Segments, segment
 
 NOMINAL = "nominal"
 """Kind, in the log's header, of flights that give values of maneuvers, not bounds."""
@@ -27,8 +27,7 @@ class FlightEvidence:
 
     Attributes:
         name: name of the log in errors.
-        sha256: hash of the log's content (`flightlog.identity.fingerprint`), as
-            hexadecimal digits.
+        sha256: hash of the flight to six digits (`flightlog.identity.fingerprint`), as hexadecimal digits.
         header: the log's header.
         library: the library flown with.
         segments: its primitives.
@@ -55,9 +54,9 @@ class FlightEvidence:
 
     @property
     def never_reached(self) -> frozenset[int]:
-        """Ids of trims with an unsettled maneuver to them."""
-        unsettled = {segment.id for segment in self.segments.maneuvers if not segment.settled}
-        return frozenset(row.to_trim for row in self.library.maneuvers if row.id in unsettled)
+        """Ids of trims with a timed-out maneuver to them."""
+        late = {part.id for part in self.segments.maneuvers if part.end is SegmentEnd.TIMED_OUT}
+        return frozenset(row.to_trim for row in self.library.maneuvers if row.id in late)
 
 
 def extract_evidence(log: FlightLog, *, name: str, sha256: str, of: StateJudged = "truth") -> FlightEvidence:

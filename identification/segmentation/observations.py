@@ -11,7 +11,7 @@ from flight.automaton.library import Library
 from flightlog.dead_reckoning import with_dead_reckoning
 from flightlog.log import FlightLog
 
-from .segmentation import Segments
+from .segmentation import SegmentEnd, Segments
 
 # Spacing of a track's points, seconds, and the most of them.
 _SPACING, _MOST_POINTS = 0.1, 10_000
@@ -38,6 +38,8 @@ def observations(log: FlightLog, segments: Segments, library: Library) -> Observ
     tracks: defaultdict[int, list[Float[np.ndarray, "n 2"]]] = defaultdict(list)
     rows: defaultdict[int, list[tuple[float, ...]]] = defaultdict(list)
     for maneuver in segments.maneuvers:
+        if maneuver.end is SegmentEnd.CUT:
+            continue
         moved = maneuver.displacement
         rows[maneuver.id].append((maneuver.duration, moved.x, moved.y, moved.heading))
         spacing = max(_SPACING, maneuver.duration / _MOST_POINTS)

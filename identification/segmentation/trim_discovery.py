@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from math import degrees
 
 import numpy as np
 from jaxtyping import Float
@@ -176,7 +177,7 @@ def _library(
         description="Trims and maneuvers found in the motion of flights without commands.",
         vehicle=vehicle,
         trims=tuple(
-            Trim(ids[place], _name(velocity), velocity, Twist(0.0, 0.0, 0.0))
+            Trim(ids[place], _name(ids[place], velocity), velocity, Twist(0.0, 0.0, 0.0))
             for place, velocity in velocities.items()
         ),
         maneuvers=tuple(
@@ -187,15 +188,16 @@ def _library(
     )
 
 
-def _name(velocity: Twist) -> str:
-    parts = []
-    if velocity.forward or not (velocity.side or velocity.yaw_rate):
-        parts.append("hover" if not velocity.forward else f"forward {velocity.forward:g} m/s")
+def _name(number: int, velocity: Twist) -> str:
+    """Returns a short name such as `t3 5.0 m/s R 17°/s`."""
+    if velocity == Twist(0.0, 0.0, 0.0):
+        return f"t{number} hover"
+    parts = [f"t{number} {velocity.forward:.1f} m/s"]
     if velocity.side:
-        parts.append(f"side {velocity.side:g} m/s")
+        parts.append(f"{'right' if velocity.side > 0 else 'left'} {abs(velocity.side):.1f} m/s")
     if velocity.yaw_rate:
-        parts.append(f"{'right' if velocity.yaw_rate > 0 else 'left'} turn {abs(velocity.yaw_rate):g} rad/s")
-    return ", ".join(parts)
+        parts.append(f"{'R' if velocity.yaw_rate > 0 else 'L'} {degrees(abs(velocity.yaw_rate)):.0f}°/s")
+    return " ".join(parts)
 
 
 def _describe_width(width: Float[np.ndarray, "3"]) -> str:

@@ -22,6 +22,7 @@ from flight.se2 import SE2, Twist
 
 from .box import Box, box_around, smallest_box
 from .coverage import joint_coverage
+from .digits import rounded, rounded_down, rounded_up, row4
 from .samples import MANEUVER_SCALARS, TRIM_SCALARS, Samples
 
 
@@ -58,7 +59,7 @@ def identify_trim(
 
     def box_of(part: Samples) -> Box:
         box = box_around(centre, part.low, part.high)
-        return box if commanded else replace(box, support=2 * box.support)
+        return _in_digits(box if commanded else replace(box, support=2 * box.support))
 
     def signed(size: Float[np.ndarray, "3"]) -> Twist:
         return signed_trim_error(Twist(*size.tolist()), trim.velocity)
@@ -97,9 +98,12 @@ def identify_maneuver(
     """
     centre: Centre
     if nominal is None:
-        box, centre = smallest_box(samples.low, samples.high), SAME_FLIGHTS
+        fitted, centre = smallest_box(samples.low, samples.high), SAME_FLIGHTS
     else:
-        box, centre = box_around(nominal.rows.mean(axis=0), samples.low, samples.high), NOMINAL_FLIGHTS
+        fitted, centre = box_around(nominal.rows.mean(axis=0), samples.low, samples.high), NOMINAL_FLIGHTS
+    # Half widths are those about the centre as it is written.
+    middle = np.array(row4(fitted.centre))
+    box = _in_digits(replace(box_around(middle, samples.low, samples.high), support=fitted.support))
     duration, forward, side, heading_change = box.centre.tolist()
     return Maneuver(
         id=maneuver.id,
@@ -114,12 +118,17 @@ def identify_maneuver(
     )
 
 
+def _in_digits(box: Box) -> Box:
+    """Returns the box with half widths of six digits, rounded up."""
+    return replace(box, size=np.array([rounded_up(size) for size in box.size.tolist()]))
+
+
 def _averaged_error(
     part: DurationBin, box: Box, signed: Callable[[Float[np.ndarray, "3"]], Twist], confidence: float
 ) -> AveragedError:
     return AveragedError(
-        shortest=part.shortest,
-        longest=part.longest,
+        shortest=rounded(part.shortest),
+        longest=rounded(part.longest),
         error=signed(box.size),
         samples=part.samples.count,
         coverage=_coverage(part.samples, box, confidence),
@@ -127,8 +136,10 @@ def _averaged_error(
 
 
 def _coverage(samples: Samples, box: Box, confidence: float) -> float:
-    return joint_coverage(
-        samples.count, support=box.support, confidence=confidence, discarded=len(samples.discarded)
+    return rounded_down(
+        joint_coverage(
+            samples.count, support=box.support, confidence=confidence, discarded=len(samples.discarded)
+        )
     )
 
 
@@ -142,6 +153,7 @@ def _statistics(
         confidence=confidence,
         scalars=_scalars(names, samples.rows, box.size),
         discarded=len(samples.discarded),
+        cut=samples.cut,
         support=box.support,
         centre=centre,
     )
@@ -152,4 +164,7 @@ def _scalars(
 ) -> tuple[ScalarStatistics, ...]:
     sigma = rows.std(axis=0, ddof=1) if len(rows) > 1 else np.zeros(len(names))
     columns = zip(names, rows.mean(axis=0).tolist(), sigma.tolist(), largest.tolist(), strict=True)
-    return tuple(ScalarStatistics(*column) for column in columns)
+    return tuple(
+        ScalarStatistics(name, rounded(mean), rounded(spread), furthest)
+        for name, mean, spread, furthest in columns
+    )

@@ -1,14 +1,14 @@
 """Samples of one primitive: one sample per flight."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
 from identification.segmentation.flight_evidence import FlightEvidence
-from identification.segmentation.segmentation import CoastSegment, ManeuverSegment
+from identification.segmentation.segmentation import CoastSegment, ManeuverSegment, SegmentEnd
 
 TRIM_SCALARS = ("forward", "side", "yaw_rate")
 MANEUVER_SCALARS = ("duration", "forward", "side", "heading_change")
@@ -29,8 +29,9 @@ class Samples:
         low: lowest value of each scalar, a row per flight with the primitive.
         high: highest value of each scalar.
         rows: values for mean and standard deviation.
-        discarded: seeds of flights outside the bounds: lost, or the primitive did not settle.
-        timeouts: performances that did not settle.
+        discarded: seeds of flights outside the bounds: lost, or the primitive timed out.
+        timeouts: performances that ended by time-out.
+        cut: performances cut by the next command or the log's end, which have no values.
     """
 
     low: Float[np.ndarray, "n scalars"]
@@ -38,6 +39,7 @@ class Samples:
     rows: Float[np.ndarray, "m scalars"]
     discarded: tuple[int, ...] = ()
     timeouts: int = 0
+    cut: int = 0
 
     @property
     def count(self) -> int:
@@ -51,7 +53,10 @@ class Samples:
             NeverFlownError: no flight has the primitive.
         """
         if not len(self.low):
-            raise NeverFlownError(f"expected {what} in at least one log, got none")
+            raise NeverFlownError(
+                f"expected {what} in at least one log, got none: command it, fly longer, or change "
+                "--trims or --resolution"
+            )
         return self
 
 
@@ -61,7 +66,7 @@ def coasts_of(flight: FlightEvidence, trim: int) -> list[CoastSegment]:
 
 
 def performances_of(flight: FlightEvidence, maneuver: int) -> list[ManeuverSegment]:
-    """Returns a flight's performances of a maneuver, settled or not."""
+    """Returns a flight's performances of a maneuver, whatever its end."""
     return [segment for segment in flight.segments.maneuvers if segment.id == maneuver]
 
 
@@ -70,8 +75,8 @@ def trim_samples(
 ) -> Samples:
     """Returns the samples of a trim.
 
-    A flight without the trim is no sample; lost flights are discarded samples, and so are flights in which no
-    maneuver to the trim settled.
+    A flight without the trim is no sample; lost flights are discarded samples, and so are flights in which
+    all maneuvers to the trim timed out.
 
     Args:
         flights: one per log.
@@ -93,21 +98,24 @@ def trim_samples(
 def maneuver_samples(flights: Sequence[FlightEvidence], maneuver: int) -> Samples:
     """Returns the samples of a maneuver: extremes of each flight.
 
-    A flight with an unsettled performance is a discarded sample; so is a lost flight. A flight without the
-    maneuver is no sample.
+    A flight with a time-out is a discarded sample; so is a lost flight. A flight in which the maneuver was
+    not flown, or always cut, is no sample.
     """
-    hulls, rows, discarded, timeouts = [], [], [], 0
+    hulls, rows, discarded, timeouts, cut = [], [], [], 0, 0
     for flight in flights:
         performed = performances_of(flight, maneuver)
-        unsettled = sum(not segment.settled for segment in performed)
-        timeouts += unsettled
-        if flight.lost or unsettled:
+        settled = [segment for segment in performed if segment.settled]
+        late = sum(segment.end is SegmentEnd.TIMED_OUT for segment in performed)
+        timeouts += late
+        cut += len(performed) - len(settled) - late
+        if flight.lost or late:
             discarded.append(flight.header.seed)
-        elif performed:
-            values = np.array([maneuver_row(segment) for segment in performed])
+        elif settled:
+            values = np.array([maneuver_row(segment) for segment in settled])
             hulls.append((values.min(axis=0), values.max(axis=0)))
             rows.append(values)
-    return _samples(hulls, rows, discarded, timeouts, len(MANEUVER_SCALARS))
+    samples = _samples(hulls, rows, discarded, timeouts, len(MANEUVER_SCALARS))
+    return replace(samples, cut=cut)
 
 
 def maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:

@@ -59,6 +59,7 @@ def run_trial(
     airframe: Seed | None = None,
     sensors: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
+    of: StateJudged | None = None,
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
@@ -68,6 +69,10 @@ def run_trial(
     differ from those of every campaign, for any seed. The table lists for each primitive the share of flights
     inside, its exact 95 % interval, and the p-value of the claim, corrected for the number of primitives
     (Holm). The exit code is 1 if a claim is refuted at 5 %.
+
+    `growth` is a trim's claim on errors that grow with the coast, `entry` a maneuver's claim on deviations
+    from the mean for its entry. A maneuver ends where the vehicle ended it; one that was cut is not counted.
+    Logs may be of missions.
 
     For an interpolated library, a random sample of interpolated maneuvers and of the trims that they lead to
     is flown. The share of them with every flight inside is compared with the claim for each kind.
@@ -90,6 +95,7 @@ def run_trial(
         airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
         sensors: class of the sensors, rtk or gps; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
+        of: motion whose deviations are tested: true or estimated; the library's by default.
         workers: number of processes; one per processor by default.
         json: print the trials as JSON.
     """
@@ -97,7 +103,8 @@ def run_trial(
     measured = any(trim.statistics for trim in found.trims) or any(row.statistics for row in found.maneuvers)
     if not (found.interpolated or measured):
         raise NoClaimError(found.name)
-    of: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    stated: StateJudged = "estimate" if found.provenance.get("deviations_of") == "believed" else "truth"
+    of = of or stated
     with worker_pool(workers or default_workers()) as executor:
         if logs is not None:
             flown = gather_evidence(log_paths(logs), executor=executor, of=of)
@@ -164,6 +171,7 @@ def new_flights(library: Library, *, seed: int, flights: int, wind: str) -> tupl
         altitude=conditions.altitude or DEFAULT_ALTITUDE,
         flights=flights,
         coasting_range=ordered,
+        without_coast=conditions.without_coast,
         maneuver_end={wind: conditions.maneuver_end},
     )
     return specify_campaign(like_before, library, seed=seed, flights=flights, wind=wind, role=TESTING)

@@ -8,105 +8,18 @@ is.
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Complex, Float
 
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.trim import Trim
 from flight.automaton.vehicle import Leg
-from flight.se2 import SE2, wrap_angle
+from flight.se2 import SE2
 
+from .law_tube import Entry, LawTube, entries_of
+from .reachable_set import ROUNDING, ReachableSet
 from .remaining_plan import PlanStep
-
-ROUNDING = 1e-9
-"""Metres, radians and seconds by which the tube is widened."""
-
-CLOCK = 0.011
-"""Seconds: a coast is flown to the nearest control period, and a leg's times are those of its track."""
-
-_DIRECTIONS = np.exp(1j * np.linspace(0.0, np.pi, 64, endpoint=False))
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class ReachableSet:
-    """Reachable set of a vehicle: a polygon of positions, headings, time.
-
-    Attributes:
-        middle: north + i east in metres.
-        heading: in radians.
-        moves: metres for each error variable.
-        turns: radians for each error variable.
-        radius: metres beside them.
-        late: seconds by which the maneuvers so far may have been longer or shorter.
-        due: seconds that maneuvers so far should have taken.
-    """
-
-    middle: complex
-    heading: float
-    moves: Complex[np.ndarray, "variables"]
-    turns: Float[np.ndarray, "variables"]
-    radius: float = 0.0
-    late: float = 0.0
-    due: float = 0.0
-
-    @classmethod
-    def at(cls, pose: SE2) -> "ReachableSet":
-        """Returns the set of one known pose."""
-        return cls(complex(pose.x, pose.y), pose.heading, np.zeros(0, dtype=complex), np.zeros(0))
-
-    def after(
-        self,
-        displacement: complex,
-        turn: float,
-        *,
-        moves: Sequence[complex],
-        turns: Sequence[float],
-        bent: float = 0.0,
-        due: float = 0.0,
-        late: float = 0.0,
-    ) -> "ReachableSet":
-        """Returns the reachable set after a primitive.
-
-        Args:
-            displacement: forward + i right, metres.
-            turn: heading change, radians.
-            moves: contributions of its errors to the displacement, a variable each.
-            turns: contributions to the turn.
-            bent: metres by which the displacement may be off that sum.
-            due: seconds that a maneuver takes.
-            late: its error, seconds.
-        """
-        facing = np.exp(1j * self.heading)
-        off = float(np.abs(self.turns).sum())
-        longer = float(np.abs(moves).sum()) + bent
-        return ReachableSet(
-            middle=self.middle + facing * displacement,
-            heading=self.heading + turn,
-            moves=np.concatenate(
-                [self.moves + 1j * facing * displacement * self.turns, facing * np.array(moves)]
-            ),
-            turns=np.concatenate([self.turns, np.array(turns)]),
-            radius=self.radius + 0.5 * off**2 * abs(displacement) + off * longer + bent,
-            late=self.late + abs(late),
-            due=self.due + due,
-        )
-
-    def holds(self, pose: SE2, *, elapsed: float) -> bool:
-        """Returns True if a pose is inside after so many maneuver seconds."""
-        off = complex(pose.x, pose.y) - self.middle
-        turned = abs(wrap_angle(pose.heading - self.heading))
-        if turned > np.abs(self.turns).sum() + ROUNDING or abs(elapsed - self.due) > self.late + CLOCK:
-            return False
-        # Outside where some direction sees it beyond all that the errors can reach: the normals of the moves
-        # bound the polygon that they span, the others its rounded corners.
-        normals = 1j * self.moves[np.abs(self.moves) > 0]
-        directions = np.concatenate([_DIRECTIONS, normals / np.abs(normals)])
-        seen = np.abs((off * directions.conj()).real)
-        reach = np.abs((self.moves[None, :] * directions.conj()[:, None]).real).sum(axis=1) + self.radius
-        return bool((seen <= reach + ROUNDING).all())
 
 
 def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: float) -> ReachableSet:
@@ -160,7 +73,8 @@ def tube_exit_time(
 ) -> float | None:
     """Returns the time of first leaving the tube, or None.
 
-    The flight is checked until an alarm interrupts a maneuver.
+    The flight is checked until an alarm interrupts a maneuver. Where the library has joint laws, the flight
+    leaves the tube as well where it leaves that of the laws' bounds (`law_tube`).
 
     Args:
         library: flown with.
@@ -169,32 +83,41 @@ def tube_exit_time(
         plannings: seconds since the start of each replan, where a tube begins.
         share: factor on the library's errors.
     """
-    for window in _windows(steps, legs, plannings):
-        where, elapsed = ReachableSet.at(_pose(window[0][1], 0)), 0.0
-        for step, leg in window:
+    entries = entries_of(library, steps, legs)
+    laws = [*(trim.law for trim in library.trims), *(row.law for row in library.maneuvers)]
+    lawful = any(law is not None for law in laws)
+    for window in _windows(list(zip(steps, legs, entries, strict=True)), plannings):
+        pose = _pose(window[0][1], 0)
+        where, narrow, elapsed = ReachableSet.at(pose), LawTube.at(pose), 0.0
+        for step, leg, entry in window:
             if step.to_trim is None:
-                flown = float(leg.track[-1, 0] - leg.track[0, 0])
-                where = propagate_coast(where, library.trim(step.trim), flown, share=share)
+                trim, flown = library.trim(step.trim), float(leg.track[-1, 0] - leg.track[0, 0])
+                where = propagate_coast(where, trim, flown, share=share)
+                narrow = narrow.after_coast(trim, flown, entry, share=share)
             elif leg.alarm:
                 # The interrupted maneuver is no primitive of the library; the safe stop follows.
                 return None
             else:
                 elapsed += leg.duration
-                where = propagate_maneuver(where, library.maneuver(step.trim, step.to_trim), share=share)
-            if not where.holds(_pose(leg, -1), elapsed=elapsed):
+                maneuver = library.maneuver(step.trim, step.to_trim)
+                where = propagate_maneuver(where, maneuver, share=share)
+                narrow = narrow.after_maneuver(library, maneuver, entry, share=share)
+            tubes = (where, narrow.where) if lawful else (where,)
+            if not all(known.holds(_pose(leg, -1), elapsed=elapsed) for known in tubes):
                 return float(leg.track[-1, 0])
     return None
 
 
-def _windows(
-    steps: Sequence[PlanStep], legs: Sequence[Leg], plannings: Sequence[float]
-) -> Iterator[list[tuple[PlanStep, Leg]]]:
+_Part = tuple[PlanStep, Leg, Entry]
+
+
+def _windows(parts: Sequence[_Part], plannings: Sequence[float]) -> Iterator[list[_Part]]:
     """Yields the legs from one replan to the next."""
     marks = sorted(plannings)
-    found: dict[int, list[tuple[PlanStep, Leg]]] = {}
-    for step, leg in zip(steps, legs, strict=True):
-        number = int(np.searchsorted(marks, float(leg.track[0, 0]) + ROUNDING, side="right"))
-        found.setdefault(number, []).append((step, leg))
+    found: dict[int, list[_Part]] = {}
+    for part in parts:
+        number = int(np.searchsorted(marks, float(part[1].track[0, 0]) + ROUNDING, side="right"))
+        found.setdefault(number, []).append(part)
     yield from found.values()
 
 

@@ -25,6 +25,7 @@ from sim.vehicle.parameters import read_parameters
 GOLDEN = Path(__file__).parents[1] / "golden"
 READERS: dict[str, Callable[[Path], object]] = {
     "maneuver-library/1": read_library,
+    "maneuver-library/2": read_library,
     "maneuver-plan/1": read_plan,
     "maneuver-plan/2": read_plan,
     "maneuver-mission/1": read_mission,
@@ -34,7 +35,8 @@ READERS: dict[str, Callable[[Path], object]] = {
     "maneuver-flight-log/1": read_log,
 }
 
-NEWEST = tuple(schema for schema in READERS if schema != "maneuver-plan/1")
+OLD = {"maneuver-library/1", "maneuver-plan/1"}
+NEWEST = tuple(schema for schema in READERS if schema not in OLD)
 
 
 def golden(schema: str) -> Path:
@@ -52,6 +54,14 @@ def test_an_old_library_means_what_it_meant() -> None:
     assert library_hash(library) == "b73887e2a3a37d98094a9fca077c8386623b872101f67e1da65ffe7b4fb41680"
     assert [trim.id for trim in library.trims] == [1, 2, 3]
     assert library.maneuver(1, 2).statistics is not None
+
+
+def test_a_library_with_laws_means_what_it_meant() -> None:
+    library = read_library(golden("maneuver-library/2"))
+    assert library_hash(library) == "eed185a5c356978af435f6c570f25f913c80e5897b28cafa086004d8e1ba845d"
+    law = library.maneuver(1, 2).law
+    assert law is not None
+    assert law.mean_after(library.maneuvers[0].id, 0.0, (0.0, 0.0, 0.0)) != law.mean
 
 
 def test_an_old_plan_means_what_it_meant() -> None:
@@ -158,7 +168,7 @@ def test_a_newer_version_is_refused_by_name(
 @pytest.mark.parametrize(
     ("schema", "words"),
     [
-        ("maneuver-library/1", ["library", "check"]),
+        ("maneuver-library/2", ["library", "check"]),
         ("maneuver-plan/2", ["plan", "check"]),
         ("maneuver-mission/1", ["plan"]),
         ("maneuver-sequence/1", ["fly", "--sequence"]),

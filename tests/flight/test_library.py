@@ -105,7 +105,7 @@ def _unknown_part(content: dict[str, Any]) -> None:
 
 
 def _newer(content: dict[str, Any]) -> None:
-    content["schema"] = "maneuver-library/2"
+    content["schema"] = "maneuver-library/3"
 
 
 def _no_trims(content: dict[str, Any]) -> None:
@@ -132,7 +132,7 @@ def _no_band(content: dict[str, Any]) -> None:
         (_infinite_error, r"maneuvers\[2\].error.side: .*finite"),
         (_missing_part, r"maneuvers\[1\].displacement: is missing"),
         (_unknown_part, r"trims\[0\].colour: Extra inputs are not permitted"),
-        (_newer, r"expected maneuver-library/1, got maneuver-library/2"),
+        (_newer, r"expected maneuver-library/2 or maneuver-library/1, got maneuver-library/3"),
         (_no_trims, r"trims: .*at least 1"),
         (_number_as_text, r"maneuvers\[0\].duration: .*valid number"),
         (_no_band, r"conditions.maneuver_end.band: expected one for each of the trims"),

@@ -45,7 +45,7 @@ def test_the_shipped_campaign_flies_what_95_95_takes() -> None:
     own = campaign_size(CAMPAIGN, coverage=None, confidence=0.95, flights=None, nominal_flights=None)
     asked = campaign_size(CAMPAIGN, coverage=0.95, confidence=0.95, flights=None, nominal_flights=None)
     assert own == asked
-    assert "153 flights for the bounds, 30 others for the values" in own.describe()
+    assert "153 flights for the bounds, 60 others for the values" in own.describe()
 
 
 def test_a_coverage_and_a_number_of_flights_are_not_both_taken() -> None:
@@ -83,7 +83,7 @@ def test_all_roles_of_a_seed_fly_in_air_of_their_own() -> None:
 
 def test_a_forecast_counts_the_flights_that_it_measured_and_every_worker() -> None:
     """Uses this thread as the worker and flights of equal length."""
-    few = replace(CAMPAIGN, coasting_range=(2.0, 2.1))
+    few = replace(CAMPAIGN, coasting_range=(2.0, 2.1), without_coast=0.0)
     with ThreadPoolExecutor(1) as executor:
         ahead = forecast_with_executor(
             executor, few, wind="gtmax", seed=1, flights=20, workers=1, began=perf_counter()

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from scipy.stats import kstest, uniform
 
 from flight.mission.sequence import Sequence
-from identification.design.schedule import NoClosedTourError, schedule, tour_edges
+from identification.design.schedule import NoClosedTourError, coasting_times, schedule, tour_edges
 from tests.support.synthetic_log import synthetic_library
 
 LIBRARY = synthetic_library()
@@ -27,6 +27,18 @@ def test_every_flight_uses_every_maneuver_once() -> None:
     for tour in tours(20):
         edges = Counter(maneuver.id for maneuver in LIBRARY.maneuvers_along(tour.trims))
         assert edges == Counter(range(1, 23))
+
+
+def test_coasts_are_uniform_or_as_in_missions() -> None:
+    rng = np.random.default_rng(3)
+    even = np.array(coasting_times(4000, (2.0, 8.0), rng))
+    assert kstest(even, uniform(2.0, 6.0).cdf).pvalue > 0.01
+    drawn = np.array(coasting_times(4000, (0.0, 8.0), rng, without_coast=0.35))
+    # Three standard errors of a share of 4000.
+    assert np.mean(drawn == 0) == pytest.approx(0.35, abs=0.023)
+    held = drawn[drawn > 0]
+    assert kstest(np.sqrt(held / 8.0), uniform(0.0, 1.0).cdf).pvalue > 0.01
+    assert held.max() <= 8.0
 
 
 def test_flights_differ_in_order_start_and_heading() -> None:

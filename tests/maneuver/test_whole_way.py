@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 import libraries
+import scenarios
 from experiments.mission.fly import mission_seed
 from flight.automaton.library import Library
 from flight.automaton.library_file import read_library
@@ -20,13 +21,20 @@ from sim.vehicle.parameters import model_hash
 
 SHIPPED = read_library(libraries.FOLDER / "gtmax-sim.json")
 TABLE_10 = read_library(libraries.FOLDER / "thesis-gtmax.json")
+SCENARIOS = Path(scenarios.__file__).parent / "campaigns"
 STRAIGHT_ROWS = ((2, 1), (1, 2), (1, 3), (3, 1), (3, 2), (2, 3))
 
 
 @pytest.fixture(scope="module")
 def still_air(tmp_path_factory: pytest.TempPathFactory) -> Library:
-    path = tmp_path_factory.mktemp("still") / "still-air.json"
-    assert run(("regenerate", "--wind", "calm", "--flights", "20", "--seed", "31", "--out", str(path))) == 0
+    """Flies from settled trims, as Table 10's maneuvers begin."""
+    folder = tmp_path_factory.mktemp("still")
+    shipped = (SCENARIOS / "gtmax.toml").read_text()
+    settled = "\n".join(line for line in shipped.splitlines() if not line.startswith("without_coast"))
+    campaign, path = folder / "settled.toml", folder / "still-air.json"
+    campaign.write_text(settled.replace("coasting_range = [0.0, 8.0]", "coasting_range = [2.0, 8.0]"))
+    words = ("--campaign", str(campaign), "--wind", "calm", "--flights", "20", "--seed", "31")
+    assert run(("regenerate", *words, "--out", str(path))) == 0
     return read_library(path)
 
 

@@ -10,7 +10,7 @@ import pytest
 from experiments.campaign.fly_campaign import campaign_library
 from flight.automaton.library import Library
 from flight.mission.fault import parse_fault
-from flightlog.identity.fingerprint import fingerprint
+from flightlog.identity.fingerprint import fingerprint, rounded_fingerprint
 from flightlog.log import FlightLog
 from flightlog.topics import TRUTH
 from runtime import compiler as machine_code
@@ -80,6 +80,22 @@ def test_a_fingerprint_depends_on_every_other_change() -> None:
         replace(log, attachments={**log.attachments, "more": b""}),
     ):
         assert fingerprint(other) != fingerprint(log)
+
+
+def test_a_rounded_fingerprint_sees_another_flight_and_no_last_bit() -> None:
+    log = fly(Backend.INTERPRETED, ideal=True)
+    truth = log.series["/truth"]
+
+    def moved(factor: float) -> FlightLog:
+        return replace(log, series={**log.series, "/truth": replace(truth, values=truth.values * factor)})
+
+    assert rounded_fingerprint(moved(1 + 1e-13)) == rounded_fingerprint(log)
+    for other in (
+        moved(1 + 1e-4),
+        replace(log, header=replace(log.header, seed=4)),
+        replace(log, header=replace(log.header, outcome="in the ground")),
+    ):
+        assert rounded_fingerprint(other) != rounded_fingerprint(log)
 
 
 @needs_compiler

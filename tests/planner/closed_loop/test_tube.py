@@ -20,8 +20,9 @@ from planner.closed_loop.remaining_plan import PlanStep
 from planner.closed_loop.tube import tube_exit_time
 from planner.policies.worst_case import worst_case_planner
 from scenarios.find import find_library
+from tests.support.joint_laws import without_laws
 
-LIBRARY = find_library("gtmax-sim")
+LIBRARY = without_laws(find_library("gtmax-sim"))
 START = SE2(3.0, -2.0, 0.7)
 SLICES = 20
 """Parts of a coast with independent errors."""

@@ -236,7 +236,7 @@ class SimulatedHelicopter:
             standard_deviation=self._recorder.standard_deviation(first, self._periods),
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
-            believed=self._recorder.believed(first),
+            believed=self._recorder.estimated_velocity(first),
         )
 
     def _alarm_since(self, period: int) -> str:

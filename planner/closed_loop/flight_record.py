@@ -1,12 +1,11 @@
 """Record of a closed-loop flight."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
-from flight.mission.destination import first_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, claims_arrival, judge_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
@@ -76,13 +75,13 @@ class FlightRecorder:
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        arrival_probability: of being inside the goal, at which arrival is declared.
         predicted_time: seconds predicted at the start.
         claimed: True if the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
-    certainty: float = 0.0
+    arrival_probability: float = 0.0
     predicted_time: float = inf
     plans: list[Plan] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
@@ -113,10 +112,13 @@ class FlightRecorder:
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
     def _estimates_arrival(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
-        estimated = leg.track if leg.estimated_track is None else leg.estimated_track
-        goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([estimated], goal).time is not None
+        return claims_arrival(
+            leg.track if leg.estimated_track is None else leg.estimated_track,
+            self.goal.destination,
+            position_sigma=leg.standard_deviation,
+            heading_sigma=leg.heading_deviation,
+            probability=self.arrival_probability,
+        )
 
     @property
     def _level(self) -> float:

@@ -76,7 +76,7 @@ class _Loop:
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
         self._library, self._settings, self._on_leg = library, settings, on_leg
-        self._record = FlightRecorder(goal, settings.certainty)
+        self._record = FlightRecorder(goal, settings.arrival_probability)
         self._left = RemainingPlan(vehicle.trim, tail=safe_stop_path(library, vehicle.trim))
         self._levels = GammaEstimator(library, goal.goal)
         self._level = 0.0

@@ -5,6 +5,7 @@ from pathlib import Path
 from mcap.records import Channel
 
 from experiments.mission.random_missions import NoMissionError
+from experiments.mission.sensor_tolerance import ToleranceTooFineError
 from flight import errors
 from flight.mission.campaign import NoRuleForWindError
 from flight.mission.fault import BadFaultError
@@ -15,6 +16,8 @@ from flightlog.log import MissingTopicError
 from flightlog.series import MissingFieldError
 from flightlog.topics import ESTIMATE, TRUTH
 from identification.coverage_trial import NoClaimError
+from identification.statistics.variance_shares import TooFewRepetitionsError
+from maneuver.options.population import AirframeNotFlownError
 from planner.closed_loop.automaton_vehicle import TrueGammaError
 from planner.closed_loop.joint_law_vehicle import NoLawError
 from planner.closed_loop.latency import LatencyRecordError
@@ -31,7 +34,8 @@ from runtime.job import CodeMismatchError
 from runtime.job_store import BusyError, NotSharedError
 from scenarios.find import NoSuchFileError, find_library
 from sim.loop.backend import BitMismatchError
-from sim.loop.specification import NoSensorsError, WindOrderError
+from sim.loop.specification import NoAirframeError, NoSensorsError, WindOrderError
+from sim.navigation.sensor_errors import UnknownSensorsError
 from sim.replay import VehicleMismatchError
 from sim.vehicle.equilibrium import NoEquilibriumError
 from sim.wind.flyable import NeededAirspeed, UnflyableWindError
@@ -209,6 +213,20 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     (
         NoEquilibriumError(Twist(90.0, 0.0, 0.0), "residual 1.0, expected at most 1e-9"),
         "no equilibrium at forward 90 m/s, side 0 m/s, yaw rate 0 rad/s: residual 1.0, expected at most 1e-9",
+    ),
+    (UnknownSensorsError("laser"), "no sensor class 'laser'; there are ['gps', 'rtk']"),
+    (NoAirframeError(), "expected the seed of the airframe with vehicles 'one', got none"),
+    (
+        TooFewRepetitionsError("maneuver 3"),
+        "maneuver 3: expected two flights and one with two performances, got fewer",
+    ),
+    (
+        ToleranceTooFineError("m", "tolerance", "gps", needed=9.0, got=1.0, unit="m"),
+        "mission m: expected a tolerance of at least 9 m (4 standard deviations of gps), got 1 m",
+    ),
+    (
+        AirframeNotFlownError("fleet"),
+        "--airframe: expected --vehicles one, got vehicles 'fleet'",
     ),
     (
         UnknownWindError("storm"),

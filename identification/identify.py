@@ -43,7 +43,8 @@ def identify(
 
     The value of a trim is its command; the value of a maneuver is its mean over the nominal flights, or the
     middle of its extremes without nominal flights. Errors are the largest deviations over the other flights,
-    signed by the convention (thesis, 3.2.6). The result does not depend on the order of the flights.
+    signed by the convention (thesis, 3.2.6); beside them stand joint laws (`identification.library_laws`).
+    The result does not depend on the order of the flights.
 
     Args:
         flights: flights for the bounds, one per log.

@@ -77,7 +77,7 @@ class Recorder:
         )
         return true, estimated
 
-    def believed(self, period: int) -> Twist:
+    def estimated_velocity(self, period: int) -> Twist:
         """Returns the estimated body velocity at a control period."""
         row = self._motion.values()[period][_MOTION : 2 * _MOTION]
         return Motion._make(row.tolist()).velocity

@@ -252,7 +252,7 @@ class SimulatedHelicopter:
             heading_deviation=heading,
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
-            believed=self._recorder.believed(first),
+            believed=self._recorder.estimated_velocity(first),
         )
 
     def _alarm_since(self, period: int) -> str:

@@ -57,9 +57,9 @@ class Campaign(FileValue):
     coasting_range: tuple[float, float]
     maneuver_end: Mapping[str, ManeuverEnd]
     nominal_flights: Omittable[NonNegativeInt] = 0
+    without_coast: Omittable[Share] = 0.0
     vehicles: Omittable[str] = ""
     sensors: Omittable[str] = ""
-    without_coast: Omittable[Share] = 0.0
 
     def __post_init__(self) -> None:
         """Refuses an unknown population, and coasting times in the wrong order."""

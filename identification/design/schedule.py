@@ -27,8 +27,8 @@ def schedule(
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
     wind: str,
-    repetitions: int = 1,
     without_coast: float = 0.0,
+    repetitions: int = 1,
 ) -> tuple[Sequence, ...]:
     """Returns one sequence per flight, the independent unit of the statistics.
 
@@ -42,8 +42,8 @@ def schedule(
         rng: the campaign's random number generator.
         coasting_range: shortest and longest coasting time in seconds.
         wind: wind class to fly in.
-        repetitions: of the whole tour, in one order that is random too.
         without_coast: share of trims left at once, as `coasting_times` draws them.
+        repetitions: of the whole tour, in one order that is random too.
 
     Raises:
         NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.

@@ -19,6 +19,7 @@ from identification.coverage_trial import NoClaimError
 from identification.statistics.variance_shares import TooFewRepetitionsError
 from maneuver.options.population import AirframeNotFlownError
 from planner.closed_loop.automaton_vehicle import TrueGammaError
+from planner.closed_loop.joint_law_vehicle import NoLawError
 from planner.closed_loop.latency import LatencyRecordError
 from planner.closed_loop.receding_horizon import NoToleranceError
 from planner.independent_errors.independent_errors import TooManyScenariosError
@@ -110,6 +111,11 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
         "the log's /estimate has no climb; it has ['north', 'east', 'down', 'forward', 'side', "
         "'descent', 'roll', 'pitch', 'heading', 'roll_rate', 'pitch_rate', 'body_yaw_rate', "
         "'yaw_rate']",
+    ),
+    (
+        NoLawError("mine", "trim 3"),
+        "library mine: expected a joint law for every primitive (maneuver-library/2), trim 3 has none; "
+        "identify it anew from at least two flights",
     ),
     (
         NoClaimError("mine"),

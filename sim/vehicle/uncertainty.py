@@ -4,6 +4,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import cache
+from math import hypot
 from pathlib import Path
 from typing import Any
 
@@ -14,7 +15,7 @@ import models
 from flight.file_value import FileValue
 from flight.schema import parse_json, refusing, toml_table
 
-from .parameters import Parameters
+from .parameters import Body, Parameters
 
 CENTRE_OF_MASS = ("centre_of_mass.forward", "centre_of_mass.right", "centre_of_mass.down")
 """Quantities of the uncertainty that are no parameters: shifts from the nominal place, m."""
@@ -79,7 +80,7 @@ class UncertaintyLevel(FileValue):
 
 @dataclass(frozen=True)
 class VehicleUncertainty(FileValue):
-    """VehicleUncertainty between airframes, and between flights of one airframe."""
+    """Uncertainty between airframes, and between flights of one airframe."""
 
     airframe: UncertaintyLevel
     flight: UncertaintyLevel
@@ -136,17 +137,19 @@ def draw_vehicle(
 ) -> DrawnVehicle:
     """Returns a vehicle drawn around the nominal one.
 
+    An airframe whose moments of inertia no rigid body has is drawn again.
+
     Args:
         nominal: vehicle believed.
         uncertainty: standard deviations.
         airframe: generator of what stays with the airframe.
         flight: generator of what is loaded for a flight.
     """
-    differences: dict[str, float] = {}
-    for level, rng in ((uncertainty.airframe, airframe), (uncertainty.flight, flight)):
-        for name, sigma in sorted({**level.share, **level.size}.items()):
-            unit = abs(value_of(nominal, name)) if name in level.share else 1.0
-            differences[name] = differences.get(name, 0.0) + sigma * unit * _draw(rng)
+    differences = _draw_level(nominal, uncertainty.airframe, airframe)
+    while not _is_rigid(differ(nominal, differences).parameters.body):
+        differences = _draw_level(nominal, uncertainty.airframe, airframe)
+    for name, amount in _draw_level(nominal, uncertainty.flight, flight).items():
+        differences[name] = differences.get(name, 0.0) + amount
     return differ(nominal, differences)
 
 
@@ -188,6 +191,22 @@ def with_values(parameters: Parameters, values: Mapping[str, Any]) -> Parameters
         parts.setdefault(part, {})[field] = value
     changed = {part: replace(getattr(parameters, part), **fields) for part, fields in parts.items()}
     return replace(parameters, **changed)
+
+
+def _draw_level(nominal: Parameters, level: UncertaintyLevel, rng: np.random.Generator) -> dict[str, float]:
+    """Returns the differences drawn at one level, by name."""
+    return {
+        name: sigma * (abs(value_of(nominal, name)) if name in level.share else 1.0) * _draw(rng)
+        for name, sigma in sorted({**level.share, **level.size}.items())
+    }
+
+
+def _is_rigid(body: Body) -> bool:
+    """Returns True where a mass distribution has these moments of inertia."""
+    middle = (body.inertia_xx + body.inertia_zz) / 2.0
+    apart = hypot((body.inertia_xx - body.inertia_zz) / 2.0, body.inertia_xz)
+    low, mean, high = sorted((middle - apart, middle + apart, body.inertia_yy))
+    return low > 0.0 and high <= low + mean
 
 
 def _draw(rng: np.random.Generator) -> float:

@@ -25,6 +25,9 @@ class FlightHeader:
         outcome: `completed`, or the reason of the failure.
         air: mean wind, standard deviations and intensities of the wind class at the flight's height; empty
             where not known.
+        vehicles: population that the vehicle was drawn from: `nominal`, `airframe SEED` or `fleet`.
+        drawn: differences of the vehicle flown from the one believed, by name, SI units.
+        sensors: class of the sensors; `ideal` without errors; empty where not stated.
     """
 
     kind: str
@@ -37,6 +40,9 @@ class FlightHeader:
     backend: str
     outcome: str = "completed"
     air: str = ""
+    vehicles: str = "nominal"
+    drawn: str = ""
+    sensors: str = ""
 
     @property
     def release(self) -> str:

@@ -43,7 +43,8 @@ def identify(
 
     The value of a trim is its command; the value of a maneuver is its mean over the nominal flights, or the
     middle of its extremes without nominal flights. Errors are the largest deviations over the other flights,
-    signed by the convention (thesis, 3.2.6). The result does not depend on the order of the flights.
+    signed by the convention (thesis, 3.2.6); beside them stand joint laws (`identification.library_laws`).
+    The result does not depend on the order of the flights.
 
     Args:
         flights: flights for the bounds, one per log.
@@ -90,6 +91,8 @@ def identify(
             vehicle_hash=header.model_hash,
             speed_range=_speed_range(flown),
             entry_trims=tuple(sorted({row.from_trim for row in flown.maneuvers})),
+            vehicles=header.vehicles,
+            sensors=header.sensors or None,
         ),
         provenance=_provenance(bounding, centring, confidence, campaign),
     )
@@ -156,7 +159,11 @@ def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
                 f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
             )
         seen[flight.sha256] = flight.name
-        for field in ("vehicle", "model_hash", "wind", "air", "release", "arithmetic"):
+        compared = (
+            *("vehicle", "model_hash", "wind", "air", "vehicles", "sensors"),
+            *("release", "arithmetic"),
+        )
+        for field in compared:
             expected, got = getattr(first.header, field), getattr(flight.header, field)
             if got != expected:
                 raise InconsistentLogsError(

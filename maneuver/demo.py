@@ -25,6 +25,7 @@ from identification.data_sheet import describe_sample_size
 from identification.identify import identify
 from maneuver.library.library_files import write_library_files
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import campaign_population
 from review.pictures.demo_picture import FlownPlan, demo_picture
 from review.pictures.flight_picture import write_picture, write_pictures
 from review.pictures.library_picture import library_picture
@@ -32,6 +33,7 @@ from runtime.atomic_write import check_output_folder
 from runtime.executor import JobExecutor, default_workers, worker_pool
 from runtime.progress import show_progress
 from scenarios.find import find_campaign, find_mission
+from sim.loop.specification import FlightOptions
 
 CAMPAIGN = "gtmax"
 MISSION = "gtmax-2"
@@ -117,7 +119,14 @@ class _Demo:
 
     def fly(self, flights: int) -> list[Path]:
         campaign = find_campaign(CAMPAIGN)
-        order = CampaignOrder(campaign, seed=self.seed, flights=flights, wind=campaign.wind)
+        population = campaign_population(campaign, None, airframe=None, seed=self.seed, sensors=None)
+        order = CampaignOrder(
+            campaign,
+            seed=self.seed,
+            flights=flights,
+            wind=campaign.wind,
+            flight_options=FlightOptions(**population),
+        )
         job_executor = JobExecutor(self.executor)
         flown = fly_campaign(order, self.out / "flights", job_executor=job_executor, force=self.force)
         return [flight.path for flight in flown.flights]

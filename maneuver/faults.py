@@ -3,7 +3,7 @@
 import json as json_module
 import sys
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Annotated
 
@@ -25,10 +25,12 @@ from experiments.mission.random_missions import random_missions
 from experiments.mission.result import MissionResult
 from experiments.mission.result_store import fly_tasks
 from flight.automaton.library import Library
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.fault import Fault
 from flight.mission.mission import Mission
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import write_atomically
 from scenarios.find import find_library
@@ -46,6 +48,9 @@ def faults(
     library: str = "gtmax-sim",
     policy: FlownPolicy = "worst-case",
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     flights: Count = 50,
     seed: Seed = 1,
     bare: bool = True,
@@ -77,6 +82,9 @@ def faults(
         library: name or path of the library planned with.
         policy: planning policy.
         wind: wind class; the library's by default.
+        vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: sensor class, rtk or gps; the library's by default.
         flights: number of flights per fault, each of another random mission.
         seed: seed of all random numbers.
         bare: also fly without protection.
@@ -87,8 +95,10 @@ def faults(
     """
     faults_flown, flown_with = find_fault_matrix(matrix), find_library(library)
     missions = random_missions(flown_with, count=flights, seed=seed, gamma=1.0)
+    population = library_population(flown_with, vehicles, airframe=airframe, seed=seed, sensors=sensors)
+    air = wind or flown_with.conditions.wind
     flying = _MatrixFlights(
-        faults_flown, flown_with, policy, wind or flown_with.conditions.wind, seed, missions
+        faults_flown, flown_with, policy, air, seed, missions, FlightOptions(**population)
     )
     cases = [case.fault for case in faults_flown.cases]
     orders: list[tuple[Fault | None, bool]] = [(None, True), *((fault, True) for fault in cases)]
@@ -119,11 +129,13 @@ class _MatrixFlights:
     wind: str
     seed: int
     missions: Sequence[Mission]
+    flight_options: FlightOptions
 
     def tasks(self, fault: Fault | None, *, protected: bool) -> list[MissionTask]:
         """Returns a flight of every mission, with a fault or without."""
-        settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, certainty=0.0)
-        flight_options = FlightOptions(faults=() if fault is None else (fault,), supervised=protected)
+        settings = Settings(wait=WAIT) if protected else Settings(wait=WAIT, arrival_probability=0.0)
+        faults = () if fault is None else (fault,)
+        flight_options = replace(self.flight_options, faults=faults, supervised=protected)
         return [
             MissionTask(
                 mission=mission,

@@ -17,6 +17,7 @@ from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import flown_walk
 from flight.errors import FlightError
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.fault import parse_fault
 from flight.mission.wind_change import parse_wind_change
 from flightlog.file.reader import read_log
@@ -28,6 +29,7 @@ from maneuver.options.films import check_film_target, make_film
 from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import check_output_files
@@ -76,6 +78,9 @@ def fly(
     latency: str | None = None,
     max_trims: Count | None = None,
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
     adaptation: bool = True,
     fault: tuple[str, ...] = (),
@@ -129,6 +134,10 @@ def fly(
         max_trims: number of trims in the longest sequence of a mission's plan, at most 8; the mission's by
             default.
         wind: wind class; that of the sequence, the mission's library or the campaign by default.
+        vehicles: vehicle flown, while the nominal one is assumed: `nominal`, `one` drawn airframe for all
+            flights, or a `fleet`, an airframe drawn for each flight; the library's or campaign's by default.
+        airframe: seed of the airframe of --vehicles one; --seed by default.
+        sensors: sensor class, rtk or gps; the library's or campaign's by default.
         ideal_sensors: fly with ideal navigation: the estimate equals the truth.
         adaptation: use the controller's adaptive element.
         fault: component, kind, start and duration in s (inf: to the end), then its sizes; may be repeated.
@@ -153,6 +162,11 @@ def fly(
         supervised=supervision and mission is not None,
         wind_changes=tuple(map(parse_wind_change, wind_change)),
     )
+    if campaign is None:
+        population = library_population(
+            find_library(library), vehicles, airframe=airframe, seed=seed, sensors=sensors
+        )
+        flight_options = replace(flight_options, **population)
     order = _SharedOptions(library, wind, flight_options, seed, out, video, force)
     if video is not None:
         _check_video(video, campaign, force=force)
@@ -181,6 +195,9 @@ def fly(
                 wind=wind,
                 seed=seed,
                 flight_options=flight_options,
+                vehicles=vehicles,
+                airframe=airframe,
+                sensors=sensors,
             )
             folder = out or Path(wanted.campaign.name)
             if status:

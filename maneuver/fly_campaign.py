@@ -1,10 +1,13 @@
 """Campaign flights of `maneuver fly`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from experiments.campaign.campaign_size import campaign_size
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from flight.mission.campaign import VehiclePopulation
 from maneuver.options.executor_options import ExecutorOptions, open_executor
+from maneuver.options.population import campaign_population
 from scenarios.find import find_campaign
 from sim.loop.specification import FlightOptions
 
@@ -18,6 +21,9 @@ def order_campaign(
     wind: str | None,
     seed: int,
     flight_options: FlightOptions,
+    vehicles: VehiclePopulation | None = None,
+    airframe: int | None = None,
+    sensors: str | None = None,
 ) -> CampaignOrder:
     """Returns the order of a campaign.
 
@@ -27,6 +33,9 @@ def order_campaign(
         wind: wind class; None for the campaign's.
         seed: seed of all random numbers.
         flight_options: options of the flights.
+        vehicles: population flown; None for the campaign's.
+        airframe: seed of the airframe of `one`; None for the campaign's seed.
+        sensors: class of the sensors; None for the campaign's.
 
     Raises:
         FlightError: there is no such campaign, or it is broken.
@@ -41,7 +50,10 @@ def order_campaign(
         flights=size.bounding,
         nominal_flights=size.nominal,
         wind=wind or campaign.wind,
-        flight_options=flight_options,
+        flight_options=replace(
+            flight_options,
+            **campaign_population(campaign, vehicles, airframe=airframe, seed=seed, sensors=sensors),
+        ),
     )
 
 

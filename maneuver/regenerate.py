@@ -16,6 +16,7 @@ from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
 from experiments.campaign.forecast import forecast_campaign
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_text
+from flight.mission.campaign import VehiclePopulation
 from flight.plural import plural
 from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
@@ -24,9 +25,11 @@ from maneuver.library.library_files import check_library_target, library_report,
 from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, open_executor
 from maneuver.options.folder_status import print_status
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import campaign_population
 from runtime.executor import default_workers, worker_pool
 from runtime.job_store import inspect_jobs
 from scenarios.find import find_campaign
+from sim.loop.specification import FlightOptions
 
 
 def regenerate(
@@ -38,6 +41,9 @@ def regenerate(
     flights: Count | None = None,
     nominal_flights: Annotated[int | None, Parameter(validator=Number(gte=0, lte=1_000_000))] = None,
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     out: Path = Path("gtmax-sim.json"),
     logs: Path | None = None,
     of: StateJudged = "truth",
@@ -72,6 +78,10 @@ def regenerate(
         nominal_flights: number of earlier flights for the values of maneuvers; with 0, the default if only
             --flights is given, the same flights give values and bounds, and the claim may be weaker.
         wind: wind class; the campaign's by default.
+        vehicles: vehicle flown, while the nominal one is assumed: `nominal`, `one` drawn airframe for all
+            flights, or a `fleet`, an airframe drawn for each flight; the campaign's by default.
+        airframe: seed of the airframe of --vehicles one; --seed by default.
+        sensors: sensor class, rtk or gps; the campaign's by default.
         out: library file to write; its data sheet is written beside it.
         logs: folder for the logs; by default OUT's name with `-flights`, removed once OUT is written.
         of: motion whose deviations are bounded: the truth or the vehicle's estimate.
@@ -85,7 +95,15 @@ def regenerate(
     size = campaign_size(
         plan, coverage=coverage, confidence=confidence, flights=flights, nominal_flights=nominal_flights
     )
-    order = CampaignOrder(plan, seed, size.bounding, wind or plan.wind, nominal_flights=size.nominal)
+    population = campaign_population(plan, vehicles, airframe=airframe, seed=seed, sensors=sensors)
+    order = CampaignOrder(
+        plan,
+        seed,
+        size.bounding,
+        wind or plan.wind,
+        nominal_flights=size.nominal,
+        flight_options=FlightOptions(**population),
+    )
     # Without --force too: the existing file may be this command's result.
     check_library_target(out, force=True)
     folder = logs or out.with_name(f"{out.stem}-flights")

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -28,6 +29,7 @@ from experiments.validation.time_bound_trial import time_bound_trials
 from experiments.validation.tube_trial import tube_trials
 from flight.automaton.library import Library
 from flight.errors import FlightError
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.mission import Mission
 from maneuver.options.calibration import BOUND_SHARE, check_calibration, write_time_bounds
 from maneuver.options.depth import at_depth
@@ -36,6 +38,7 @@ from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, op
 from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from maneuver.report.scorecard_report import print_scorecard
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import (
@@ -47,6 +50,7 @@ from runtime.atomic_write import (
 from runtime.executor import default_workers, worker_pool
 from runtime.job_store import inspect_jobs
 from scenarios.find import find_library, find_mission, library_path
+from sim.loop.specification import SUPERVISED_OPTIONS
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")
@@ -69,6 +73,9 @@ def validate(
     plant: Literal["helicopter", "automaton"] = "helicopter",
     true_gamma: Names = (),
     wind: Names = (),
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     flights: Count = 5,
     seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
@@ -121,6 +128,9 @@ def validate(
         true_gamma: true gamma of the automaton: numbers from -1 to 1, `plus` or `minus` the planned gamma, or
             `random`, drawn for every primitive; `law` for the library's joint laws; 1 by default.
         wind: wind classes; the library's by default.
+        vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: sensor class, rtk or gps; the library's by default.
         flights: number of flights per mission and policy, each with its own seed.
         seed: seed of all random numbers.
         tolerance: goal tolerance in metres; the mission's by default.
@@ -188,6 +198,10 @@ def validate(
         settings=settings,
         max_nodes=max_nodes,
         logs=logs,
+        flight_options=replace(
+            SUPERVISED_OPTIONS,
+            **library_population(flown_with, vehicles, airframe=airframe, seed=seed, sensors=sensors),
+        ),
     )
     if plant == "helicopter":
         for name in grid.winds:

@@ -26,7 +26,7 @@ from sim.loop.specification import FlightSpecification
 CHECK_FAILED = 1
 TOPICS = (
     *("trim", "power", "ground", "modes", "shape", "response", "limits"),
-    *("margins", "delay", "adaptation", "wind", "navigation", "numerics"),
+    *("margins", "delay", "adaptation", "wind", "navigation", "alarms", "numerics"),
 )
 _CAMPAIGN = "gtmax"
 # Flights in which no limit may be met; not those of the shipped library.
@@ -57,7 +57,7 @@ def verify(
 
     Args:
         topics: topics to check; all by default: trim, power, ground, modes, shape, response, limits, margins,
-            delay, adaptation, wind, navigation and numerics.
+            delay, adaptation, wind, navigation, alarms and numerics.
         spectrum: picture of the gusts' spectra beside the standard's.
         json: print one JSON document.
     """
@@ -104,6 +104,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[CheckResult]:
         ({"adaptation"}, lambda: check_adaptation(vehicle)),
         ({"wind"}, check_wind),
         ({"navigation"}, _check_navigation),
+        ({"alarms"}, _check_alarms),
         (
             {"numerics"},
             lambda: check_numerics(vehicle, displacement_error=_median_displacement_error()),
@@ -131,6 +132,13 @@ def _check_navigation() -> Iterable[CheckResult]:
 
     with worker_pool(default_workers()) as executor:
         yield from check_navigation(_library("gtmax"), executor=executor)
+
+
+def _check_alarms() -> Iterable[CheckResult]:
+    from sim.checks.alarm_check import check_alarms
+
+    with worker_pool(default_workers()) as executor:
+        yield from check_alarms(_library("gtmax"), executor=executor)
 
 
 def _median_displacement_error() -> float:

@@ -38,6 +38,7 @@ def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[
                 start=specified_pose(mission.start),
                 start_trim=mission.start_trim,
                 supervised=True,
+                vehicles="fleet",
             ),
             LIBRARY,
         )

@@ -133,6 +133,8 @@ class CampaignOrder:
             "seed": self.seed,
             "flights": self.flights,
             "nominal": self.nominal_flights,
+            "vehicles": self.flight_options.population,
+            "sensors": self.flight_options.sensors,
         }
 
     def library(self) -> Library:

@@ -34,6 +34,7 @@ from .mission_log import mission_json, mission_specification
 from .mission_task import MissionTask, Plant
 from .result import MissionResult, downsample_leg
 from .safe_envelope import EnvelopeExit, first_exit
+from .sensor_tolerance import check_tolerance
 
 # Distinct from the stream keys of `fly_campaign`.
 _MISSION_STREAM = 102
@@ -63,7 +64,12 @@ def fly_mission(task: MissionTask) -> MissionResult:
 
 
 def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
-    """Flies a mission once; returns its result and the helicopter's log."""
+    """Flies a mission once; returns its result and the helicopter's log.
+
+    Raises:
+        ToleranceTooFineError: the sensors cannot tell the goal.
+    """
+    check_tolerance(task)
     flown_primitives: tuple[Performance, ...] = ()
     log: FlightLog | None = None
     alarms: tuple[Alarm, ...] = ()

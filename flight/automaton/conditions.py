@@ -27,6 +27,8 @@ class Conditions(FileValue):
         without_coast: share of maneuvers that were to be entered right after another one.
         entry_trims: ids of the trims that were held and left by maneuvers; None where not stated.
         air: mean wind, standard deviations and intensities at the altitude; None where not stated.
+        vehicles: population that flew: `nominal`, `airframe SEED` or `fleet`; None where not stated.
+        sensors: class of the sensors that flew; None where not stated.
     """
 
     wind: str = "not stated"
@@ -48,3 +50,20 @@ class Conditions(FileValue):
         Omittable[Share], Field(description="share of maneuvers entered right after another; absent: none")
     ] = 0.0
     air: Annotated[str | None, Field(description="mean wind and gusts at the altitude")] = None
+    vehicles: Annotated[
+        str | None, Field(description="population that flew: nominal, airframe SEED or fleet")
+    ] = None
+    sensors: Annotated[str | None, Field(description="class of the sensors that flew")] = None
+
+    @property
+    def future_flights(self) -> str:
+        """Population that a claim of coverage is for, in words."""
+        match (self.vehicles or "").partition(" ")[0]:
+            case "nominal":
+                return "future flights of the vehicle exactly as modelled"
+            case "airframe":
+                return "future flights of this airframe"
+            case "fleet":
+                return "future flights of airframes like these"
+            case _:
+                return "future flights"

@@ -22,7 +22,8 @@ class Leg:
             heading in radians (not wrapped).
         estimated_track: the same as estimated by the vehicle; None if that is the truth.
         standard_deviation: largest standard deviation of the estimated position in metres, as the vehicle
-            claims it.
+            claims it: the root of the summed variances of north and east.
+        heading_deviation: largest standard deviation of the estimated heading in radians, likewise.
         turbulence: estimated wind at 20 ft at the end (MIL-F-8785C), in m/s;
             None if unknown.
         believed: estimated body velocity at the start; None if unknown.
@@ -34,6 +35,7 @@ class Leg:
     track: Float[np.ndarray, "n 4"]
     estimated_track: Float[np.ndarray, "n 4"] | None = None
     standard_deviation: float = 0.0
+    heading_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
     believed: Twist | None = None

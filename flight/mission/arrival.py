@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from math import isfinite, pi
+from statistics import NormalDist
 
 from .destination import Destination, Track, first_arrival
 
@@ -40,6 +41,40 @@ class ArrivalVerdict:
     time: float | None
     closest: float | None
     reason: str
+
+
+def claims_arrival(
+    track: Track,
+    goal: Destination,
+    *,
+    position_sigma: float,
+    heading_sigma: float,
+    probability: float,
+) -> bool:
+    """Returns True where the vehicle may claim to be inside the goal.
+
+    The claim holds with the stated probability for an error that is normal with the stated deviations,
+    whatever their correlations. For a position margin of k deviations the probability outside is at most
+    that of one number beyond k, the worst way to share the variance between two axes (Szekely and Bakirov
+    2003, Extremal probabilities for Gaussian quadratic forms; proved for k > 1.24, so from 0.79 on). Position
+    and heading share the rest alike (Boole).
+
+    Args:
+        track: as estimated.
+        goal: position and heading with their tolerances.
+        position_sigma: root of the summed variances of north and east, m.
+        heading_sigma: standard deviation of the heading, rad.
+        probability: of being inside, from 0, which trusts the estimate, to below 1.
+    """
+    risk = (1.0 - probability) / (2.0 if goal.wants_heading else 1.0)
+    margin = NormalDist().inv_cdf(1.0 - risk / 2.0) if probability else 0.0
+    tolerance, heading_tolerance = goal.tolerance - margin * position_sigma, goal.heading_tolerance
+    if goal.wants_heading:
+        heading_tolerance -= margin * heading_sigma
+    if tolerance <= 0 or heading_tolerance < 0:
+        return False
+    sure = replace(goal, tolerance=tolerance, heading_tolerance=heading_tolerance)
+    return first_arrival([track], sure).time is not None
 
 
 def judge_arrival(

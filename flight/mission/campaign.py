@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 from pydantic import NonNegativeInt, PositiveFloat, PositiveInt
 
@@ -14,6 +14,12 @@ from flight.schema import read_toml, schema_named
 
 SCHEMA = "maneuver-campaign/1"
 """What a file may name itself; one that does not is of this version."""
+
+VehiclePopulation = Literal["nominal", "one", "fleet"]
+"""Vehicles flown: the one believed, one airframe, an airframe for each flight."""
+
+DEFAULT_SENSORS = "rtk"
+"""Class of the sensors where a file names none."""
 
 
 class NoRuleForWindError(FlightError):
@@ -38,6 +44,8 @@ class Campaign(FileValue):
         without_coast: share of trims left at once; the other coasts are then short ones more often.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
+        vehicles: population flown; empty for the nominal vehicle.
+        sensors: class of the sensors; empty for `rtk`.
     """
 
     schema: Annotated[Omittable[str], schema_named(SCHEMA)] = field(init=False, default=SCHEMA, repr=False)
@@ -50,9 +58,14 @@ class Campaign(FileValue):
     maneuver_end: Mapping[str, ManeuverEnd]
     nominal_flights: Omittable[NonNegativeInt] = 0
     without_coast: Omittable[Share] = 0.0
+    vehicles: Omittable[str] = ""
+    sensors: Omittable[str] = ""
 
     def __post_init__(self) -> None:
-        """Refuses coasting times in the wrong order."""
+        """Refuses an unknown population, and coasting times in the wrong order."""
+        if self.vehicles and self.vehicles not in get_args(VehiclePopulation):
+            known = ", ".join(get_args(VehiclePopulation))
+            raise ValueError(f"vehicles: expected one of {known}, got {self.vehicles!r}")
         shortest, longest = self.coasting_range
         if not 0 <= shortest <= longest:
             raise ValueError(

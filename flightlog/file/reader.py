@@ -8,7 +8,7 @@ import io
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
@@ -118,8 +118,9 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
     names = {field.name for field in fields(FlightHeader)}
-    # Logs of earlier releases do not state the air.
-    if set(metadata) | {"air"} != names:
+    # Logs of older versions lack the fields with defaults.
+    needed = {field.name for field in fields(FlightHeader) if field.default is MISSING}
+    if not needed <= set(metadata) <= names:
         raise ValueError(f"expected header fields {sorted(names)}, got {sorted(metadata)}")
     return FlightHeader(**{**metadata, "seed": int(metadata["seed"])})  # type: ignore[arg-type]
 

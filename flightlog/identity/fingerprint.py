@@ -1,12 +1,14 @@
 """Fingerprints of a flight: hashes of its content, exact or rounded."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from hashlib import sha256
 
 import numpy as np
 from jaxtyping import Float
 
+from flightlog.attachment_names import VEHICLE_ATTACHMENT
+from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
 from flightlog.series import Series
 
@@ -14,6 +16,8 @@ from .flight_identity import flight_identity
 
 # Significant digits, relative to a field's largest value; what is smaller than the floor is zero.
 _DIGITS, _FLOOR = 6, 1e-9
+
+_LATER_FIELDS = frozenset({"air", "vehicles", "drawn", "sensors"})
 
 
 def fingerprint(log: FlightLog) -> str:
@@ -23,9 +27,9 @@ def fingerprint(log: FlightLog) -> str:
     fingerprint with and without a compiler. Changes of code that change no flight, and the packing of the
     file, do not change it.
     """
-    header = asdict(log.header)
-    # Logs that state no air have the fingerprints of earlier releases.
-    header = {name: value for name, value in header.items() if name != "air" or value}
+    # Logs of older versions lack these.
+    later = {field.name: field.default for field in fields(FlightHeader) if field.name in _LATER_FIELDS}
+    header = {key: value for key, value in asdict(log.header).items() if later.get(key) != value}
     header |= {"backend": log.header.arithmetic, "code_version": log.header.release}
     digest = sha256(json.dumps(header, sort_keys=True).encode())
     for name, series in sorted(log.series.items()):
@@ -46,6 +50,8 @@ def rounded_fingerprint(log: FlightLog) -> str:
     inputs = flight_identity(log.header, log.attachments)
     # The code's release is enough: other code that flies the same flight gives the same numbers.
     inputs |= {"code_version": log.header.release, "outcome": log.header.outcome}
+    # Seed, population and model determine a drawn vehicle, whose numbers differ in last bits too.
+    inputs = {name: value for name, value in inputs.items() if name not in {"drawn", VEHICLE_ATTACHMENT}}
     digest = sha256(json.dumps(inputs, sort_keys=True).encode())
     for name, series in sorted(log.series.items()):
         digest.update(json.dumps([name, len(series.time), *_summary(series)]).encode())

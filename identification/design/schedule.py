@@ -28,6 +28,7 @@ def schedule(
     coasting_range: tuple[float, float],
     wind: str,
     without_coast: float = 0.0,
+    repetitions: int = 1,
 ) -> tuple[Sequence, ...]:
     """Returns one sequence per flight, the independent unit of the statistics.
 
@@ -42,11 +43,13 @@ def schedule(
         coasting_range: shortest and longest coasting time in seconds.
         wind: wind class to fly in.
         without_coast: share of trims left at once, as `coasting_times` draws them.
+        repetitions: of the whole tour, in one order that is random too.
 
     Raises:
         NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.
     """
-    edges = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
+    once = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
+    edges = once * repetitions
     return tuple(
         _tour(
             edges,

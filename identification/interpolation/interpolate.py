@@ -154,7 +154,9 @@ def _with_scatter(trim: Trim, scatter: TrimScatter) -> Trim:
     if trim.id not in scatter.sizes:
         return trim
     size = Twist(*scatter.sizes[trim.id].tolist())
-    return replace(trim, error=signed_trim_error(size, trim.velocity), interpolated=scatter.claim)
+    error = signed_trim_error(size, trim.velocity)
+    # A law of the flown entries does not hold for those by interpolated maneuvers.
+    return replace(trim, error=error, interpolated=scatter.claim, law=None)
 
 
 def _provenance(library: Library, fits: Sequence[InterpolationFit]) -> dict[str, Any]:

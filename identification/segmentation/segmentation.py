@@ -161,7 +161,7 @@ def cut_into_segments(log: FlightLog, walk: ObservedWalk, library: Library) -> S
     rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError("expected conditions.maneuver_end in the log's library, got none")
-    motion, believed = with_dead_reckoning(log.motion), believed_motion(log)
+    motion, believed = with_dead_reckoning(log.motion), estimated_motion(log)
     maneuvers: list[ManeuverSegment] = []
     coasts: list[CoastSegment] = []
     changes = [*(entry.time for entry in walk.entries), log.duration]
@@ -202,7 +202,7 @@ def entry_bounds(library: Library, maneuver: Maneuver, part: ManeuverSegment) ->
     return maneuver.bounds_after(part.previous, part.coast, offset)
 
 
-def believed_motion(log: FlightLog) -> Series:
+def estimated_motion(log: FlightLog) -> Series:
     """Returns the motion that the vehicle applies the rule to."""
     return log[ESTIMATE] if ESTIMATE.name in log.series else log.motion
 

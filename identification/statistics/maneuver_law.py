@@ -6,7 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from flight.automaton.joint_law import EntryDependence, ManeuverLaw, PathInstant, PreviousShift, Row3, Row4
+from flight.automaton.joint_law import (
+    PATH_INSTANTS,
+    EntryDependence,
+    ManeuverLaw,
+    PathInstant,
+    PreviousShift,
+    Row3,
+    Row4,
+)
 from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver
 from identification.segmentation.flight_evidence import FlightEvidence
@@ -49,7 +57,7 @@ def performances(maneuver: Maneuver, flights: Sequence[FlightEvidence], library:
         offset=np.array([_offset(one) for one in segments]).reshape(-1, 3)
         - (velocity.forward, velocity.side, velocity.yaw_rate),
     )
-    return Performances(entries, np.array([one.path for one in segments]))
+    return Performances(entries, np.array([one.path for one in segments]).reshape(-1, PATH_INSTANTS, 3))
 
 
 def _offset(segment: ManeuverSegment) -> tuple[float, float, float]:

@@ -40,7 +40,8 @@ def library_report(library: Library, path: Path) -> str:
     return (
         f"{plural(len(library.trims), 'trim')}, {plural(len(library.maneuvers), 'maneuver')}, "
         f"{flights} each, {plural(sum(entry.timeouts for entry in known), 'time-out')}\n"
-        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
+        f"claim      {min(entry.coverage for entry in known):.1%} of {library.conditions.future_flights} "
+        f"inside all bounds of a "
         f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"
         f"data sheet {path.with_suffix('.md')}\n"

@@ -30,6 +30,7 @@ app.command("maneuver.library.graph:graph", name="graph")
 app.command("maneuver.library.trends:trends", name="trends")
 app.command("maneuver.library.interpolate:interpolate", name="interpolate")
 app.command("maneuver.library.sheet:sheet", name="sheet")
+app.command("maneuver.library.sources:sources", name="sources")
 app.command("maneuver.library.trial:run_trial", name="test")
 
 

@@ -27,18 +27,19 @@ from experiments.campaign.interpolation_flights import (
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
-from flight.mission.campaign import Campaign
+from flight.mission.campaign import Campaign, VehiclePopulation
 from flight.plural import plural
 from identification.coverage_trial import CoverageTrial, NoClaimError, coverage_trials
 from identification.design.interpolation_schedule import PrimitiveSample
 from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, extract_evidence
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_logs
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from runtime.executor import default_workers, worker_pool
 from runtime.progress import show_progress
 from scenarios.find import find_library
 from sim.campaign_flight import fly_specification
-from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
+from sim.loop.specification import DEFAULT_ALTITUDE, FlightOptions, FlightSpecification
 
 REFUTED = 1
 
@@ -54,6 +55,9 @@ def run_trial(
     sample: Count = SAMPLE,
     seed: Seed = 1,
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
     of: StateJudged | None = None,
     workers: Count | None = None,
@@ -87,6 +91,9 @@ def run_trial(
         sample: number of trims, and of maneuvers, drawn from an interpolated library.
         seed: seed of all random numbers.
         wind: wind class; the library's by default.
+        vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: class of the sensors, rtk or gps; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
         of: motion whose deviations are tested: true or estimated; the library's by default.
         workers: number of processes; one per processor by default.
@@ -109,7 +116,11 @@ def run_trial(
             drawn, specifications = _sample_and_flights(
                 found, sample=sample, seed=seed, flights=flights, wind=air
             )
-            flown = list(_fly(specifications, found, of, executor))
+            population = library_population(found, vehicles, airframe=airframe, seed=seed, sensors=sensors)
+            options = FlightOptions(**population)
+            flown = list(
+                _fly(tuple(one.with_options(options) for one in specifications), found, of, executor)
+            )
     if found.interpolated:
         return REFUTED if judge_interpolated(found, drawn, flown, json=json) else 0
     trials = coverage_trials(found, flown)

@@ -47,7 +47,7 @@ def fly_with_feedback(
         policy: made for the goal.
         statement: of the policy about the mission.
         otherwise: planner of an overdue flight.
-        settings: of the closed loop; of use are latency, certainty, the number of decisions and the wait.
+        settings: of the closed loop; of use are latency, arrival probability, the number of decisions and the wait.
         on_leg: called with every flown leg.
     """
     loop = _FeedbackLoop(vehicle, mission, policy, settings or Settings(), on_leg)
@@ -66,7 +66,7 @@ class _FeedbackLoop:
         self._vehicle, self._goal, self._policy, self._settings = vehicle, goal, policy, settings
         self._library: Library = policy.library
         self._record = FlightRecorder(
-            goal, settings.certainty, declared_within=policy.table.problem.tolerance
+            goal, settings.arrival_probability, declared_within=policy.table.problem.tolerance
         )
         self._flyer = PrimitiveFlyer(vehicle, self._library, self._record, on_leg)
         self._coasted, self._previous = 0.0, -1

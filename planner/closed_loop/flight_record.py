@@ -6,7 +6,7 @@ from math import inf
 from flight.automaton.maneuver import Maneuver
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, claims_arrival, judge_arrival
 from flight.mission.destination import first_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
@@ -78,7 +78,7 @@ class FlightRecorder:
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        arrival_probability: of being inside the goal, at which arrival is declared.
         predicted_time: seconds predicted at the start.
         declared_within: metres from the goal within which arrival is declared, where fewer than the above.
         choices: number of decisions of a policy with feedback.
@@ -86,7 +86,7 @@ class FlightRecorder:
     """
 
     goal: Mission
-    certainty: float = 0.0
+    arrival_probability: float = 0.0
     predicted_time: float = inf
     declared_within: float = inf
     choices: int = 0
@@ -119,10 +119,17 @@ class FlightRecorder:
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
     def _estimates_arrival(self, leg: Leg) -> bool:
-        sure = min(self.goal.tolerance - self.certainty * leg.standard_deviation, self.declared_within)
         estimated = leg.track if leg.estimated_track is None else leg.estimated_track
-        goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([estimated], goal).time is not None
+        declared = replace(
+            self.goal.destination, tolerance=min(self.goal.tolerance, self.declared_within)
+        )
+        return first_arrival([estimated], declared).time is not None and claims_arrival(
+            estimated,
+            self.goal.destination,
+            position_sigma=leg.standard_deviation,
+            heading_sigma=leg.heading_deviation,
+            probability=self.arrival_probability,
+        )
 
     @property
     def _level(self) -> float:

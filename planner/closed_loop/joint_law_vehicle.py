@@ -109,8 +109,9 @@ class JointLawVehicle:
             FlightError: the maneuver leaves another trim than the one held now.
         """
         if maneuver.from_trim != self._trim:
-            held = f"the vehicle holds trim {self._trim}"
-            raise FlightError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; {held}")
+            raise FlightError(
+                f"maneuver {maneuver.id}: expected trim {maneuver.from_trim} at its start, got {self._trim}"
+            )
         law, believed = _law_of_maneuver(self._library, maneuver), self.velocity
         command = self._library.trim(self._trim).velocity
         offset: Row3 = (

@@ -61,7 +61,7 @@ def fly_closed_loop(
     goal = replace(mission, tolerance=settings.final_tolerance or mission.tolerance)
     if goal.tolerance == 0:
         raise NoToleranceError(mission.name)
-    record = FlightRecorder(goal, settings.certainty)
+    record = FlightRecorder(goal, settings.arrival_probability)
     loop = _Loop(vehicle, goal, planner, library, settings, record=record, on_leg=on_leg)
     loop.predict()
     return loop.fly_on()

@@ -26,8 +26,8 @@ class Settings:
             the plan is ready there (thesis, 6.3.3).
         hysteresis: seconds by which a new plan must be faster than one that still reaches the goal.
         learn_level: True to fly the coasting times of the estimated gamma, not of the deciding one.
-        certainty: standard deviations of the estimated position by which the vehicle must be inside the
-            tolerance before it declares arrival.
+        arrival_probability: probability of being inside the tolerance, by the vehicle's own covariance, at
+            which it declares arrival; 0 trusts the estimate.
         wait: seconds in the rest trim after a safe stop.
     """
 
@@ -40,7 +40,7 @@ class Settings:
     replan_in_maneuver: bool = False
     hysteresis: float = 1.0
     learn_level: bool = True
-    certainty: float = 3.0
+    arrival_probability: float = 0.99
     wait: float = 0.0
 
     def __post_init__(self) -> None:
@@ -57,8 +57,8 @@ class Settings:
             raise ValueError(f"tolerance_share must be in [0, 1), got {self.tolerance_share}")
         if not 0 < self.aim <= 1:
             raise ValueError(f"aim must be in (0, 1], got {self.aim}")
-        if not 0 <= self.certainty < inf:
-            raise ValueError(f"certainty must be >= 0 standard deviations, got {self.certainty}")
+        if not 0 <= self.arrival_probability < 1:
+            raise ValueError(f"arrival_probability must be in [0, 1), got {self.arrival_probability}")
         if not 0 <= self.wait <= LONGEST_INTERVAL:
             raise ValueError(f"wait must be >= 0 and <= {LONGEST_INTERVAL} s, got {self.wait} s")
         if not 0 <= self.hysteresis < inf:

@@ -6,6 +6,7 @@ from mcap.records import Channel
 
 from experiments.mission.feedback import MeasuredLatencyError
 from experiments.mission.random_missions import NoMissionError
+from experiments.mission.sensor_tolerance import ToleranceTooFineError
 from flight import errors
 from flight.mission.campaign import NoRuleForWindError
 from flight.mission.fault import BadFaultError
@@ -16,7 +17,10 @@ from flightlog.log import MissingTopicError
 from flightlog.series import MissingFieldError
 from flightlog.topics import ESTIMATE, TRUTH
 from identification.coverage_trial import NoClaimError
+from identification.statistics.variance_shares import TooFewRepetitionsError
+from maneuver.options.population import AirframeNotFlownError
 from planner.closed_loop.automaton_vehicle import TrueGammaError
+from planner.closed_loop.joint_law_vehicle import NoLawError
 from planner.closed_loop.latency import LatencyRecordError
 from planner.closed_loop.receding_horizon import NoToleranceError
 from planner.independent_errors.independent_errors import TooManyScenariosError
@@ -34,7 +38,8 @@ from runtime.job import CodeMismatchError
 from runtime.job_store import BusyError, NotSharedError
 from scenarios.find import NoSuchFileError, find_library
 from sim.loop.backend import BitMismatchError
-from sim.loop.specification import NoSensorsError, WindOrderError
+from sim.loop.specification import NoAirframeError, NoSensorsError, WindOrderError
+from sim.navigation.sensor_errors import UnknownSensorsError
 from sim.replay import VehicleMismatchError
 from sim.vehicle.equilibrium import NoEquilibriumError
 from sim.wind.flyable import NeededAirspeed, UnflyableWindError
@@ -110,6 +115,11 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
         "the log's /estimate has no climb; it has ['north', 'east', 'down', 'forward', 'side', "
         "'descent', 'roll', 'pitch', 'heading', 'roll_rate', 'pitch_rate', 'body_yaw_rate', "
         "'yaw_rate']",
+    ),
+    (
+        NoLawError("mine", "trim 3"),
+        "library mine: expected a joint law for every primitive (maneuver-library/2), trim 3 has none; "
+        "identify it anew from at least two flights",
     ),
     (
         NoClaimError("mine"),
@@ -227,6 +237,20 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     (
         NoEquilibriumError(Twist(90.0, 0.0, 0.0), "residual 1.0, expected at most 1e-9"),
         "no equilibrium at forward 90 m/s, side 0 m/s, yaw rate 0 rad/s: residual 1.0, expected at most 1e-9",
+    ),
+    (UnknownSensorsError("laser"), "no sensor class 'laser'; there are ['gps', 'rtk']"),
+    (NoAirframeError(), "expected the seed of the airframe with vehicles 'one', got none"),
+    (
+        TooFewRepetitionsError("maneuver 3"),
+        "maneuver 3: expected two flights and one with two performances, got fewer",
+    ),
+    (
+        ToleranceTooFineError("m", "tolerance", "gps", needed=9.0, got=1.0, unit="m"),
+        "mission m: expected a tolerance of at least 9 m (4 standard deviations of gps), got 1 m",
+    ),
+    (
+        AirframeNotFlownError("fleet"),
+        "--airframe: expected --vehicles one, got vehicles 'fleet'",
     ),
     (
         UnknownWindError("storm"),

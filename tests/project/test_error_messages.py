@@ -94,7 +94,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "table.csv").write_text("s,x,y\n0,1,north\n1,2,north\n2,3,north\n", encoding="utf-8")
     library = (libraries.FOLDER / "thesis-gtmax.json").read_text(encoding="utf-8")
     (tmp_path / "library.json").write_text(library, encoding="utf-8")
-    newer = library.replace("maneuver-library/1", "maneuver-library/2")
+    newer = library.replace("maneuver-library/1", "maneuver-library/3")
     (tmp_path / "newer.json").write_text(newer, encoding="utf-8")
     (tmp_path / "infeasible.json").write_text(plan_text(NO_PLAN), encoding="utf-8")
     return tmp_path

@@ -187,14 +187,14 @@ def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
 def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:
     mission = find_mission("gtmax-2")
 
-    def flown(certainty: float) -> bool:
+    def flown(probability: float) -> bool:
         vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-        settings = Settings(certainty=certainty, max_activations=40)
+        settings = Settings(arrival_probability=probability, max_activations=40)
         return fly_closed_loop(
             vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=settings
         ).claimed
 
-    assert not flown(3.0)
+    assert not flown(0.99)
     assert flown(0.0)
 
 

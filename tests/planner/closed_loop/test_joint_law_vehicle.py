@@ -28,7 +28,7 @@ def test_a_library_without_laws_cannot_be_flown_by_them() -> None:
 
 
 def test_a_maneuver_from_another_trim_is_refused() -> None:
-    with pytest.raises(FlightError, match="leaves trim 2; the vehicle holds trim 1"):
+    with pytest.raises(FlightError, match="expected trim 2 at its start, got 1"):
         vehicle(1).perform(LIBRARY.maneuver(2, 1))
 
 

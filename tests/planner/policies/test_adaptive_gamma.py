@@ -26,10 +26,11 @@ from sim.loop.specification import FlightOptions, FlightSpecification, parse_spe
 from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS, TURBULENCE_FACTOR, alarm_limits
 from sim.wind.turbulence_meter import (
+    ERROR_PER_WIND,
+    ERROR_PER_WIND_IN_TURNS,
     STILL_AIR_ERROR,
     WARM_UP_TIME,
     TurbulenceMeter,
-    error_per_wind,
 )
 from sim.wind.wind_class import wind_class
 from tests.support.commands_flown import replay
@@ -58,9 +59,9 @@ def test_the_meter_undoes_what_it_was_made_of() -> None:
     meter = TurbulenceMeter(0.1)
     assert meter.wind_at_20_ft is None
     rng = np.random.default_rng(2)
-    size = np.hypot(6.0 * error_per_wind(0.1), STILL_AIR_ERROR) / np.sqrt(3.0)
+    size = np.hypot(6.0 * (ERROR_PER_WIND + 0.1**2 * ERROR_PER_WIND_IN_TURNS), STILL_AIR_ERROR)
     for look in range(5000):
-        meter.update(tuple(rng.normal(0.0, size, 3)), yaw_rate=0.1)
+        meter.update(float(rng.normal(0.0, size)), yaw_rate=0.1)
         assert (meter.wind_at_20_ft is None) == (0.1 * (look + 1) < WARM_UP_TIME - 1e-9)
     assert meter.wind_at_20_ft == pytest.approx(6.0, rel=0.25)
 

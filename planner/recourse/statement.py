@@ -29,8 +29,8 @@ SHORTEST_PATIENCE, ERROR_FREE_TIMES = 120.0, 5.0
 BELIEVED_DEVIATION = 0.05
 """Standard deviation in metres that the vehicle believes of its position; of `rtk` at most."""
 
-CERTAINTY = 3.0
-"""Of these it must be inside the goal's tolerance before it declares arrival."""
+CERTAINTY = 2.6
+"""Of these it must be inside the goal's tolerance to declare arrival with probability 0.99."""
 
 
 class GoalHeadingError(FlightError):

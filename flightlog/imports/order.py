@@ -1,0 +1,79 @@
+"""Order of stamps: clocks set back, and stamps out of order."""
+
+from bisect import bisect_right
+
+import numpy as np
+from jaxtyping import Float, Int
+
+Column = Float[np.ndarray, "n"]
+
+# Share of a span that both sides of a step back must fill for the clock to have been set back.
+_MIN_FILLED = 0.75
+_MIN_ROWS = 3
+
+
+def reset_places(time: Column, interval: float, longest_gap: float) -> list[int]:
+    """Returns places at which the clock was set back.
+
+    There the times that follow fill a span that those before fill too; rows written late fill holes.
+
+    Args:
+        time: finite seconds in the order of the file.
+        interval: median interval, seconds.
+        longest_gap: longest gap of one flight, seconds.
+    """
+    steps = np.diff(time)
+    bounds = [0, *(np.flatnonzero((steps < 0.0) | (steps > longest_gap)) + 1).tolist(), len(time)]
+    places = []
+    start = 0
+    for number in range(1, len(bounds) - 1):
+        place, end = bounds[number], bounds[number + 1]
+        before, after = time[start:place], time[place:end]
+        if steps[place - 1] > longest_gap:
+            # Far ahead: another flight, unless it is a few corrupt stamps.
+            start = place
+            continue
+        low, high = float(after[0]), min(float(before.max()), float(after[-1]))
+        expected = (high - low) / interval + 1.0
+        filled = [int(((side >= low) & (side <= high)).sum()) for side in (before, after)]
+        if min(filled) >= max(_MIN_ROWS, _MIN_FILLED * expected):
+            places.append(place)
+            start = place
+    return places
+
+
+def displaced_rows(time: Column, interval: float) -> tuple[Int[np.ndarray, "k"], int]:
+    """Returns places in the order of time, and the number left out.
+
+    A stamp out of order is kept if the others leave a hole at its time.
+    """
+    kept = _longest_increasing(time)
+    displaced = np.setdiff1d(np.arange(len(time)), kept)
+    base = time[kept]
+    after = np.searchsorted(base, time[displaced])
+    inner = (after > 0) & (after < len(base))
+    hole = np.zeros(len(displaced))
+    hole[inner] = base[after[inner]] - base[after[inner] - 1]
+    fitting = displaced[hole > 1.5 * interval]
+    both = np.concatenate([kept, fitting])
+    return both[np.argsort(time[both], kind="stable")], len(displaced) - len(fitting)
+
+
+def _longest_increasing(time: Column) -> Int[np.ndarray, "k"]:
+    """Returns places of a longest subsequence that does not decrease."""
+    tails: list[float] = []
+    ends: list[int] = []
+    before = np.full(len(time), -1, np.int64)
+    for place, value in enumerate(time.tolist()):
+        at = bisect_right(tails, value)
+        before[place] = ends[at - 1] if at else -1
+        if at == len(tails):
+            tails.append(value)
+            ends.append(place)
+        else:
+            tails[at], ends[at] = value, place
+    chain, place = [], ends[-1]
+    while place >= 0:
+        chain.append(place)
+        place = int(before[place])
+    return np.array(chain[::-1], np.int64)

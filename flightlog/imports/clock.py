@@ -31,6 +31,9 @@ SMALLEST_PART = 0.01
 MOST_REPEATED = 0.1
 """Largest share of samples that may have the time of another one."""
 
+DESCENDING = 0.9
+"""Share of steps back above which a file has its latest sample first."""
+
 _MOST_LISTED = 6
 
 Column = Float[np.ndarray, "n"]
@@ -113,7 +116,7 @@ def order_by_time(
         left_out["repeated"] = int(repeated[places].sum())
         places = places[~repeated[places]]
     steps = np.diff(time[places])
-    if (steps < 0.0).sum() > (steps > 0.0).sum():
+    if (steps < 0.0).sum() > DESCENDING * len(steps):
         places = places[::-1]
     pieces, left_out["with a time out of order"] = _pieces(time, places)
     smallest = max(3.0, SMALLEST_PART * len(places))
@@ -141,7 +144,7 @@ def _pieces(
         between, rejected = [], 0
         for start, end in pairwise(bounds):
             part = places[start:end]
-            kept, lost = displaced_rows(time[part], interval)
+            kept, lost = displaced_rows(time[part])
             between.append(part[kept])
             rejected += lost
     pieces = []

@@ -12,7 +12,7 @@ from flightlog.series import Series, Topic
 from flightlog.topics import ACTUATORS
 
 from .axes import quaternions_from_euler
-from .clock import check_unit, order_by_time
+from .clock import MOST_REPEATED, check_unit, order_by_time
 from .derived_fields import BODY_RATES
 from .frames import Frames, check_frames, velocity_source
 from .geodetic import local_plane
@@ -40,11 +40,9 @@ def read_external_csv(path: Path, settings: TableSettings, *, topic: Topic) -> F
     file = ExternalLog(path)
     try:
         table = of_one_vehicle(read_table(path, settings), settings.vehicle)
-        if "time" in table.numbers and "time" not in table.units:
-            check_unit(table.numbers["time"], None)
-        elif settings.units.get("time"):
-            check_unit(table.numbers["time"], settings.units["time"])  # type: ignore[arg-type]
-        part = order_by_time(seconds_of(table), sample="row", part=settings.part, repeated=_repeated(table))
+        repeated = _repeated(table)
+        _check_time_unit(table, repeated)
+        part = order_by_time(seconds_of(table), sample="row", part=settings.part, repeated=repeated)
         time, table = part.time - part.time[0], table.rows(part.rows)
         if not settings.unchecked:
             _check_units(time, table)
@@ -92,6 +90,13 @@ def _repeated(table: Table) -> Bool[np.ndarray, "n"]:
     for column in columns:
         same[1:] &= column[1:] == column[:-1]
     return same
+
+
+def _check_time_unit(table: Table, repeated: Bool[np.ndarray, "n"]) -> None:
+    """Refuses times that cannot be in their unit; those of a coarse clock are refused as such."""
+    stamps = table.numbers["time"][~repeated]
+    if (np.diff(stamps) == 0.0).sum() <= MOST_REPEATED * len(stamps):
+        check_unit(stamps, table.units.get("time"))  # type: ignore[arg-type]
 
 
 def _matrix(numbers: Mapping[str, Column], names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:

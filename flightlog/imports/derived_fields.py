@@ -30,8 +30,8 @@ def body_rates(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]]:
     yield "body_yaw_rate", cr * below - sr * right
 
 
-def derived_fields(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]]:
-    """Yields state fields derived from the known ones."""
+def level_velocities(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]]:
+    """Yields velocities along and across the heading, and down."""
     if {"velocity_north", "velocity_east", "heading"} <= known.keys():
         c, s = np.cos(known["heading"]), np.sin(known["heading"])
         yield "forward", c * known["velocity_north"] + s * known["velocity_east"]
@@ -51,12 +51,10 @@ def derived_fields(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]]:
         yield "side", known["body_right"]
         if "body_down" in known:
             yield "descent", known["body_down"]
-    turning = _yaw_rate(known)
-    if turning is not None:
-        yield "yaw_rate", turning
 
 
-def _yaw_rate(known: Mapping[str, Column]) -> Column | None:
+def yaw_rate(known: Mapping[str, Column]) -> Column | None:
+    """Returns the rate of the heading by body rates, else by its slope."""
     if not {"pitch_rate", "body_yaw_rate", "roll", "pitch"} <= known.keys():
         return known.get(HEADING_RATE)
     upright = np.cos(known["pitch"])

@@ -16,7 +16,7 @@ from flightlog.series import Topic
 
 from .axes import BodyAxes, WorldAxes
 from .bags.bag_clock import clocks_of
-from .bags.bag_sources import AlignedTopic, bag_sources, default_frames
+from .bags.bag_sources import SLOPE, AlignedTopic, bag_sources, default_frames
 from .bags.mcap_file import McapBag
 from .bags.raw_message import Bag
 from .bags.topic_columns import TopicColumns
@@ -129,7 +129,7 @@ def _read(path: Path, settings: McapImportSettings, topic: Topic, bag: Bag) -> F
     if settings.quaternion is None and pose.has_listed_quaternion and not pose.table.px4:
         frames = replace(frames, quaternion=guess_quaternion_order(build, frames))
     sources, said = bag_sources(pose, moving, frames)
-    if settings.velocity and "velocity" not in said:
+    if settings.velocity and said.get("velocity", "absent") in {"absent", SLOPE}:
         raise FlightError(f"{settings.velocity} ({moving.table.schema}): expected a velocity, got none")
     if not settings.unchecked:
         check_frames(build, frames)
@@ -164,7 +164,8 @@ def _gather(bag: Bag, names: list[str], settings: McapImportSettings) -> dict[st
             table = tables[raw.topic] = TopicColumns(raw.topic, raw.schema, settings.child_frame)
         try:
             message = raw.decode()
-        except _UNREADABLE:
+        except Exception:
+            # A decoder of damaged bytes may raise anything.
             table.bad += 1
             continue
         inner = transforms_of(message)
@@ -184,7 +185,7 @@ def _gather(bag: Bag, names: list[str], settings: McapImportSettings) -> dict[st
         if table is not None and table.children and not len(table):
             raise FlightError(f"{name}: no child frame {settings.child_frame}; it has {', '.join(sorted(table.children))}")
         if table is None or not len(table):
-            bad = f", and {table.bad} that cannot be decoded" if table and table.bad else ""
+            bad = f", and {table.bad} that cannot be decoded" if table is not None and table.bad else ""
             raise FlightError(f"expected messages in {[name]}, got none{bad}")
         if table.bad > _MOST_BAD * len(table):
             raise FlightError(f"{name}: {table.bad} of {table.bad + len(table)} messages cannot be decoded")

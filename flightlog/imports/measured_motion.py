@@ -9,14 +9,17 @@ from jaxtyping import Bool, Float, Int
 from flightlog.consistency import LARGEST_VALUE
 from flightlog.series import Series, Topic
 
-from .derived_fields import BODY_RATES, HEADING_RATE, WORLD_RATES, body_rates, derived_fields
+from .derived_fields import BODY_RATES, HEADING_RATE, WORLD_RATES, body_rates, level_velocities, yaw_rate
 
 Column = Float[np.ndarray, "n"]
 
 MAX_GAP = 10.0
 """Largest gap bridged by interpolation, in median sample intervals of the source."""
 
-_MIN_GAP = 0.5
+LEAST_KNOWN = 0.1
+"""Smallest share of the states at which a field is known; below it is absent."""
+
+_MIN_GAP, _MOST_GAP = 0.5, 10.0
 _MOST_COMPARED = 20_000
 _KEPT = 0.9
 # Incomplete states that are left out at the ends, in seconds.
@@ -77,7 +80,7 @@ def stretches(time: Column) -> list[Int[np.ndarray, "k"]]:
 
 def longest_gap(time: Column) -> float:
     """Returns the longest gap between samples that is no hole, seconds."""
-    return max(MAX_GAP * float(np.median(np.diff(time))), _MIN_GAP)
+    return min(max(MAX_GAP * float(np.median(np.diff(time))), _MIN_GAP), _MOST_GAP)
 
 
 def measured_states(sources: Sequence[Source], topic: Topic) -> Series | None:
@@ -99,10 +102,14 @@ def measured_states(sources: Sequence[Source], topic: Topic) -> Series | None:
     time = _base_times(cleaned)
     known: dict[str, Column] = {}
     for part in cleaned:
-        known |= _interpolate_source(part if rates else _with_heading_rate(part), time)
+        along = _along_heading(part, cleaned)
+        known |= _interpolate_source(along if rates else _with_heading_rate(along), time)
     known |= dict(body_rates(known))
-    known |= dict(derived_fields(known))
-    names = [name for name in topic.field_names if name in known and np.isfinite(known[name]).sum() > 1]
+    turning = yaw_rate(known)
+    if turning is not None:
+        known["yaw_rate"] = turning
+    enough = max(2.0, LEAST_KNOWN * len(time))
+    names = [name for name in topic.field_names if name in known and np.isfinite(known[name]).sum() >= enough]
     if not names:
         return None
     values = np.column_stack([known[name] for name in names])
@@ -160,6 +167,18 @@ def _base_times(sources: Sequence[Source]) -> Column:
         other = sources[place].time
         time = np.union1d(time, other[~_has_neighbours(time, other)])
     return time
+
+
+def _along_heading(source: Source, sources: Sequence[Source]) -> Source:
+    """Returns velocities along and across the heading at their own times."""
+    if not {"velocity_north", "velocity_down", "body_forward"} & source.columns.keys():
+        return source
+    known = dict(source.columns)
+    for other in sources:
+        if "heading" in other.columns:
+            known |= _interpolate_source(other, source.time)
+    along = {**source.columns, **dict(level_velocities(known))}
+    return Source(source.time, along)
 
 
 def _with_heading_rate(source: Source) -> Source:

@@ -2,7 +2,7 @@
 
 import io
 import struct
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
@@ -38,7 +38,6 @@ _USED = frozenset(
         *("vehicle_gps_position", "sensor_gps"),
     }
 )
-WANTED = ["vehicle_local_position", "vehicle_attitude", "vehicle_angular_velocity"]
 # Least fix of a receiver: three-dimensional.
 _FIX = 3
 _GPS = (("lat", "lon", "alt", 1e-7, 1e-3), ("latitude_deg", "longitude_deg", "altitude_msl_m", 1.0, 1.0))
@@ -70,11 +69,7 @@ def read_px4_log(path: Path, *, part: int | None = None) -> FlightLog:
     try:
         logged, known, messages = _read(whole.content)
         topics, left_out = in_order(logged, part)
-        found = motion_of(topics)
-        if not {ESTIMATE.name, TRUTH.name} & found.series.keys():
-            raise FlightError(
-                f"expected at least two messages of one of {WANTED}, the log has {sorted(topics)}"
-            )
+        found = motion_of(topics, sorted(logged))
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:
@@ -175,11 +170,27 @@ class Px4Motion:
     said: dict[str, str]
 
 
-def motion_of(topics: Mapping[str, Messages]) -> Px4Motion:
+def series_of(topics: Mapping[str, Messages]) -> dict[str, Series]:
     """Returns flight-log series of PX4's topics, on PX4's clock.
 
     Args:
         topics: fields by topic, in order of their times; `timestamp` in microseconds.
+
+    Raises:
+        FlightError: the topics hold no motion.
+    """
+    return motion_of(topics, sorted(topics)).series
+
+
+def motion_of(topics: Mapping[str, Messages], logged: Sequence[str]) -> Px4Motion:
+    """Returns the series of PX4's topics, with resets and remarks.
+
+    Args:
+        topics: fields by topic, in order of their times; `timestamp` in microseconds.
+        logged: names of all topics of the log.
+
+    Raises:
+        FlightError: the topics hold no motion.
     """
     said: dict[str, str] = {}
     sources = _sources(topics, "")
@@ -187,6 +198,9 @@ def motion_of(topics: Mapping[str, Messages]) -> Px4Motion:
         sources = [*_gps_sources(topics, said), *sources]
     estimate = measured_states(sources, ESTIMATE)
     truth = measured_states(_sources(topics, "_groundtruth"), TRUTH)
+    if estimate is None and truth is None:
+        wanted = ["vehicle_local_position", "vehicle_attitude", "vehicle_angular_velocity"]
+        raise FlightError(f"expected at least two messages of one of {wanted}, the log has {list(logged)}")
     command = None if estimate is None else _command(topics, estimate)
     found = (estimate, truth, command, _actuators(topics), _wind(topics))
     breaks = merged([*_resets(topics), *jumps(sources)])

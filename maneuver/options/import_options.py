@@ -107,7 +107,7 @@ class ImportOptions:
         wrong = [name for name in given if name not in ACCEPTED[kind]]
         if wrong:
             raise FlightError(
-                f"{', '.join(map(_option, wrong))} cannot be given for a {kind}; it has "
+                f"{', '.join(map(_option, wrong))} cannot be given here: the options of a {kind} are "
                 f"{', '.join(map(_option, ACCEPTED[kind]))}"
             )
         if self.rate is not None and not 0.0 < self.rate < 1e5:

@@ -14,6 +14,9 @@ from flightlog.imports.measured_motion import Source, attitude_source, different
 
 from .topic_columns import COUNTERS, LOCAL_POSITION, TopicColumns
 
+SLOPE = "the slope of the position"
+"""Origin of the velocities of a log that holds none."""
+
 _IN_BODY = "Odometry"
 # Of px4_msgs/VehicleOdometry, in old and new versions.
 _BODY_FRD = 3.0
@@ -80,7 +83,7 @@ def bag_sources(pose: AlignedTopic, moving: AlignedTopic, frames: Frames) -> tup
         said["velocity"] = "absent"
         if "north" in sources[0].columns:
             velocities.append(differentiate_position(sources[0]))
-            said["velocity"] = "the slope of the position"
+            said["velocity"] = SLOPE
     return [*sources, *velocities], said
 
 

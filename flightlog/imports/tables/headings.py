@@ -153,11 +153,11 @@ def guesses(headings: Iterable[str]) -> list[str]:
     found = []
     for heading in headings:
         bare = split_heading(heading)[0].replace(" ", "_")
-        likely = next((name for name, others in _LIKELY.items() if bare in others or bare == name), None)
+        likely = next((name for name, others in _LIKELY.items() if bare in others), None)
         found.append(f"{heading} (could be {likely})" if likely else heading)
     return found
 
 
 def heading_list(headings: Sequence[str]) -> str:
     """Returns headings as one line of limited length."""
-    return " ".join(", ".join(guesses(headings[:_MOST_LISTED])).split())[:_LONGEST_LIST] or "none"
+    return " ".join(", ".join(headings[:_MOST_LISTED]).split())[:_LONGEST_LIST] or "none"

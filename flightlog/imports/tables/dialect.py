@@ -37,6 +37,7 @@ class Dialect:
         units: units of the columns, if a row states them.
         skipped: lines before the first row of numbers.
         width: most cells of a row.
+        longer: first row with filled cells beyond the headings, if most are so.
     """
 
     encoding: str
@@ -47,13 +48,14 @@ class Dialect:
     units: tuple[str, ...]
     skipped: int
     width: int
+    longer: tuple[str, ...]
 
 
 def dialect_of(path: Path) -> Dialect:
     """Returns the form of a table by its first lines.
 
     Raises:
-        FlightError: it has no row of headings above rows of numbers, or rows with more cells than headings.
+        FlightError: it has no row of headings above rows of numbers.
     """
     with path.open("rb") as stream:
         head = stream.read(_HEAD)
@@ -71,9 +73,9 @@ def dialect_of(path: Path) -> Dialect:
     headings, units = _headings(lines[:first], cells[:first], separator)
     rows = [row for row in cells[first:] if row]
     comment = next((line.lstrip()[0] for line in lines[first:] if _is_comment(line)), "")
-    _check_width(headings, rows)
+    longer = [row for row in rows if any(row[len(headings) :])]
     width = max(len(headings), *(len(row) for row in rows))
-    return Dialect(encoding, separator, decimal, comment, headings, units, first, width)
+    return Dialect(encoding, separator, decimal, comment, headings, units, first, width, tuple(longer[0]) if 2 * len(longer) > len(rows) else ())
 
 
 def _encoding(head: bytes) -> str:
@@ -156,13 +158,3 @@ def _named(row: Sequence[str]) -> tuple[str, ...]:
     while end and not row[end - 1]:
         end -= 1
     return tuple(" ".join(cell.split()) for cell in row[:end])
-
-
-def _check_width(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> None:
-    """Refuses rows that have filled cells beyond the headings."""
-    longer = [row for row in rows if any(row[len(headings) :])]
-    if 2 * len(longer) > len(rows):
-        raise FlightError(
-            f"has {len(headings)} headings above rows of {len(longer[0])} cells: give --columns NAME=#N, N the "
-            f"number of the column from 1; its first row is {' '.join(','.join(longer[0]).split())[:200]}"
-        )

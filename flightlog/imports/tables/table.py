@@ -97,7 +97,7 @@ def read_table(path: Path, settings: TableSettings) -> Table:
     try:
         dialect = dialect_of(path)
         columns = settings.columns
-        places = select_columns(dialect.headings, columns)
+        places = select_columns(_certain_headings(dialect, settings), columns)
         commands = {heading: place_of(dialect.headings, heading) for heading in settings.commands}
         if settings.rate is not None:
             places.pop("time", None)
@@ -163,6 +163,22 @@ def of_one_vehicle(table: Table, vehicle: str | None) -> Table:
 def seconds_of(table: Table) -> Float[np.ndarray, "n"]:
     """Returns the times in seconds."""
     return SECONDS.get(table.units.get("time", "s"), 1.0) * table.numbers["time"]  # type: ignore[call-overload, no-any-return]
+
+
+def _certain_headings(dialect: Dialect, settings: TableSettings) -> tuple[str, ...]:
+    """Returns the headings, none where the rows are longer and columns are stated by number.
+
+    Raises:
+        FlightError: the rows are longer than the headings, and columns are not stated by number.
+    """
+    if not dialect.longer:
+        return dialect.headings
+    if settings.columns and all(heading.startswith("#") for heading in settings.columns.values()):
+        return ()
+    raise FlightError(
+        f"has {len(dialect.headings)} headings above rows of {len(dialect.longer)} cells: give --columns NAME=#N, "
+        f"N the number of the column from 1; its first row is {' '.join(','.join(dialect.longer).split())[:200]}"
+    )
 
 
 def _heading(dialect: Dialect, place: int) -> str:

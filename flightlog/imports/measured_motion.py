@@ -219,7 +219,8 @@ def _has_neighbours(time: Column, wanted: Column) -> Bool[np.ndarray, "n"]:
     longest = longest_gap(time)
     after = np.searchsorted(time, wanted).clip(1, len(time) - 1)
     within = (wanted >= time[0]) & (wanted <= time[-1])
-    return np.asarray(within & (time[after] - time[after - 1] <= longest))
+    sampled = (time[after] == wanted) | (time[after - 1] == wanted)
+    return np.asarray(within & (sampled | (time[after] - time[after - 1] <= longest)))
 
 
 def _interpolate_source(source: Source, time: Column) -> dict[str, Column]:

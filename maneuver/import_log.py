@@ -114,7 +114,9 @@ def _import_one(log: Path, path: Path, options: ImportOptions, *, force: bool, j
     return _warn(log, flight)
 
 
-def _import_several(paths: list[Path], folder: Path, options: ImportOptions, *, force: bool, json: bool) -> int:
+def _import_several(
+    paths: list[Path], folder: Path, options: ImportOptions, *, force: bool, json: bool
+) -> int:
     """Imports one log each, and prints a table of what came of them."""
     names = [_stem(path) for path in paths]
     doubled = {name for name in names if names.count(name) > 1}
@@ -167,14 +169,21 @@ def _facts(flight: FlightLog, path: Path) -> dict[str, Any]:
 
 
 def _print_rows(flight: FlightLog, facts: dict[str, Any]) -> None:
-    rows = [("log", facts["log"]), ("duration", f"{facts['duration']:.2f} s"), ("held", ", ".join(facts["held"]))]
+    rows = [
+        ("log", facts["log"]),
+        ("duration", f"{facts['duration']:.2f} s"),
+        ("held", ", ".join(facts["held"])),
+    ]
     if facts["absent_of_the_state"]:
         rows.append(("not held", f"{', '.join(facts['absent_of_the_state'])} of {flight.motion.topic.name}"))
     rows.append(("absent", ", ".join(facts["absent"])))
     taken: dict[str, Any] = facts["import"]
     rows += [(name, value) for name, value in taken.items() if isinstance(value, str) and name != "sha256"]
     rows += [("left out", sentence) for sentence in taken.get("left out", [])]
-    rows += [("break", f"{each['time']:.2f} s: {each['reason']}") for each in taken.get("breaks", [])[:_MOST_BREAKS]]
+    rows += [
+        ("break", f"{each['time']:.2f} s: {each['reason']}")
+        for each in taken.get("breaks", [])[:_MOST_BREAKS]
+    ]
     more = len(taken.get("breaks", [])) - _MOST_BREAKS
     if more > 0:
         rows.append(("break", f"and {more} more"))

@@ -131,9 +131,7 @@ def order_by_time(
     return Part(chosen[new], times[new], left_out, len(chosen) + sum(left_out.values()) - int((~new).sum()))
 
 
-def _pieces(
-    time: Column, places: Int[np.ndarray, "k"]
-) -> tuple[list[Int[np.ndarray, "m"]], int]:
+def _pieces(time: Column, places: Int[np.ndarray, "k"]) -> tuple[list[Int[np.ndarray, "m"]], int]:
     """Returns pieces of ascending times in file order, and stamps rejected."""
     if (np.diff(time[places]) >= 0.0).all():
         between = [places]
@@ -176,7 +174,11 @@ def _check_resolution(times: Column, new: Bool[np.ndarray, "k"], *, sample: str)
     """Refuses a clock that is coarser, or faster, than a sensor's rate."""
     count, span = int(new.sum()), float(times[-1] - times[0])
     if (~new).sum() > MOST_REPEATED * len(times):
-        rate = f"give --rate {len(times) * (count - 1) / count / span:.4g}" if count > 1 and span > 0.0 else "give --rate"
+        rate = (
+            f"give --rate {len(times) * (count - 1) / count / span:.4g}"
+            if count > 1 and span > 0.0
+            else "give --rate"
+        )
         raise ClockError(
             f"{len(times)} {sample}s have {count} different times: for {sample}s at equal intervals {rate} "
             "(Hz), or another column of times"

@@ -19,7 +19,16 @@ from .geodetic import local_plane
 from .imported_log import ExternalLog, LeftOut
 from .measured_motion import Source, attitude_source, differentiate_position, measured_states
 from .resets import jumps, merged
-from .tables.headings import ANGLE_NAMES, CONTROLS, GEODETIC, POSITION, QUATERNION, RATE_NAMES, VELOCITY, guesses
+from .tables.headings import (
+    ANGLE_NAMES,
+    CONTROLS,
+    GEODETIC,
+    POSITION,
+    QUATERNION,
+    RATE_NAMES,
+    VELOCITY,
+    guesses,
+)
 from .tables.table import Table, TableSettings, of_one_vehicle, read_table, seconds_of
 from .units import check_angles, check_rates, check_speeds, course_of
 
@@ -142,7 +151,12 @@ def _sources(
     sources = [*place]
     if set(VELOCITY[:2]) <= numbers.keys():
         columns = [numbers["vx"], numbers["vy"], numbers.get("vz", np.zeros(len(time)))]
-        columns = [column for column in _split_height(velocity_source(time, np.column_stack(columns), frames), "vz" in numbers)]
+        columns = [
+            column
+            for column in _split_height(
+                velocity_source(time, np.column_stack(columns), frames), "vz" in numbers
+            )
+        ]
         sources += columns
     elif place:
         sources += [differentiate_position(source) for source in place]

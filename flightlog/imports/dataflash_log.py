@@ -80,7 +80,9 @@ def read_dataflash_log(path: Path, *, part: int | None = None) -> FlightLog:
         sources = _estimate(topics, said)
         estimate, truth = measured_states(sources, ESTIMATE), measured_states(_truth(topics), TRUTH)
         if estimate is None and truth is None:
-            raise FlightError(f"expected a motion in XKF1, NKF1, ATT, IMU or GPS, the log has {sorted(topics)}")
+            raise FlightError(
+                f"expected a motion in XKF1, NKF1, ATT, IMU or GPS, the log has {sorted(topics)}"
+            )
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     extra = (_command(topics, estimate), _actuators(topics), _wind(topics))
@@ -227,7 +229,9 @@ def _command(topics: Mapping[str, Fields], estimate: Series | None) -> Series | 
     time = _time(topics["PSCN"])
 
     def at(name: str, field_name: str) -> Column:
-        return np.interp(time, _time(topics[name]), topics[name].get(field_name, np.full(len(topics[name][_TIME]), np.nan)))
+        return np.interp(
+            time, _time(topics[name]), topics[name].get(field_name, np.full(len(topics[name][_TIME]), np.nan))
+        )
 
     known = np.isfinite(estimate["heading"])
     heading = np.interp(time, estimate.time[known], estimate["heading"][known])

@@ -53,7 +53,9 @@ Build = Callable[[Frames], Sequence[Source]]
 """Makes the sources of a motion in stated axes."""
 
 
-def velocity_source(time: Float[np.ndarray, "n"], velocity: Float[np.ndarray, "n 3"], frames: Frames) -> Source:
+def velocity_source(
+    time: Float[np.ndarray, "n"], velocity: Float[np.ndarray, "n 3"], frames: Frames
+) -> Source:
     """Returns velocities along the axes of the world or the body."""
     if frames.velocity_in == "world":
         north, east, down = frames.axes.in_world(velocity).T
@@ -155,5 +157,7 @@ def _excerpt(sources: Sequence[Source]) -> list[Source]:
     cut = []
     for source in sources:
         inside = (source.time >= start) & (source.time <= end)
-        cut.append(Source(source.time[inside], {name: column[inside] for name, column in source.columns.items()}))
+        cut.append(
+            Source(source.time[inside], {name: column[inside] for name, column in source.columns.items()})
+        )
     return cut

@@ -19,6 +19,8 @@ from .resets import Break
 
 UNKNOWN = "not known"
 
+_PIECE = 1 << 20
+
 MANY = 0.01
 """Share of samples left out above which an import is one with loss."""
 
@@ -68,9 +70,14 @@ class ExternalLog:
             raise BadFileError(self.path, f"cannot be read: {error.strerror or error}") from None
 
     def fingerprint(self) -> str:
-        """Returns the SHA-256 of the file, read in pieces."""
-        with self.path.open("rb") as stream:
-            return hashlib.file_digest(stream, "sha256").hexdigest()
+        """Returns the SHA-256 of the file, or of a folder's files one after another, read in pieces."""
+        files = sorted(self.path.iterdir()) if self.path.is_dir() else [self.path]
+        whole = hashlib.sha256()
+        for file in files:
+            with file.open("rb") as stream:
+                while part := stream.read(_PIECE):
+                    whole.update(part)
+        return whole.hexdigest()
 
     def log(
         self,

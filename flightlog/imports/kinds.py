@@ -33,7 +33,9 @@ def kind_of(path: Path) -> Kind:
     if path.is_dir():
         if (path / _METADATA).is_file():
             return "ROS 2 bag"
-        raise BadFileError(path, f"expected a log, or a folder with {_METADATA}, a ROS 2 bag; got another folder")
+        raise BadFileError(
+            path, f"expected a log, or a folder with {_METADATA}, a ROS 2 bag; got another folder"
+        )
     try:
         with path.open("rb") as stream:
             head = stream.read(64)
@@ -60,8 +62,6 @@ def importable(folder: Path) -> list[Path]:
     """Returns the logs in a folder, bags in folders included, in order."""
     found = []
     for path in sorted(folder.iterdir()):
-        if path.is_dir() and (path / _METADATA).is_file():
-            found.append(path)
-        elif path.is_file() and path.suffix.lower() in {*_SUFFIXES, *_TABLES}:
+        if (path.is_dir() and (path / _METADATA).is_file()) or (path.is_file() and path.suffix.lower() in {*_SUFFIXES, *_TABLES}):
             found.append(path)
     return found

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
-import numpy as np
 import zstandard
 from google.protobuf.message import DecodeError
 from mcap.exceptions import McapError
@@ -23,8 +22,8 @@ from .bags.topic_columns import TopicColumns
 from .clock import Part
 from .frames import Frames, QuaternionOrder, VelocityAxes, check_frames, guess_quaternion_order
 from .imported_log import ExternalLog, LeftOut
-from .measured_motion import Source, measured_states
 from .mcap_messages import child_frame_of, frame_of, transforms_of
+from .measured_motion import Source, measured_states
 from .resets import counter_breaks, jumps, merged
 
 _MOST_LISTED = 12
@@ -33,7 +32,14 @@ _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
     *(struct.error, zstandard.ZstdError, MemoryError, OverflowError, RuntimeError, AssertionError),
 )
-_LIKELY = ("Odometry", "PoseStamped", "PoseWithCovarianceStamped", "TransformStamped", "TFMessage", "NavSatFix")
+_LIKELY = (
+    "Odometry",
+    "PoseStamped",
+    "PoseWithCovarianceStamped",
+    "TransformStamped",
+    "TFMessage",
+    "NavSatFix",
+)
 _LIKELY_TOO = ("VehicleLocalPosition", "PoseInFrame", "LocationFix", "VehicleOdometry")
 
 
@@ -73,7 +79,9 @@ class _Pairs:
     counts: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
-def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic, bag: Bag | None = None) -> FlightLog:
+def read_external_mcap(
+    path: Path, settings: McapImportSettings, *, topic: Topic, bag: Bag | None = None
+) -> FlightLog:
     """Reads pose and velocity topics in ROS 1, ROS 2, protobuf or JSON.
 
     Times are the stamps of the messages, or the log times if a topic has no stamps or they jump. Without
@@ -103,7 +111,9 @@ def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic
 def _read(path: Path, settings: McapImportSettings, topic: Topic, bag: Bag) -> FlightLog:
     topics = bag.topics()
     if settings.pose is None:
-        raise FlightError(f"expected --pose TOPIC, and --velocity TOPIC where that is another one; {_listed(topics)}")
+        raise FlightError(
+            f"expected --pose TOPIC, and --velocity TOPIC where that is another one; {_listed(topics)}"
+        )
     names = list(dict.fromkeys([settings.pose, *([settings.velocity] if settings.velocity else [])]))
     for name in names:
         if name not in topics:
@@ -112,7 +122,8 @@ def _read(path: Path, settings: McapImportSettings, topic: Topic, bag: Bag) -> F
     parts, clock = clocks_of(tables, settings.part)
     start = min(part.time[0] for part in parts.values())
     aligned = {
-        name: AlignedTopic(table, parts[name].rows, parts[name].time - start) for name, table in tables.items()
+        name: AlignedTopic(table, parts[name].rows, parts[name].time - start)
+        for name, table in tables.items()
     }
     pose, moving = aligned[settings.pose], aligned[settings.velocity or settings.pose]
     frames = default_frames(pose, moving)
@@ -145,7 +156,10 @@ def _read(path: Path, settings: McapImportSettings, topic: Topic, bag: Bag) -> F
         **({"quaternions": f"lists of {frames.quaternion}"} if pose.has_listed_quaternion else {}),
         **said,
     }
-    breaks = [*jumps(sources), *(each for table in aligned.values() for each in counter_breaks(table.time, table.counters()))]
+    breaks = [
+        *jumps(sources),
+        *(each for table in aligned.values() for each in counter_breaks(table.time, table.counters())),
+    ]
     left_out = [each for name, part in parts.items() for each in _left_out(tables[name], part)]
     return ExternalLog(path).log([states], provenance=provenance, breaks=merged(breaks), left_out=left_out)
 
@@ -183,7 +197,9 @@ def _gather(bag: Bag, names: list[str], settings: McapImportSettings) -> dict[st
     for name in names:
         table = tables.get(name)
         if table is not None and table.children and not len(table):
-            raise FlightError(f"{name}: no child frame {settings.child_frame}; it has {', '.join(sorted(table.children))}")
+            raise FlightError(
+                f"{name}: no child frame {settings.child_frame}; it has {', '.join(sorted(table.children))}"
+            )
         if table is None or not len(table):
             bad = f", and {table.bad} that cannot be decoded" if table is not None and table.bad else ""
             raise FlightError(f"expected messages in {[name]}, got none{bad}")
@@ -191,14 +207,22 @@ def _gather(bag: Bag, names: list[str], settings: McapImportSettings) -> dict[st
             raise FlightError(f"{name}: {table.bad} of {table.bad + len(table)} messages cannot be decoded")
         if settings.child_frame is None and len(table.children) > 1:
             listed = [f"{child or 'none'} ({count})" for child, count in sorted(table.children.items())]
-            raise FlightError(f"{name} has several vehicles: give --child-frame, one of {', '.join(listed[:_MOST_LISTED])}")
+            raise FlightError(
+                f"{name} has several vehicles: give --child-frame, one of {', '.join(listed[:_MOST_LISTED])}"
+            )
     return tables
 
 
 def _listed(topics: Mapping[str, str]) -> str:
     """Returns the topics in words, those that may be poses first."""
-    likely = [f"{name} ({schema})" for name, schema in sorted(topics.items()) if schema.endswith((*_LIKELY, *_LIKELY_TOO))]
-    others = [f"{name} ({schema})" for name, schema in sorted(topics.items()) if f"{name} ({schema})" not in likely]
+    likely = [
+        f"{name} ({schema})"
+        for name, schema in sorted(topics.items())
+        if schema.endswith((*_LIKELY, *_LIKELY_TOO))
+    ]
+    others = [
+        f"{name} ({schema})" for name, schema in sorted(topics.items()) if f"{name} ({schema})" not in likely
+    ]
     listed = [*likely, *others]
     more = f" and {len(listed) - _MOST_LISTED} more" if len(listed) > _MOST_LISTED else ""
     return f"it has {', '.join(listed[:_MOST_LISTED]) or 'none'}{more}"

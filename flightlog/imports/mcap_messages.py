@@ -114,7 +114,9 @@ def stamp_of(message: Any) -> int | float | str | None:
             stamp = _part(owner, name)
             seconds = _first_part(stamp, ("sec", "seconds", "secs"))
             if seconds is not None:
-                whole = int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec", "nsecs")) or 0)
+                whole = int(seconds) * 10**9 + int(
+                    _first_part(stamp, ("nanosec", "nanos", "nsec", "nsecs")) or 0
+                )
                 return Nanoseconds(whole if 0 < whole < 2**63 else 0)
             if isinstance(stamp, int | float | str) and not isinstance(stamp, bool):
                 return stamp

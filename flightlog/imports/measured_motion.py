@@ -161,7 +161,14 @@ def _base_times(sources: Sequence[Source]) -> Column:
     Of sources of about one rate it is the first.
     """
     intervals = [float(np.median(np.diff(source.time))) for source in sources]
-    order = sorted(range(len(sources)), key=lambda place: (intervals[place] > 1.2 * min(intervals), intervals[place] if intervals[place] > 1.2 * min(intervals) else 0.0, place))
+    order = sorted(
+        range(len(sources)),
+        key=lambda place: (
+            intervals[place] > 1.2 * min(intervals),
+            intervals[place] if intervals[place] > 1.2 * min(intervals) else 0.0,
+            place,
+        ),
+    )
     time = sources[order[0]].time
     for place in order[1:]:
         other = sources[place].time

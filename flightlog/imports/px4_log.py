@@ -33,8 +33,18 @@ _RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
 _OLD_RATES = ("rollspeed", "pitchspeed", "yawspeed")
 _USED = frozenset(
     {
-        *(f"vehicle_{name}{ending}" for name in ("local_position", "attitude", "angular_velocity") for ending in ("", "_groundtruth")),
-        *("vehicle_local_position_setpoint", "actuator_motors", "actuator_controls_0", "wind", "wind_estimate"),
+        *(
+            f"vehicle_{name}{ending}"
+            for name in ("local_position", "attitude", "angular_velocity")
+            for ending in ("", "_groundtruth")
+        ),
+        *(
+            "vehicle_local_position_setpoint",
+            "actuator_motors",
+            "actuator_controls_0",
+            "wind",
+            "wind_estimate",
+        ),
         *("vehicle_gps_position", "sensor_gps"),
     }
 )
@@ -247,7 +257,10 @@ def _gps_sources(topics: Mapping[str, Messages], said: dict[str, str]) -> list[S
         moving = {f"velocity_{name}": f"vel_{name[0]}_m_s" for name in names}
         if not set(moving.values()) <= gps.keys():
             return [place]
-        return [place, Source(time[fixed], {ours: _numbers(gps, name)[fixed] for ours, name in moving.items()})]
+        return [
+            place,
+            Source(time[fixed], {ours: _numbers(gps, name)[fixed] for ours, name in moving.items()}),
+        ]
     return []
 
 
@@ -256,7 +269,9 @@ def _resets(topics: Mapping[str, Messages]) -> Iterator[Break]:
         messages = topics.get(topic, {})
         counters = [(name, column) for name, column in messages.items() if name.endswith("reset_counter")]
         if counters:
-            named = [(name.removesuffix("_reset_counter"), np.asarray(column, float)) for name, column in counters]
+            named = [
+                (name.removesuffix("_reset_counter"), np.asarray(column, float)) for name, column in counters
+            ]
             yield from counter_breaks(_seconds(messages), named)
 
 
@@ -287,7 +302,9 @@ def _actuators(topics: Mapping[str, Messages]) -> Series | None:
     }
     # Motors are not-a-number until they are armed.
     moving = {
-        name: column for name, column in columns.items() if np.isfinite(column).any() and np.nan_to_num(column).any()
+        name: column
+        for name, column in columns.items()
+        if np.isfinite(column).any() and np.nan_to_num(column).any()
     }
     if not moving:
         return None

@@ -83,7 +83,9 @@ class _ScanState:
         number = int(count[:-1]) if count[:-1].isdigit() else 1
         if base in _SIZES or depth > _DEEPEST:
             return _SIZES.get(base, 0) * number
-        parts = (each.strip().partition(" ")[0] for each in self.formats.get(base, "").split(";") if each.strip())
+        parts = (
+            each.strip().partition(" ")[0] for each in self.formats.get(base, "").split(";") if each.strip()
+        )
         return number * sum(self._size(part, depth + 1) for part in parts)
 
 

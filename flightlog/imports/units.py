@@ -166,7 +166,9 @@ def check_rates(yaw: Column, rate: Column, time: Column) -> None:
     if known.sum() < 20:
         return
     turned = np.unwrap(yaw[known])
-    way = np.concatenate([[0.0], np.cumsum(0.5 * (rate[known][1:] + rate[known][:-1]) * np.diff(time[known]))])
+    way = np.concatenate(
+        [[0.0], np.cumsum(0.5 * (rate[known][1:] + rate[known][:-1]) * np.diff(time[known]))]
+    )
     slope = np.polyfit(turned - turned.mean(), way - way.mean(), 1)[0] if np.ptp(turned) > _MIN_TURN else 1.0
     size = 180.0 / pi
     if size / 1.5 < abs(slope) < size * 1.5:

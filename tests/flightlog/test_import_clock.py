@@ -137,9 +137,7 @@ def test_a_clock_that_was_set_back_makes_two_parts(place: int, back: float, numb
     np.testing.assert_array_equal(part.rows, rows[:place] if number == 1 else rows[place:])
 
 
-def test_more_than_one_percent_left_out_is_a_loss(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_more_than_one_percent_left_out_is_a_loss(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     stamps = np.where(np.arange(SAMPLES) % 40 == 5, np.nan, TIME)
     out = tmp_path / "flight.mcap"
     assert run(["import", str(circle(tmp_path, stamps)), "--out", str(out)]) == 3

@@ -103,7 +103,9 @@ def test_columns_not_used_are_listed_with_a_name_they_could_have(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     columns = table()
-    log = imported(tmp_path, text({**columns, "heading": columns["yaw"], "u": columns["vx"], "battery": TIME}))
+    log = imported(
+        tmp_path, text({**columns, "heading": columns["yaw"], "u": columns["vx"], "battery": TIME})
+    )
     assert json.loads(log.attachments[IMPORT_ATTACHMENT])["not used"] == (
         "heading (could be yaw), u (could be body vx), battery"
     )
@@ -131,11 +133,16 @@ def test_units_that_the_motion_contradicts_are_asked_for_and_then_read(
     assert option in refused(tmp_path, capsys, text(columns))
     check_circle(imported(tmp_path, text(columns), *option.split())[ESTIMATE], atol=1e-5)
     # A heading that states the unit is enough.
-    stated = {f"{heading} [{option.split()[1]}]" if heading in name.split() else heading: column for heading, column in columns.items()}
+    stated = {
+        f"{heading} [{option.split()[1]}]" if heading in name.split() else heading: column
+        for heading, column in columns.items()
+    }
     check_circle(imported(tmp_path, text(stated))[ESTIMATE], atol=1e-5)
 
 
-def test_wrapped_degrees_and_steep_angles_are_degrees(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_wrapped_degrees_and_steep_angles_are_degrees(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     still = {"time": TIME, "roll": 0.0 * TIME, "pitch": 0.0 * TIME, "yaw": (350.0 + TIME) % 360.0}
     assert "yaw jumps by 360 and reaches 360: give --angle-unit deg" in refused(tmp_path, capsys, text(still))
     steep = {**still, "yaw": 0.0 * TIME, "pitch": 20.0 * np.sin(TIME)}
@@ -153,7 +160,9 @@ def test_body_rates_in_degrees_are_noticed(tmp_path: Path, capsys: pytest.Captur
     np.testing.assert_allclose(states["body_yaw_rate"], 0.2, atol=1e-6)
 
 
-def test_body_velocities_are_told_from_those_of_the_world(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_body_velocities_are_told_from_those_of_the_world(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     columns = {**table(), "vx": np.full(len(TIME), SPEED), "vy": 0.0 * TIME}
     assert "give --velocity-in body" in refused(tmp_path, capsys, text(columns))
     check_circle(imported(tmp_path, text(columns), "--velocity-in", "body")[ESTIMATE])
@@ -161,7 +170,12 @@ def test_body_velocities_are_told_from_those_of_the_world(tmp_path: Path, capsys
 
 def test_two_vehicles_in_one_table_are_told_apart(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     other = {**table(), "time": TIME + 0.005, "x": table()["x"] + 100.0}
-    rows = np.concatenate([np.column_stack([np.full(1000, float(number)), *columns.values()]) for number, columns in ((1, table()), (2, other))])
+    rows = np.concatenate(
+        [
+            np.column_stack([np.full(1000, float(number)), *columns.values()])
+            for number, columns in ((1, table()), (2, other))
+        ]
+    )
     rows = rows[np.argsort(rows[:, 1], kind="stable")]
     both = text(dict(zip(["id", *other], rows.T, strict=True)))
     assert "has several vehicles: give --vehicle-id, one of 1, 2" in refused(tmp_path, capsys, both)
@@ -197,7 +211,9 @@ def test_a_pointer_of_git_lfs_is_named_as_such(tmp_path: Path, capsys: pytest.Ca
     assert "pointer of Git LFS" in refused(tmp_path, capsys, pointer)
 
 
-def test_several_logs_become_one_log_each_with_a_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_several_logs_become_one_log_each_with_a_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     folder, out = tmp_path / "logs", tmp_path / "flights"
     folder.mkdir()
     for name in ("first.csv", "second.csv"):

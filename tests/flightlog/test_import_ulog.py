@@ -128,7 +128,10 @@ def test_body_rates_of_old_logs_are_read(tmp_path: Path) -> None:
 
 def test_the_time_may_be_anywhere_in_a_message(tmp_path: Path) -> None:
     def last(columns: Columns) -> Columns:
-        return {**{name: column for name, column in columns.items() if name != "timestamp"}, "timestamp": columns["timestamp"]}
+        return {
+            **{name: column for name, column in columns.items() if name != "timestamp"},
+            "timestamp": columns["timestamp"],
+        }
 
     topics = {"vehicle_attitude": last(attitude()), "vehicle_local_position": last(position())}
     states = imported(tmp_path, topics)[ESTIMATE]

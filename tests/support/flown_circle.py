@@ -41,7 +41,9 @@ def text(columns: Mapping[str, Column], *, separator: str = ",", ending: str = "
     return "\n".join(rows) + "\n"
 
 
-def check_circle(states: Series, *, fields: Sequence[str] = (), atol: float = 1e-6, start: float = 0.0) -> None:
+def check_circle(
+    states: Series, *, fields: Sequence[str] = (), atol: float = 1e-6, start: float = 0.0
+) -> None:
     """Asserts that states are those of the circle, where they are known.
 
     Args:
@@ -67,4 +69,6 @@ def check_circle(states: Series, *, fields: Sequence[str] = (), atol: float = 1e
             error = np.remainder(error + np.pi, 2 * np.pi) - np.pi
         known = error[np.isfinite(error)]
         assert len(known), name
-        np.testing.assert_allclose(known, 0.0, atol=max(atol, 1e-4) if name == "yaw_rate" else atol, err_msg=name)
+        np.testing.assert_allclose(
+            known, 0.0, atol=max(atol, 1e-4) if name == "yaw_rate" else atol, err_msg=name
+        )

@@ -24,7 +24,10 @@ def ulog(topics: Mapping[str, Columns]) -> bytes:
         layout = struct.Struct("<H" + "".join(_LETTERS[kind] for kind, _ in columns.values()))
         whole = {field: kind != "float" for field, (kind, _) in columns.items()}
         for row in range(len(columns["timestamp"][1])):
-            values = [int(column[row]) if whole[field] else float(column[row]) for field, (_, column) in columns.items()]
+            values = [
+                int(column[row]) if whole[field] else float(column[row])
+                for field, (_, column) in columns.items()
+            ]
             content = layout.pack(number, *values)
             messages.append((int(columns["timestamp"][1][row]), _message("D", content)))
     parts += [content for _, content in sorted(messages, key=lambda message: message[0])]

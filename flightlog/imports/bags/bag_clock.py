@@ -21,9 +21,7 @@ _DATE = 1e9
 Column = Float[np.ndarray, "n"]
 
 
-def clocks_of(
-    tables: Mapping[str, TopicColumns], part: int | None
-) -> tuple[dict[str, Part], str]:
+def clocks_of(tables: Mapping[str, TopicColumns], part: int | None) -> tuple[dict[str, Part], str]:
     """Returns the messages of each topic in order of one clock, and its name.
 
     Args:
@@ -55,9 +53,7 @@ def clocks_of(
 
 
 def _ordered(times: Mapping[str, Column], part: int | None) -> dict[str, Part]:
-    parts = {
-        name: order_by_time(time, sample=f"{name} message", part=part) for name, time in times.items()
-    }
+    parts = {name: order_by_time(time, sample=f"{name} message", part=part) for name, time in times.items()}
     return parts
 
 
@@ -84,7 +80,9 @@ def _size(numbers: Column, logged: Column) -> float | None:
     units: tuple[TimeUnit, ...] = ("s", "ms", "us", "ns")
     dates = [SECONDS[unit] for unit in units if _DATE < SECONDS[unit] * middle < 4.0 * _DATE]
     alike = [
-        SECONDS[unit] for unit in units if logging > 0.0 and 1.0 / _LIKE < SECONDS[unit] * span / logging < _LIKE
+        SECONDS[unit]
+        for unit in units
+        if logging > 0.0 and 1.0 / _LIKE < SECONDS[unit] * span / logging < _LIKE
     ]
     if dates and (not alike or dates[0] in alike):
         return dates[0]

@@ -64,7 +64,9 @@ def default_frames(pose: AlignedTopic, moving: AlignedTopic) -> Frames:
     return Frames("enu", "flu", _velocity_axes(pose.table, moving.table), "wxyz")
 
 
-def bag_sources(pose: AlignedTopic, moving: AlignedTopic, frames: Frames) -> tuple[list[Source], dict[str, str]]:
+def bag_sources(
+    pose: AlignedTopic, moving: AlignedTopic, frames: Frames
+) -> tuple[list[Source], dict[str, str]]:
     """Returns the measured sources, and remarks on where they come from.
 
     Raises:
@@ -72,10 +74,14 @@ def bag_sources(pose: AlignedTopic, moving: AlignedTopic, frames: Frames) -> tup
     """
     if pose.scalar("vx") is not None and pose.scalar("x") is not None:
         fields = {name: column for name in LOCAL_POSITION if (column := pose.scalar(name)) is not None}
-        return local_position_sources(pose.time, fields), {"velocity": f"{pose.table.topic}, along the axes of the world"}
+        return local_position_sources(pose.time, fields), {
+            "velocity": f"{pose.table.topic}, along the axes of the world"
+        }
     sources, said = _pose_sources(pose, frames)
     if not sources:
-        raise FlightError(f"{pose.table.topic} ({pose.table.schema}): expected a position or orientation, got none")
+        raise FlightError(
+            f"{pose.table.topic} ({pose.table.schema}): expected a position or orientation, got none"
+        )
     velocities = _velocity_sources(moving, frames)
     if any({"velocity_north", "body_forward"} & set(part.columns) for part in velocities):
         said["velocity"] = f"{moving.table.topic}, along the axes of the {frames.velocity_in}"
@@ -121,4 +127,3 @@ def _velocity_sources(topic: AlignedTopic, frames: Frames) -> list[Source]:
         names = WORLD_RATES if in_world else BODY_RATES
         sources.append(Source(topic.time, dict(zip(names, about.T, strict=True))))
     return sources
-

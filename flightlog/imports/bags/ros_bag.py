@@ -33,7 +33,9 @@ class RosBag:
         with self._reader() as reader:
             wanted = [each for each in reader.connections if each.topic in topics]
             for each, time, data in reader.messages(connections=wanted):
-                yield RawMessage(each.topic, each.msgtype, time, partial(reader.deserialize, data, each.msgtype))
+                yield RawMessage(
+                    each.topic, each.msgtype, time, partial(reader.deserialize, data, each.msgtype)
+                )
 
     def _reader(self) -> Any:
         try:

@@ -26,8 +26,26 @@ VECTORS = ("position", "attitude", "linear", "angular")
 """Vectors that are looked for in a message, by what they are."""
 
 SCALARS = ("latitude", "longitude", "altitude", "reset_counter", "velocity_frame", "pose_frame")
-LOCAL_POSITION = ("x", "y", "z", "vx", "vy", "vz", "heading", "xy_valid", "z_valid", "v_xy_valid", "v_z_valid")
-COUNTERS = ("xy_reset_counter", "z_reset_counter", "vxy_reset_counter", "vz_reset_counter", "heading_reset_counter")
+LOCAL_POSITION = (
+    "x",
+    "y",
+    "z",
+    "vx",
+    "vy",
+    "vz",
+    "heading",
+    "xy_valid",
+    "z_valid",
+    "v_xy_valid",
+    "v_z_valid",
+)
+COUNTERS = (
+    "xy_reset_counter",
+    "z_reset_counter",
+    "vxy_reset_counter",
+    "vz_reset_counter",
+    "heading_reset_counter",
+)
 
 # Messages in which a vector is looked for before it counts as absent.
 _SEARCHED = 200

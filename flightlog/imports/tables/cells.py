@@ -34,7 +34,9 @@ class Cells:
         left_out: rows with more cells than any other.
     """
 
-    def __init__(self, path: Path, dialect: Dialect, chosen: Sequence[int], *, time: int | None, text: int | None) -> None:
+    def __init__(
+        self, path: Path, dialect: Dialect, chosen: Sequence[int], *, time: int | None, text: int | None
+    ) -> None:
         """Reads the columns.
 
         Args:

@@ -75,11 +75,25 @@ def dialect_of(path: Path) -> Dialect:
     comment = next((line.lstrip()[0] for line in lines[first:] if _is_comment(line)), "")
     longer = [row for row in rows if any(row[len(headings) :])]
     width = max(len(headings), *(len(row) for row in rows))
-    return Dialect(encoding, separator, decimal, comment, headings, units, first, width, tuple(longer[0]) if 2 * len(longer) > len(rows) else ())
+    return Dialect(
+        encoding,
+        separator,
+        decimal,
+        comment,
+        headings,
+        units,
+        first,
+        width,
+        tuple(longer[0]) if 2 * len(longer) > len(rows) else (),
+    )
 
 
 def _encoding(head: bytes) -> str:
-    for mark, name in ((codecs.BOM_UTF8, "utf-8-sig"), (codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16")):
+    for mark, name in (
+        (codecs.BOM_UTF8, "utf-8-sig"),
+        (codecs.BOM_UTF16_LE, "utf-16"),
+        (codecs.BOM_UTF16_BE, "utf-16"),
+    ):
         if head.startswith(mark):
             return name
     for start, name in ((1, "utf-16-le"), (0, "utf-16-be")):
@@ -148,7 +162,12 @@ def _headings(
     if not written:
         raise FlightError("is not a table: expected a row of headings above the numbers, got none")
     last = written[-1]
-    if len(written) > 1 and len(written[-2]) > 1 and all(is_unit(cell) for cell in last if cell) and any(last):
+    if (
+        len(written) > 1
+        and len(written[-2]) > 1
+        and all(is_unit(cell) for cell in last if cell)
+        and any(last)
+    ):
         return _named(written[-2]), tuple(last)
     return _named(last), ()
 

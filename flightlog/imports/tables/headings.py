@@ -38,7 +38,9 @@ _SIZES: dict[Quantity, Mapping[str, float]] = {
     **{"length": LENGTHS, "speed": SPEEDS, "angle": ANGLES, "rate": RATES},
     "time": {name: SECONDS[unit] for name, unit in TIME_UNITS.items()},
 }
-_OTHER_UNITS = frozenset({"-", "1", "none", "bool", "%", "v", "a", "m/s2", "m/s^2", "m/s/s", "n", "nm", "pa", "c", "k", "hz", "g"})
+_OTHER_UNITS = frozenset(
+    {"-", "1", "none", "bool", "%", "v", "a", "m/s2", "m/s^2", "m/s/s", "n", "nm", "pa", "c", "k", "hz", "g"}
+)
 _LIKELY = {
     "time": ("t", "timestamp", "stamp", "sec", "seconds", "time_s", "timestamps"),
     "x": ("north", "pos_x", "px", "position_x", "pn", "x_m"),

@@ -25,8 +25,9 @@ def check_log_consistency(log: FlightLog) -> None:
     """Refuses a log whose series cannot come from a flight.
 
     Raises:
-        ValueError: times decrease or are not finite, a value is not finite (in an import, infinite), a topic has no message, a
-            primitive has an unknown kind, or a header field is not printable; the message says which.
+        ValueError: times decrease or are not finite, a value is not finite (not-a-number is a hole of an
+            import), a topic has no message, a primitive has an unknown kind, or a header
+            field is not printable; the message says which.
     """
     for name, value in asdict(log.header).items():
         text = str(value)

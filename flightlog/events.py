@@ -8,8 +8,8 @@ from flight.errors import FlightError
 from .alarm import ADVICE, ALARM, alarms_from_series
 from .arrival import logged_arrival
 from .autopilot_messages import autopilot_messages
-from .continuity import logged_breaks
 from .fault_record import fault_occurrences
+from .imports.continuity import logged_breaks
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_plannings
 from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives

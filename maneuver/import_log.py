@@ -51,8 +51,8 @@ def import_log(
     world. Without one, the slope of the position is taken.
 
     FLIGHT.csv: --columns NAME=HEADING ..., NAME one of time, x y z, vx vy vz, qw qx qy qz, roll pitch yaw,
-    wx wy wz, u1 to u12, lat lon alt, id; a heading that is such a name needs no mention; z, vz, roll and pitch
-    may lack. Axes are north, east, down and forward, right, down unless stated; velocities are along the
+    wx wy wz, u1 to u12, lat lon alt, id; a heading that is such a name needs no mention; z, vz, roll and
+    pitch may lack. Axes are north, east, down and forward, right, down unless stated; velocities are along the
     world's.
 
     Several logs, or a folder of them, become one log each.

@@ -13,9 +13,9 @@ from jaxtyping import Float
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
-from flightlog.continuity import continuous_parts
 from flightlog.file.reader import read_log
 from flightlog.identity.fingerprint import fingerprint
+from flightlog.imports.continuity import continuous_parts
 from flightlog.topics import PRIMITIVE
 from identification.segmentation.flight_evidence import (
     FlightEvidence,

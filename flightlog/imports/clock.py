@@ -87,7 +87,8 @@ def check_unit(stamps: Column, unit: TimeUnit | None) -> None:
     ]
     raise ClockError(
         f"expected sample intervals of {shortest:g} to {LONGEST_GAP if unit else SURE_INTERVAL:g} s, got "
-        f"{size * interval:.3g} s if times are in {unit or 's'}: give --time-unit {' or '.join(fitting)}".rstrip()
+        f"{size * interval:.3g} s if times are in {unit or 's'}: "
+        f"give --time-unit {' or '.join(fitting)}".rstrip()
     )
 
 
@@ -97,7 +98,8 @@ def order_by_time(
     """Returns the samples of one part of a file, sorted by time.
 
     A stamp out of order is sorted where the others leave a hole for it, and otherwise left out. The file is
-    split where its clock was set back and at jumps of more than an hour; pieces of less than 1 % are left out.
+    split where its clock was set back and at jumps of more than an hour; pieces of less than 1 % are left
+    out.
 
     Args:
         time: seconds; samples that are not finite are left out.

@@ -13,12 +13,13 @@ from flightlog.topics import ACTUATORS
 
 from .axes import quaternions_from_euler
 from .clock import MOST_REPEATED, check_unit, order_by_time
-from .derived_fields import BODY_RATES
-from .frames import Frames, check_frames, velocity_source
-from .geodetic import local_plane
 from .imported_log import ExternalLog, LeftOut
 from .measured_motion import Source, attitude_source, differentiate_position, measured_states
-from .resets import jumps, merged
+from .motion.derived_fields import BODY_RATES
+from .motion.frames import Frames, check_frames, velocity_source
+from .motion.geodetic import local_plane
+from .motion.resets import jumps, merged
+from .motion.units import check_angles, check_rates, check_speeds, course_of
 from .tables.headings import (
     ANGLE_NAMES,
     CONTROLS,
@@ -30,7 +31,6 @@ from .tables.headings import (
     guesses,
 )
 from .tables.table import Table, TableSettings, of_one_vehicle, read_table, seconds_of
-from .units import check_angles, check_rates, check_speeds, course_of
 
 Column = Float[np.ndarray, "n"]
 
@@ -151,13 +151,8 @@ def _sources(
     sources = [*place]
     if set(VELOCITY[:2]) <= numbers.keys():
         columns = [numbers["vx"], numbers["vy"], numbers.get("vz", np.zeros(len(time)))]
-        columns = [
-            column
-            for column in _split_height(
-                velocity_source(time, np.column_stack(columns), frames), "vz" in numbers
-            )
-        ]
-        sources += columns
+        velocity = velocity_source(time, np.column_stack(columns), frames)
+        sources += _split_height(velocity, "vz" in numbers)
     elif place:
         sources += [differentiate_position(source) for source in place]
     sources += _attitude(time, numbers, frames)

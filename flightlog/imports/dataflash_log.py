@@ -20,11 +20,11 @@ from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH,
 
 from .axes import quaternions_from_euler
 from .clock import order_by_time
-from .derived_fields import BODY_RATES
-from .geodetic import local_plane
 from .imported_log import UNKNOWN, ExternalLog, LeftOut
 from .measured_motion import Source, attitude_source, measured_states
-from .resets import jumps, merged
+from .motion.derived_fields import BODY_RATES
+from .motion.geodetic import local_plane
+from .motion.resets import jumps, merged
 
 # Fields by message, in the order of ArduPilot's documentation of its log messages.
 _FIELDS: Mapping[str, tuple[str, ...]] = {
@@ -228,10 +228,10 @@ def _command(topics: Mapping[str, Fields], estimate: Series | None) -> Series | 
         return None
     time = _time(topics["PSCN"])
 
-    def at(name: str, field_name: str) -> Column:
-        return np.interp(
-            time, _time(topics[name]), topics[name].get(field_name, np.full(len(topics[name][_TIME]), np.nan))
-        )
+    def at(name: str, wanted: str) -> Column:
+        fields = topics[name]
+        column = fields.get(wanted, np.full(len(fields[_TIME]), np.nan))
+        return np.asarray(np.interp(time, _time(fields), column))
 
     known = np.isfinite(estimate["heading"])
     heading = np.interp(time, estimate.time[known], estimate["heading"][known])

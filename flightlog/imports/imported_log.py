@@ -15,7 +15,7 @@ from flightlog.log import FlightLog
 from flightlog.series import Series
 from runtime.version import VERSION
 
-from .resets import Break
+from .motion.resets import Break
 
 UNKNOWN = "not known"
 

@@ -53,8 +53,8 @@ def kind_of(path: Path) -> Kind:
         return "table"
     raise BadFileError(
         path,
-        "expected a ULog (.ulg), an MCAP (.mcap, .mcap.zstd), a table (.csv, .tsv, .txt), a DataFlash log (.bin), "
-        "a ROS bag (.bag, .db3, a folder), got something else",
+        "expected a ULog (.ulg), an MCAP (.mcap, .mcap.zstd), a table (.csv, .tsv, .txt), a DataFlash log "
+        "(.bin), a ROS bag (.bag, .db3, a folder), got something else",
     )
 
 
@@ -62,6 +62,8 @@ def importable(folder: Path) -> list[Path]:
     """Returns the logs in a folder, bags in folders included, in order."""
     found = []
     for path in sorted(folder.iterdir()):
-        if (path.is_dir() and (path / _METADATA).is_file()) or (path.is_file() and path.suffix.lower() in {*_SUFFIXES, *_TABLES}):
+        if (path.is_dir() and (path / _METADATA).is_file()) or (
+            path.is_file() and path.suffix.lower() in {*_SUFFIXES, *_TABLES}
+        ):
             found.append(path)
     return found

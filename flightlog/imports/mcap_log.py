@@ -20,11 +20,11 @@ from .bags.mcap_file import McapBag
 from .bags.raw_message import Bag
 from .bags.topic_columns import TopicColumns
 from .clock import Part
-from .frames import Frames, QuaternionOrder, VelocityAxes, check_frames, guess_quaternion_order
 from .imported_log import ExternalLog, LeftOut
 from .mcap_messages import child_frame_of, frame_of, transforms_of
 from .measured_motion import Source, measured_states
-from .resets import counter_breaks, jumps, merged
+from .motion.frames import Frames, QuaternionOrder, VelocityAxes, check_frames, guess_quaternion_order
+from .motion.resets import counter_breaks, jumps, merged
 
 _MOST_LISTED = 12
 _MOST_BAD = 0.5

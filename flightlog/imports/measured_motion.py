@@ -9,7 +9,14 @@ from jaxtyping import Bool, Float, Int
 from flightlog.consistency import LARGEST_VALUE
 from flightlog.series import Series, Topic
 
-from .derived_fields import BODY_RATES, HEADING_RATE, WORLD_RATES, body_rates, level_velocities, yaw_rate
+from .motion.derived_fields import (
+    BODY_RATES,
+    HEADING_RATE,
+    WORLD_RATES,
+    body_rates,
+    level_velocities,
+    yaw_rate,
+)
 
 Column = Float[np.ndarray, "n"]
 
@@ -204,7 +211,7 @@ def _without_ragged_ends(time: Column, known: Bool[np.ndarray, "n k"]) -> Int[np
     first, last = whole[0], whole[-1]
     first = first if time[first] - time[rows[0]] <= _RAGGED else rows[0]
     last = last if time[rows[-1]] - time[last] <= _RAGGED else rows[-1]
-    return rows[(rows >= first) & (rows <= last)]
+    return np.asarray(rows[(rows >= first) & (rows <= last)])
 
 
 def _drop_invalid_samples(source: Source) -> Source:

@@ -1,31 +1,27 @@
 """Import of PX4 ULog files; missing data are absent, not zero."""
 
-import io
 import struct
 from collections.abc import Iterator, Mapping, Sequence
-from contextlib import redirect_stdout
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from jaxtyping import Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.autopilot_messages import AutopilotMessage
 from flightlog.log import FlightLog
 from flightlog.series import Series
 from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 
 from .clock import order_by_time
-from .geodetic import local_plane
 from .imported_log import UNKNOWN, ExternalLog, LeftOut
-from .local_position import local_position_sources
 from .measured_motion import Source, attitude_source, measured_states
-from .resets import Break, counter_breaks, jumps, merged
-from .ulog_recovery import HEADER, MAGIC, intact_messages
+from .motion.geodetic import local_plane
+from .motion.local_position import local_position_sources
+from .motion.resets import Break, counter_breaks, jumps, merged
+from .ulog_reader import Messages, read_ulog
+from .ulog_recovery import MAGIC, intact_messages
 
-Messages = Mapping[str, np.ndarray[Any, Any]]
 Column = Float[np.ndarray, "n"]
 
 _RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
@@ -77,7 +73,7 @@ def read_px4_log(path: Path, *, part: int | None = None) -> FlightLog:
     whole, size = intact_messages(content), len(content)
     del content
     try:
-        logged, known, messages = _read(whole.content)
+        logged, known, messages = read_ulog(whole.content)
         topics, left_out = in_order(logged, part)
         found = motion_of(topics, sorted(logged))
     except FlightError as error:
@@ -98,69 +94,10 @@ def read_px4_log(path: Path, *, part: int | None = None) -> FlightLog:
     )
 
 
-def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[AutopilotMessage]]:
-    """Returns fields by topic, the log's information, and its messages."""
-    try:
-        from pyulog import ULog
-        from pyulog.exceptions import ULogException
-    except ImportError:
-        raise FlightError("a ULog needs the package pyulog: pip install pyulog") from None
-    if len(content) <= HEADER:
-        raise FlightError(f"is truncated after {len(content)} bytes, without an intact message")
-    try:
-        # The reader prints to the console.
-        with redirect_stdout(io.StringIO()):
-            log = ULog(_BoundedReader(content))
-    except ULogException as error:
-        raise FlightError(f"is not a ULog: {' '.join(str(error).split())}") from None
-    # Relative to the log's start: microseconds of a date leave a double few digits.
-    topics: dict[str, Messages] = {
-        part.name: {**part.data, "timestamp": part.data["timestamp"].astype(np.int64) - log.start_timestamp}
-        for part in sorted(log.data_list, key=lambda part: -part.multi_id)
-    }
-    known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
-    messages = [
-        AutopilotMessage(
-            (message.timestamp - log.start_timestamp) * 1e-6,
-            _level(message.log_level),
-            " ".join(message.message.split()),
-        )
-        for message in log.logged_messages
-    ]
-    return topics, known, messages
-
-
-def _level(level: int) -> str:
-    """Returns the severity of a Linux kernel log level digit."""
-    return "ERROR" if level <= ord("3") else "WARNING" if level == ord("4") else "INFO"
-
-
-class _BoundedReader:
-    """In-memory file that stops a reader in an endless loop.
-
-    The ULog reader can loop on damaged files.
-    """
-
-    def __init__(self, content: bytes) -> None:
-        self._stream, self._left = io.BytesIO(content), 8 * len(content) + 10**6
-        self.seek, self.tell, self.close = self._stream.seek, self._stream.tell, self._stream.close
-
-    def read(self, size: int = -1) -> bytes:
-        """Returns the next bytes.
-
-        Raises:
-            EOFError: far more was read than the file holds.
-        """
-        part = self._stream.read(size)
-        self._left -= len(part) + 16
-        if self._left < 0:
-            raise EOFError("endless loop of the reader")
-        return part
-
-
 def in_order(topics: Mapping[str, Messages], part: int | None) -> tuple[dict[str, Messages], list[LeftOut]]:
     """Returns the messages of each topic used, in order of their times, and those left out."""
-    ordered, left_out = {}, []
+    ordered: dict[str, Messages] = {}
+    left_out: list[LeftOut] = []
     for name, messages in topics.items():
         if name not in _USED or len(messages["timestamp"]) < 2:
             continue

@@ -13,12 +13,12 @@ from flightlog.imports.bags.ros_bag import RosBag
 from flightlog.imports.clock import TimeUnit
 from flightlog.imports.csv_log import read_external_csv
 from flightlog.imports.dataflash_log import read_dataflash_log
-from flightlog.imports.frames import Frames, QuaternionOrder, VelocityAxes
 from flightlog.imports.kinds import Kind, kind_of
 from flightlog.imports.mcap_log import McapImportSettings, read_external_mcap
+from flightlog.imports.motion.frames import Frames, QuaternionOrder, VelocityAxes
+from flightlog.imports.motion.units import AngleUnit, LengthUnit, Quantity, RateUnit, SpeedUnit
 from flightlog.imports.px4_log import read_px4_log
 from flightlog.imports.tables.table import TableSettings
-from flightlog.imports.units import AngleUnit, LengthUnit, Quantity, RateUnit, SpeedUnit
 from flightlog.log import FlightLog
 from flightlog.series import Topic
 from flightlog.topics import ESTIMATE, TRUTH

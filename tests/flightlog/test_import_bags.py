@@ -2,73 +2,22 @@
 
 import io
 import json
-from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import zstandard
-from jaxtyping import Float
-from mcap.writer import CompressionType, IndexType, Writer
+from mcap.writer import Writer
 
 from flightlog.attachment_names import IMPORT_ATTACHMENT
-from flightlog.continuity import continuous_parts
 from flightlog.file.reader import read_log
+from flightlog.imports.continuity import continuous_parts
 from flightlog.log import FlightLog
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
-from tests.support.flown_circle import HEIGHT, RADIUS, RATE, SPEED, TIME, check_circle
-
-START = 1_700_000_000
-TURNED = RATE * TIME
-NORTH, EAST = RADIUS * np.sin(TURNED), RADIUS * (1.0 - np.cos(TURNED))
-
-Message = dict[str, Any]
-Column = Float[np.ndarray, "n"]
-
-
-def stamp(time: float) -> Message:
-    return {"sec": START + int(time), "nanosec": round(time % 1.0 * 1e9)}
-
-
-def odometry(row: int, *, child: str = "base_link") -> Message:
-    """Returns odometry of ROS: axes east, north, up, velocities along the body."""
-    half = 0.5 * (0.5 * np.pi - TURNED[row])
-    pose = {
-        "position": {"x": EAST[row], "y": NORTH[row], "z": HEIGHT},
-        "orientation": {"x": 0.0, "y": 0.0, "z": np.sin(half), "w": np.cos(half)},
-    }
-    twist = {"linear": {"x": SPEED, "y": 0.0, "z": 0.0}, "angular": {"x": 0.0, "y": 0.0, "z": -RATE}}
-    header = {"stamp": stamp(TIME[row]), "frame_id": "odom"}
-    return {"header": header, "child_frame_id": child, "pose": {"pose": pose}, "twist": {"twist": twist}}
-
-
-def bag(
-    messages: Iterable[tuple[float, Message]],
-    *,
-    schema: str = "nav_msgs/msg/Odometry",
-    compressed: bool = False,
-    repeated: bool = True,
-) -> bytes:
-    """Returns an MCAP file of messages in JSON, with their log times in seconds."""
-    stream = io.BytesIO()
-    options = (
-        {} if repeated else {"repeat_channels": False, "repeat_schemas": False, "index_types": IndexType.NONE}
-    )
-    writer = Writer(stream, compression=CompressionType.ZSTD, **options)  # type: ignore[arg-type]
-    writer.start()
-    channel = writer.register_channel("/odom", "json", writer.register_schema(schema, "jsonschema", b"{}"))
-    for time, message in messages:
-        data = json.dumps(message).encode()
-        logged = START * 10**9 + round(time * 1e9)
-        writer.add_message(channel, logged, zstandard.compress(data) if compressed else data, logged)
-    writer.finish()  # type: ignore[no-untyped-call]
-    return stream.getvalue()
-
-
-def rows(places: Sequence[int] | range = range(len(TIME))) -> list[tuple[float, Message]]:
-    return [(TIME[place] + 0.003, odometry(place)) for place in places]
+from tests.support.circle_bag import EAST, NORTH, START, TURNED, Message, json_bag, messages_of, odometry
+from tests.support.flown_circle import HEIGHT, RATE, SPEED, TIME, check_circle
 
 
 def imported(folder: Path, content: bytes, *options: str, name: str = "bag.mcap", code: int = 0) -> FlightLog:
@@ -102,11 +51,11 @@ def taken(log: FlightLog) -> Message:
 @pytest.mark.parametrize(
     ("content", "name"),
     [
-        (bag(rows()), "bag.mcap"),
-        (bag(rows(swapped())), "bag.mcap"),
-        (bag(rows(), repeated=False), "bag.mcap"),
-        (bag(rows(), compressed=True), "bag.mcap"),
-        (zstandard.compress(bag(rows())), "bag.mcap.zstd"),
+        (json_bag(messages_of()), "bag.mcap"),
+        (json_bag(messages_of(swapped())), "bag.mcap"),
+        (json_bag(messages_of(), repeated=False), "bag.mcap"),
+        (json_bag(messages_of(), compressed=True), "bag.mcap"),
+        (zstandard.compress(json_bag(messages_of())), "bag.mcap.zstd"),
     ],
     ids=["plain", "out of order", "without a summary", "messages compressed", "file compressed"],
 )
@@ -119,7 +68,7 @@ def test_a_bag_is_read_in_any_container(tmp_path: Path, content: bytes, name: st
 
 def test_a_first_message_of_nulls_is_a_hole_and_no_reason_to_refuse(tmp_path: Path) -> None:
     empty = {**odometry(0), "pose": None, "twist": None}
-    states = imported(tmp_path, bag([(0.003, empty), *rows(range(1, 1000))]))[ESTIMATE]
+    states = imported(tmp_path, json_bag([(0.003, empty), *messages_of(range(1, 1000))]))[ESTIMATE]
     assert len(states) == 999
     check_circle(states, atol=2e-6, start=0.02)
 
@@ -134,7 +83,7 @@ def test_messages_that_cannot_be_decoded_are_left_out_and_counted(
     channel = writer.register_channel(
         "/odom", "json", writer.register_schema("nav_msgs/msg/Odometry", "jsonschema", b"{}")
     )
-    for place, (time, message) in enumerate(rows()):
+    for place, (time, message) in enumerate(messages_of()):
         data = b"{" if 300 <= place < 300 + bad else json.dumps(message).encode()
         writer.add_message(channel, START * 10**9 + round(time * 1e9), data, 0)
     writer.finish()  # type: ignore[no-untyped-call]
@@ -144,17 +93,17 @@ def test_messages_that_cannot_be_decoded_are_left_out_and_counted(
 
 
 def test_a_dropout_stays_a_hole(tmp_path: Path) -> None:
-    log = imported(tmp_path, bag(rows([*range(300), *range(600, 1000)])))
+    log = imported(tmp_path, json_bag(messages_of([*range(300), *range(600, 1000)])))
     check_circle(log[ESTIMATE], atol=2e-6)
     assert np.diff(log[ESTIMATE].time).max() == pytest.approx(6.02)
     assert [round(part.duration, 3) for part in continuous_parts(log)] == [5.98, 7.98]
 
 
 def test_a_loop_closure_is_marked(tmp_path: Path) -> None:
-    messages = rows()
+    messages = messages_of()
     for _, message in messages[500:]:
         message["pose"]["pose"]["position"]["x"] += 5.0
-    log = imported(tmp_path, bag(messages))
+    log = imported(tmp_path, json_bag(messages))
     (found,) = taken(log)["breaks"]
     assert (found["start"], found["time"]) == (pytest.approx(9.98), pytest.approx(10.0))
     assert found["reason"] == "the position jumps by 5.00 m"
@@ -163,7 +112,7 @@ def test_a_loop_closure_is_marked(tmp_path: Path) -> None:
 
 def in_frame(child: str, velocity: bool) -> list[tuple[float, Message]]:
     messages = []
-    for place, (time, message) in enumerate(rows()):
+    for place, (time, message) in enumerate(messages_of()):
         if velocity:
             along = {"x": SPEED * np.sin(TURNED[place]), "y": SPEED * np.cos(TURNED[place]), "z": 0.0}
             message["twist"]["twist"]["linear"] = along
@@ -174,8 +123,8 @@ def in_frame(child: str, velocity: bool) -> list[tuple[float, Message]]:
 def test_a_twist_in_the_frame_of_the_world_is_taken_as_such(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    check_circle(imported(tmp_path, bag(in_frame("/odom", velocity=True)))[ESTIMATE], atol=2e-6)
-    contradicting = bag(in_frame("base_link", velocity=True))
+    check_circle(imported(tmp_path, json_bag(in_frame("/odom", velocity=True)))[ESTIMATE], atol=2e-6)
+    contradicting = json_bag(in_frame("base_link", velocity=True))
     assert "give --velocity-in world" in refused(tmp_path, capsys, contradicting, "--pose", "/odom")
 
 
@@ -189,14 +138,14 @@ def test_two_vehicles_on_one_topic_are_told_apart(tmp_path: Path, capsys: pytest
         )
     ]
     assert "give --child-frame, one of base_link (1000), other (1000)" in refused(
-        tmp_path, capsys, bag(both), "--pose", "/odom"
+        tmp_path, capsys, json_bag(both), "--pose", "/odom"
     )
-    check_circle(imported(tmp_path, bag(both), "--child-frame", "base_link")[ESTIMATE], atol=2e-6)
+    check_circle(imported(tmp_path, json_bag(both), "--child-frame", "base_link")[ESTIMATE], atol=2e-6)
 
 
 def test_transforms_need_a_pair_of_frames(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     messages = []
-    for place, (time, message) in enumerate(rows()):
+    for place, (time, message) in enumerate(messages_of()):
         pose = message["pose"]["pose"]
         head = {"header": message["header"], "child_frame_id": "base_link"}
         moving = {**head, "transform": {"translation": pose["position"], "rotation": pose["orientation"]}}
@@ -209,7 +158,7 @@ def test_transforms_need_a_pair_of_frames(tmp_path: Path, capsys: pytest.Capture
             },
         }
         messages.append((time, {"transforms": [moving, fixed] if place % 2 else [moving]}))
-    content = bag(messages, schema="tf2_msgs/msg/TFMessage")
+    content = json_bag(messages, schema="tf2_msgs/msg/TFMessage")
     refusal = refused(tmp_path, capsys, content, "--pose", "/odom")
     assert "give --frames FRAME CHILD, one of odom base_link (1000), odom camera (500)" in refusal
     states = imported(tmp_path, content, "--frames", "odom", "base_link")[ESTIMATE]
@@ -233,7 +182,7 @@ def test_messages_of_px4_are_read_by_their_stamps_and_in_their_frame(tmp_path: P
     bursts = [
         (0.2 + TIME[place // 10 * 10] + 1e-4 * (place % 10), px4(place, TIME[place])) for place in range(1000)
     ]
-    log = imported(tmp_path, bag(bursts, schema="px4_msgs/msg/VehicleOdometry"))
+    log = imported(tmp_path, json_bag(bursts, schema="px4_msgs/msg/VehicleOdometry"))
     np.testing.assert_allclose(log[ESTIMATE].time, TIME, atol=1e-6)
     check_circle(log[ESTIMATE])
     local = [
@@ -250,7 +199,7 @@ def test_messages_of_px4_are_read_by_their_stamps_and_in_their_frame(tmp_path: P
         }
         for place, time in enumerate(TIME)
     ]
-    content = bag(zip(TIME, local, strict=True), schema="px4_msgs/msg/VehicleLocalPosition")
+    content = json_bag(zip(TIME, local, strict=True), schema="px4_msgs/msg/VehicleLocalPosition")
     states = imported(tmp_path, content)[ESTIMATE]
     check_circle(states)
     assert np.isnan(states["north"]).sum() == 300
@@ -275,7 +224,7 @@ def test_stamps_of_json_are_used_whatever_they_are(tmp_path: Path, key: str, val
         message = odometry(place)
         del message["header"]
         messages.append((time + jitter[place], {key: value(time), **message}))
-    log = imported(tmp_path, bag(messages))
+    log = imported(tmp_path, json_bag(messages))
     assert taken(log)["times"] == "of the messages"
     np.testing.assert_allclose(log[ESTIMATE].time, TIME, atol=1e-6)
     check_circle(log[ESTIMATE], atol=2e-6)
@@ -286,15 +235,19 @@ def test_the_order_of_listed_quaternions_is_that_of_an_upright_vehicle(
 ) -> None:
     for order in ("wxyz", "xyzw"):
         messages = []
-        for time, message in rows():
+        for time, message in messages_of():
             pose = message["pose"]["pose"]
             listed = {**pose, "orientation": [pose["orientation"][axis] for axis in order]}
             messages.append((time, {**message, "pose": {"pose": listed}}))
-        log = imported(tmp_path, bag(messages))
+        log = imported(tmp_path, json_bag(messages))
         assert taken(log)["quaternions"] == f"lists of {order}"
         check_circle(log[ESTIMATE], atol=2e-6)
-    unclear = [(time, {"position": [0, 0, 0], "orientation": [0.5, 0.5, 0.5, 0.5]}) for time, _ in rows()]
-    assert "give --quaternion-order wxyz or" in refused(tmp_path, capsys, bag(unclear), "--pose", "/odom")
+    unclear = [
+        (time, {"position": [0, 0, 0], "orientation": [0.5, 0.5, 0.5, 0.5]}) for time, _ in messages_of()
+    ]
+    assert "give --quaternion-order wxyz or" in refused(
+        tmp_path, capsys, json_bag(unclear), "--pose", "/odom"
+    )
 
 
 def test_fixes_of_a_receiver_are_laid_on_a_plane(tmp_path: Path) -> None:
@@ -303,7 +256,7 @@ def test_fixes_of_a_receiver_are_laid_on_a_plane(tmp_path: Path) -> None:
         (time, {"latitude": 0.0, "longitude": 8.0 + 1e-5 * time, "altitude": 400.0 + time})
         for time in TIME.tolist()
     ]
-    log = imported(tmp_path, bag(fixes, schema="sensor_msgs/msg/NavSatFix"))
+    log = imported(tmp_path, json_bag(fixes, schema="sensor_msgs/msg/NavSatFix"))
     # Along the equator of WGS 84.
     np.testing.assert_allclose(log[ESTIMATE]["east"], np.radians(1e-5) * 6_378_537.0 * TIME, atol=1e-6)
     np.testing.assert_allclose(log[ESTIMATE]["down"], -TIME, atol=1e-6)
@@ -313,59 +266,6 @@ def test_fixes_of_a_receiver_are_laid_on_a_plane(tmp_path: Path) -> None:
 def test_without_a_topic_those_that_may_be_poses_are_listed_first(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    refusal = refused(tmp_path, capsys, bag(rows()))
+    refusal = refused(tmp_path, capsys, json_bag(messages_of()))
     assert "expected --pose TOPIC" in refusal
     assert "it has /odom (nav_msgs/msg/Odometry)" in refusal
-
-
-@pytest.mark.parametrize("kind", ["ros1", "sqlite3", "mcap"])
-def test_bags_as_ros_records_them_are_read(tmp_path: Path, kind: str) -> None:
-    highlevel = pytest.importorskip("rosbags.typesys", reason="rosbags is an extra")
-    from rosbags import rosbag1, rosbag2
-
-    stores = highlevel.Stores
-    store = highlevel.get_typestore(stores.ROS1_NOETIC if kind == "ros1" else stores.ROS2_HUMBLE)
-    path = tmp_path / ("flight.bag" if kind == "ros1" else "flight")
-    name = "nav_msgs/msg/Odometry"
-    if kind == "ros1":
-        writer: Any = rosbag1.Writer(path)
-    else:
-        writer = rosbag2.Writer(path, version=8, storage_plugin=rosbag2.StoragePlugin[kind.upper()])
-    with writer:
-        connection = writer.add_connection("/odom", name, typestore=store)
-        for place, time in enumerate(TIME.tolist()):
-            message = ros_odometry(store.types, place, seq=kind == "ros1")
-            data = (
-                store.serialize_ros1(message, name) if kind == "ros1" else store.serialize_cdr(message, name)
-            )
-            writer.write(connection, START * 10**9 + round(time * 1e9) + 3_000_000, data)
-    out = tmp_path / "out.mcap"
-    assert run(["import", str(path), "--pose", "/odom", "--out", str(out)]) == 0
-    check_circle(read_log(out)[ESTIMATE], atol=2e-6)
-
-
-def ros_odometry(types: Any, row: int, *, seq: bool) -> Any:
-    """Returns odometry as an object of rosbags."""
-    plain, zeros = odometry(row), np.zeros(36)
-    pose, twist = plain["pose"]["pose"], plain["twist"]["twist"]
-
-    def made(name: str, *values: Any) -> Any:
-        return types[name](*values)
-
-    time = made(
-        "builtin_interfaces/msg/Time", plain["header"]["stamp"]["sec"], plain["header"]["stamp"]["nanosec"]
-    )
-    header = made("std_msgs/msg/Header", *([row] if seq else []), time, "odom")
-    vectors = [
-        made("geometry_msgs/msg/Vector3", *(twist[part][axis] for axis in "xyz"))
-        for part in ("linear", "angular")
-    ]
-    place = made("geometry_msgs/msg/Point", *(pose["position"][axis] for axis in "xyz"))
-    attitude = made("geometry_msgs/msg/Quaternion", *(float(pose["orientation"][axis]) for axis in "xyzw"))
-    return made(
-        "nav_msgs/msg/Odometry",
-        header,
-        "base_link",
-        made("geometry_msgs/msg/PoseWithCovariance", made("geometry_msgs/msg/Pose", place, attitude), zeros),
-        made("geometry_msgs/msg/TwistWithCovariance", made("geometry_msgs/msg/Twist", *vectors), zeros),
-    )

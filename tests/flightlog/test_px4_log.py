@@ -10,7 +10,8 @@ from flight.errors import FlightError
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.events import Level, flight_events
 from flightlog.file.reader import read_log
-from flightlog.imports.px4_log import Messages, series_of
+from flightlog.imports.px4_log import series_of
+from flightlog.imports.ulog_reader import Messages
 from flightlog.series import Series
 from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, TRUTH, WIND
 from maneuver.app import run

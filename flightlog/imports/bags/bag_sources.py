@@ -6,11 +6,11 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from flight.errors import FlightError
-from flightlog.imports.derived_fields import BODY_RATES, WORLD_RATES
-from flightlog.imports.frames import Frames, VelocityAxes, velocity_source
-from flightlog.imports.geodetic import local_plane
-from flightlog.imports.local_position import local_position_sources
 from flightlog.imports.measured_motion import Source, attitude_source, differentiate_position
+from flightlog.imports.motion.derived_fields import BODY_RATES, WORLD_RATES
+from flightlog.imports.motion.frames import Frames, VelocityAxes, velocity_source
+from flightlog.imports.motion.geodetic import local_plane
+from flightlog.imports.motion.local_position import local_position_sources
 
 from .topic_columns import COUNTERS, LOCAL_POSITION, TopicColumns
 

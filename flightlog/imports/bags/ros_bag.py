@@ -1,6 +1,6 @@
 """Messages of ROS bags: ROS 1, and ROS 2 as recorded."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -47,7 +47,7 @@ class RosBag:
         return AnyReader([self._path], default_typestore=store)
 
 
-def ros1_decoder(name: str, definition: str) -> Any:
+def ros1_decoder(name: str, definition: str) -> Callable[[bytes], Any]:
     """Returns a decoder of ROS 1 messages.
 
     Raises:
@@ -62,7 +62,7 @@ def ros1_decoder(name: str, definition: str) -> Any:
     return lambda data: store.deserialize_ros1(data, full)
 
 
-def idl_decoder(name: str, definition: str) -> Any:
+def idl_decoder(name: str, definition: str) -> Callable[[bytes], Any]:
     """Returns a decoder of CDR messages that are described in IDL.
 
     Raises:

@@ -149,7 +149,7 @@ class TopicColumns:
             if path is not None and name not in self.paths:
                 self.paths[name] = path
                 self._vectors[name] = array("d", [np.nan] * (len(path.axes) * self._count))
-        wanted = SCALARS
+        wanted: Sequence[str] = SCALARS
         if self.schema.endswith("VehicleLocalPosition"):
             wanted = (*SCALARS, *LOCAL_POSITION, *COUNTERS)
         for name in wanted:

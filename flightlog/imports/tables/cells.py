@@ -77,7 +77,7 @@ class Cells:
         if self.clock and time is not None:
             self.numbers[time] = _over_midnight(self.numbers[time])
 
-    def _tables(self, path: Path, names: Sequence[int]) -> Iterator[pd.DataFrame]:
+    def _tables(self, path: Path, names: list[int]) -> Iterator[pd.DataFrame]:
         dialect = self._dialect
         with warnings.catch_warnings(record=True) as said:
             warnings.simplefilter("always")
@@ -95,7 +95,7 @@ class Cells:
                     comment=dialect.comment or None,
                     encoding=dialect.encoding,
                     encoding_errors="replace",
-                    float_precision="round_trip" if dialect.decimal == "." else None,
+                    float_precision="round_trip",
                     on_bad_lines="warn",
                     chunksize=_ROWS,
                 )
@@ -104,7 +104,7 @@ class Cells:
         self.left_out = sum(len(_SKIPPED.findall(str(each.message))) for each in said)
 
     def _plain(self, column: "pd.Series[Any]") -> Column:
-        if column.dtype == bool or column.dtype == object or pd.api.types.is_string_dtype(column.dtype):
+        if column.dtype.kind in "bO" or pd.api.types.is_string_dtype(column.dtype):
             texts = column.astype(str).str.strip()
             if self._dialect.decimal == ",":
                 texts = texts.str.replace(",", ".", regex=False)

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from flight.errors import FlightError
 from flightlog.imports.clock import SECONDS, TimeUnit
-from flightlog.imports.units import ANGLES, LENGTHS, RATES, SPEEDS, Quantity
+from flightlog.imports.motion.units import ANGLES, LENGTHS, RATES, SPEEDS, Quantity
 from flightlog.topics import MAX_ACTUATORS
 
 POSITION, VELOCITY, RATE_NAMES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
@@ -16,8 +16,8 @@ NAMES = (
     *("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLE_NAMES, *RATE_NAMES),
     *(*CONTROLS, *GEODETIC, "id"),
 )
-"""Names of columns: position and velocity in SI units (z and vz optional), quaternion or angles (about z, y, x;
-yaw may be alone) from body to world, body rates, controls, latitude and longitude in degrees, vehicle."""
+"""Names of columns: position and velocity in SI units (z and vz optional), quaternion or angles (about z, y,
+x; yaw may be alone) from body to world, body rates, controls, latitude and longitude in degrees, vehicle."""
 
 MEASURED: dict[str, Quantity] = {
     **dict.fromkeys((*POSITION, "alt"), "length"),

@@ -10,8 +10,8 @@ from jaxtyping import Bool, Float, Int
 
 from flight.errors import FlightError
 from flightlog.imports.clock import SECONDS
-from flightlog.imports.frames import Frames
-from flightlog.imports.units import Quantity
+from flightlog.imports.motion.frames import Frames
+from flightlog.imports.motion.units import Quantity
 
 from .cells import Cells
 from .dialect import Dialect, dialect_of
@@ -48,7 +48,7 @@ class TableSettings:
 
     columns: Mapping[str, str] = field(default_factory=dict)
     commands: tuple[str, ...] = ()
-    frames: Frames = Frames()
+    frames: Frames = field(default_factory=Frames)
     units: Mapping[Quantity, str] = field(default_factory=dict)
     rate: float | None = None
     part: int | None = None
@@ -175,9 +175,10 @@ def _certain_headings(dialect: Dialect, settings: TableSettings) -> tuple[str, .
         return dialect.headings
     if settings.columns and all(heading.startswith("#") for heading in settings.columns.values()):
         return ()
+    first = " ".join(",".join(dialect.longer).split())[:200]
     raise FlightError(
-        f"has {len(dialect.headings)} headings above rows of {len(dialect.longer)} cells: give --columns NAME=#N, "
-        f"N the number of the column from 1; its first row is {' '.join(','.join(dialect.longer).split())[:200]}"
+        f"has {len(dialect.headings)} headings above rows of {len(dialect.longer)} cells: give --columns "
+        f"NAME=#N, N the number of the column from 1; its first row is {first}"
     )
 
 

@@ -7,11 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from jaxtyping import Float, Int
 
-from .attachment_names import IMPORT_ATTACHMENT
-from .consistency import IMPORT
-from .log import FlightLog
-from .series import Series
-from .topics import ESTIMATE, MOTION, TRUTH
+from flightlog.attachment_names import IMPORT_ATTACHMENT
+from flightlog.consistency import IMPORT
+from flightlog.log import FlightLog
+from flightlog.series import Series
+from flightlog.topics import ESTIMATE, MOTION, TRUTH
 
 # Gaps that are holes, in median intervals, and in seconds at least.
 _HOLE, _SHORTEST = 10.0, 0.5

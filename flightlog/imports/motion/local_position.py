@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from jaxtyping import Bool, Float
 
-from .measured_motion import Source
+from flightlog.imports.measured_motion import Source
 
 Column = Float[np.ndarray, "n"]
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-from .measured_motion import Source
+from flightlog.imports.measured_motion import Source
 
 Column = Float[np.ndarray, "n"]
 

@@ -9,11 +9,10 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
+from flightlog.imports.axes import Axes, BodyAxes, WorldAxes
+from flightlog.imports.measured_motion import Source, measured_states, velocity_disagreement
 from flightlog.series import Series
 from flightlog.topics import ESTIMATE
-
-from .axes import Axes, BodyAxes, WorldAxes
-from .measured_motion import Source, measured_states, velocity_disagreement
 
 VelocityAxes = Literal["world", "body"]
 QuaternionOrder = Literal["wxyz", "xyzw"]
@@ -77,8 +76,8 @@ def guess_quaternion_order(build: Build, frames: Frames) -> QuaternionOrder:
         up[order] = -1.0 if states is None else _upright(states)
     if abs(up["wxyz"] - up["xyzw"]) < _SURE or max(up.values()) < _SURE:
         raise FrameError(
-            "quaternions are lists, and the motion does not tell their order: give --quaternion-order wxyz or "
-            "--quaternion-order xyzw"
+            "quaternions are lists, and the motion does not tell their order: give --quaternion-order wxyz "
+            "or --quaternion-order xyzw"
         )
     return max(orders, key=lambda order: up[order])
 

@@ -4,8 +4,7 @@ import numpy as np
 from jaxtyping import Float
 
 from flight.errors import FlightError
-
-from .measured_motion import Source
+from flightlog.imports.measured_motion import Source
 
 Column = Float[np.ndarray, "n"]
 
@@ -39,8 +38,8 @@ def local_plane(
         raise FlightError("expected latitudes and longitudes, got none")
     if np.abs(latitude[known]).max() > 90.0 or np.abs(longitude[known]).max() > 360.0:
         raise FlightError(
-            f"expected latitudes within 90 and longitudes within 360 degrees, got {np.abs(latitude[known]).max():g}"
-            f" and {np.abs(longitude[known]).max():g}"
+            f"expected latitudes within 90 and longitudes within 360 degrees, got "
+            f"{np.abs(latitude[known]).max():g} and {np.abs(longitude[known]).max():g}"
         )
     lat, lon = latitude[known], longitude[known]
     up = height[known] if height is not None else np.zeros(len(lat))
@@ -53,7 +52,7 @@ def local_plane(
     short = far**3 / (6.0 * _EARTH_RADIUS**2)
     above = f", {up[0]:.2f} m" if height is not None else ""
     words = (
-        f"local plane at {lat[0]:.7f}, {lon[0]:.7f}{above} (WGS 84); at its farthest, {far:.0f} m, distances are "
-        f"short by about {short:.1g} m"
+        f"local plane at {lat[0]:.7f}, {lon[0]:.7f}{above} (WGS 84); at its farthest, {far:.0f} m, distances "
+        f"are short by about {short:.1g} m"
     )
     return Source(time[known], columns), words

@@ -51,7 +51,8 @@ def check_angles(angles: Mapping[str, Column], course: Column | None) -> None:
     for name, largest in (("roll", pi), ("pitch", pi / 2)):
         if name in angles and _largest(angles[name]) > 1.01 * largest:
             raise UnitError(
-                f"{name} reaches {_largest(angles[name]):.4g}, more than {largest:.2f} rad: give --angle-unit deg"
+                f"{name} reaches {_largest(angles[name]):.4g}, more than {largest:.2f} rad: "
+                "give --angle-unit deg"
             )
     yaw = angles.get("yaw")
     if yaw is None or not np.isfinite(yaw).any():
@@ -100,7 +101,8 @@ def check_speeds(
         fitting.append("--time-unit ms")
     if fitting:
         raise UnitError(
-            f"the position changes {ratio:.3g} times as fast as the velocity says: give {' or '.join(fitting)}"
+            f"the position changes {ratio:.3g} times as fast as the velocity says: "
+            f"give {' or '.join(fitting)}"
         )
 
 

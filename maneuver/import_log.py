@@ -51,9 +51,9 @@ def import_log(
     world. Without one, the slope of the position is taken.
 
     FLIGHT.csv: --columns NAME=HEADING ..., NAME one of time, x y z, vx vy vz, qw qx qy qz, roll pitch yaw,
-    wx wy wz, u1 to u12, lat lon alt, id; a heading that is such a name needs no mention; z, vz, roll and
-    pitch may lack. Axes are north, east, down and forward, right, down unless stated; velocities are along the
-    world's.
+    wx wy wz, u1 to u12, lat lon alt, id; a heading that is such a name needs no mention; z, vz, roll
+    and pitch may lack. Axes are north, east, down and forward, right, down unless stated; velocities are
+    along the world's.
 
     Several logs, or a folder of them, become one log each.
 
@@ -117,7 +117,7 @@ def _import_one(log: Path, path: Path, options: ImportOptions, *, force: bool, j
 def _import_several(
     paths: list[Path], folder: Path, options: ImportOptions, *, force: bool, json: bool
 ) -> int:
-    """Imports one log each, and prints a table of what came of them."""
+    """Imports one log each, and prints a table of them."""
     names = [_stem(path) for path in paths]
     doubled = {name for name in names if names.count(name) > 1}
     targets = [
@@ -148,7 +148,7 @@ def _import_several(
 
 
 def _worst(rows: list[dict[str, Any]]) -> int:
-    """Returns 2 if a log was not imported, 3 if one was with loss."""
+    """Returns 2 for a refused log, 3 for one with loss."""
     codes = {int(row["exit"]) for row in rows}
     return _BAD_INPUT if _BAD_INPUT in codes else max(codes)
 

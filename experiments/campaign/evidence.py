@@ -96,7 +96,7 @@ class MotionRecord:
 
 
 def _motions_of(path: Path) -> list[MotionRecord]:
-    """Returns the motions of a log's parts; those too short are left out.
+    """Returns the motions of a log's parts that are long enough.
 
     Raises:
         FlightError: none is long enough.

@@ -1,4 +1,4 @@
-"""Clock of an imported file: unit, order, outliers and parts of its stamps."""
+"""Clock of an imported file: unit, order, outliers and parts."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -45,7 +45,7 @@ class ClockError(FlightError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
-    """Samples of one part of a file, in the order of their times.
+    """Samples of one part of a file, in order of time.
 
     Attributes:
         rows: places of the samples in the file.

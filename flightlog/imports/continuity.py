@@ -48,7 +48,7 @@ def logged_breaks(log: FlightLog) -> tuple[LoggedBreak, ...]:
 
 
 def continuous_parts(log: FlightLog) -> tuple[FlightLog, ...]:
-    """Returns the parts of an imported log without holes and breaks in its motion.
+    """Returns an imported log's parts without holes and breaks.
 
     Each starts at time 0; another log is one part. Where the motion is not known at all, so is its part.
     """
@@ -67,7 +67,7 @@ def continuous_parts(log: FlightLog) -> tuple[FlightLog, ...]:
 
 
 def with_marked_holes(log: FlightLog) -> FlightLog:
-    """Returns an imported log with a state of not-a-numbers in each hole and break.
+    """Returns an imported log with an unknown state in each hole.
 
     Lines that are drawn of it then end there.
     """
@@ -83,7 +83,7 @@ def with_marked_holes(log: FlightLog) -> FlightLog:
 
 
 def _cuts(time: Column, breaks: Sequence[LoggedBreak]) -> Int[np.ndarray, "k"]:
-    """Returns the places of the first states after a hole or a break."""
+    """Returns the places of first states after holes and breaks."""
     steps = np.diff(time)
     after = np.flatnonzero(steps > max(_HOLE * float(np.median(steps)), _SHORTEST)) + 1
     jumps = [int(np.searchsorted(time, each.time - 1e-9)) for each in breaks]

@@ -102,7 +102,7 @@ def _repeated(table: Table) -> Bool[np.ndarray, "n"]:
 
 
 def _check_time_unit(table: Table, repeated: Bool[np.ndarray, "n"]) -> None:
-    """Refuses times that cannot be in their unit; those of a coarse clock are refused as such."""
+    """Refuses times that cannot be in their unit, unless coarse."""
     stamps = table.numbers["time"][~repeated]
     if (np.diff(stamps) == 0.0).sum() <= MOST_REPEATED * len(stamps):
         check_unit(stamps, table.units.get("time"))  # type: ignore[arg-type]
@@ -126,7 +126,7 @@ def _check_units(time: Column, table: Table) -> None:
 
 
 def _position(time: Column, numbers: Mapping[str, Column], frames: Frames) -> tuple[list[Source], str]:
-    """Returns the sources of the position; a map of two columns has no heights."""
+    """Returns the sources of the position, and its plane in words."""
     if set(GEODETIC[:2]) <= numbers.keys():
         source, plane = local_plane(time, numbers["lat"], numbers["lon"], numbers.get("alt"))
         return [source], plane

@@ -63,7 +63,7 @@ class _Logged:
 
 
 def read_dataflash_log(path: Path, *, part: int | None = None) -> FlightLog:
-    """Reads a DataFlash log: estimate, truth of a simulator, setpoints, servo outputs and wind.
+    """Reads a DataFlash log: estimate, truth, setpoints, servo outputs, wind.
 
     Args:
         path: file to read.
@@ -133,7 +133,7 @@ def _take(logged: _Logged, message: Any) -> None:
 
 
 def _in_order(logged: _Logged, part: int | None) -> tuple[dict[str, Fields], list[LeftOut]]:
-    """Returns the messages of one instance of each name, in order of time."""
+    """Returns one instance's messages by name, in order of time."""
     topics: dict[str, Fields] = {}
     left_out: list[LeftOut] = []
     core = _primary(logged.columns.get("XKF4"))

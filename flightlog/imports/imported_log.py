@@ -70,7 +70,7 @@ class ExternalLog:
             raise BadFileError(self.path, f"cannot be read: {error.strerror or error}") from None
 
     def fingerprint(self) -> str:
-        """Returns the SHA-256 of the file, or of a folder's files one after another, read in pieces."""
+        """Returns the SHA-256 of the file, or of a folder's files."""
         files = sorted(self.path.iterdir()) if self.path.is_dir() else [self.path]
         whole = hashlib.sha256()
         for file in files:
@@ -153,7 +153,7 @@ def _printable(text: str) -> str:
 
 
 def _start_at_first_state(series: Mapping[str, Series]) -> tuple[dict[str, Series], float, float]:
-    """Returns the series with time 0 at the first state, that time, and the duration."""
+    """Returns the series from the first state, its time, the duration."""
     whole = FlightLog(FlightHeader("import", "", "", "", 0, "", "", ""), series, {})
     start, end = float(whole.motion.time[0]), whole.duration
     cut = {}

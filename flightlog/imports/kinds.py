@@ -25,7 +25,7 @@ _METADATA = "metadata.yaml"
 
 
 def kind_of(path: Path) -> Kind:
-    """Returns the kind of a file, or of a folder that is a ROS 2 bag.
+    """Returns the kind of a file or bag folder.
 
     Raises:
         BadFileError: it cannot be read, or is no such file.

@@ -82,7 +82,7 @@ class _Pairs:
 def read_external_mcap(
     path: Path, settings: McapImportSettings, *, topic: Topic, bag: Bag | None = None
 ) -> FlightLog:
-    """Reads pose and velocity topics in ROS 1, ROS 2, protobuf or JSON.
+    """Reads pose and velocity topics in ROS, protobuf or JSON messages.
 
     Times are the stamps of the messages, or the log times if a topic has no stamps or they jump. Without
     velocities the position is differentiated. The attachment records these choices.

@@ -46,7 +46,7 @@ class UnknownEncodingError(FlightError):
 
 @dataclass(frozen=True, slots=True)
 class VectorPath:
-    """Path to a vector or quaternion in a message, its axes, and True for a list."""
+    """Path to a vector or quaternion in a message, and its axes."""
 
     path: Path
     axes: tuple[str, ...]
@@ -105,7 +105,7 @@ def find_quaternion(message: Any) -> VectorPath | None:
 
 
 def stamp_of(message: Any) -> int | float | str | None:
-    """Returns a message's stamp: nanoseconds, or a number or text as it is; None without one.
+    """Returns a message's stamp in nanoseconds or as it is, if any.
 
     A stamp of seconds and nanoseconds is an integer of nanoseconds in a `Nanoseconds`.
     """
@@ -128,7 +128,7 @@ class Nanoseconds(int):
 
 
 def child_frame_of(message: Any) -> str:
-    """Returns the child frame, or body frame, of a message; empty without one."""
+    """Returns the child or body frame of a message, or empty."""
     name = _first_part(message, ("child_frame_id", "body_frame_id"))
     return name.lstrip("/") if isinstance(name, str) else ""
 

@@ -91,7 +91,7 @@ def longest_gap(time: Column) -> float:
 
 
 def measured_states(sources: Sequence[Source], topic: Topic) -> Series | None:
-    """Returns states at the rate of the fastest source, the others interpolated linearly.
+    """Returns states at the fastest source's rate, others interpolated linearly.
 
     A field is not-a-number where its source has a hole. The topic has only the known fields: velocities along
     and across the heading need an attitude; the yaw rate follows from the body rates, or else from the
@@ -163,7 +163,7 @@ def velocity_disagreement(states: Series) -> tuple[float, float] | None:
 
 
 def _base_times(sources: Sequence[Source]) -> Column:
-    """Returns the times of the fastest source, and of others in its holes.
+    """Returns the fastest source's times, and others in its holes.
 
     Of sources of about one rate it is the first.
     """

@@ -72,7 +72,7 @@ def displaced_rows(time: Column) -> tuple[Int[np.ndarray, "k"], int]:
 
 
 def _without_lone_ends(places: Int[np.ndarray, "k"], time: Column, interval: float) -> Int[np.ndarray, "m"]:
-    """Returns places without one or two stamps far from the others at an end."""
+    """Returns places without a few stamps far beyond an end."""
     far = np.flatnonzero(np.diff(time[places]) > max(_NEAR * interval, _FAR)) + 1
     start = max((at for at in far if at < _MIN_ROWS), default=0)
     end = min((at for at in far if len(places) - at < _MIN_ROWS), default=len(places))

@@ -95,7 +95,7 @@ def read_px4_log(path: Path, *, part: int | None = None) -> FlightLog:
 
 
 def in_order(topics: Mapping[str, Messages], part: int | None) -> tuple[dict[str, Messages], list[LeftOut]]:
-    """Returns the messages of each topic used, in order of their times, and those left out."""
+    """Returns the used topics' messages in order, and those left out."""
     ordered: dict[str, Messages] = {}
     left_out: list[LeftOut] = []
     for name, messages in topics.items():
@@ -175,7 +175,7 @@ def _sources(topics: Mapping[str, Messages], ending: str) -> list[Source]:
 
 
 def _gps_sources(topics: Mapping[str, Messages], said: dict[str, str]) -> list[Source]:
-    """Returns positions and velocities of the receiver, for a log without an estimate of them."""
+    """Returns positions and velocities of the satellite receiver."""
     gps = topics.get("vehicle_gps_position", topics.get("sensor_gps"))
     if gps is None:
         return []

@@ -69,7 +69,7 @@ class _ScanState:
         return number, time
 
     def _offset(self, fields: str, depth: int) -> int:
-        """Returns the bytes before the field `timestamp`; 0 if it is not found."""
+        """Returns the bytes before the field `timestamp`; 0 without one."""
         passed = 0
         for each in filter(None, fields.split(";")):
             kind, _, name = each.strip().partition(" ")

@@ -45,7 +45,7 @@ ACCEPTED: Mapping[Kind, tuple[str, ...]] = {
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
 class ImportOptions:
-    """What a log does not say itself.
+    """Facts that a log leaves open.
 
     Attributes:
         pose: topic of an MCAP or a bag that says where the vehicle is and how it stands.

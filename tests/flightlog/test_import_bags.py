@@ -16,8 +16,17 @@ from flightlog.imports.continuity import continuous_parts
 from flightlog.log import FlightLog
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
-from tests.support.circle_bag import EAST, NORTH, START, TURNED, Message, json_bag, messages_of, odometry
-from tests.support.flown_circle import HEIGHT, RATE, SPEED, TIME, check_circle
+from tests.support.external.circle_bag import (
+    EAST,
+    NORTH,
+    START,
+    TURNED,
+    Message,
+    json_bag,
+    messages_of,
+    odometry,
+)
+from tests.support.external.flown_circle import HEIGHT, RATE, SPEED, TIME, check_circle
 
 
 def imported(folder: Path, content: bytes, *options: str, name: str = "bag.mcap", code: int = 0) -> FlightLog:

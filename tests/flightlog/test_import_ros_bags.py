@@ -9,8 +9,8 @@ import pytest
 from flightlog.file.reader import read_log
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
-from tests.support.circle_bag import START, odometry
-from tests.support.flown_circle import TIME, check_circle
+from tests.support.external.circle_bag import START, odometry
+from tests.support.external.flown_circle import TIME, check_circle
 
 
 @pytest.mark.parametrize("kind", ["ros1", "sqlite3", "mcap"])

@@ -13,7 +13,7 @@ from flightlog.file.reader import read_log
 from flightlog.log import FlightLog
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
-from tests.support.flown_circle import SPEED, TIME, check_circle, table, text
+from tests.support.external.flown_circle import SPEED, TIME, check_circle, table, text
 
 DEGREES = 180.0 / pi
 

@@ -14,8 +14,8 @@ from flightlog.imports.continuity import continuous_parts
 from flightlog.log import FlightLog
 from flightlog.topics import ACTUATORS, ESTIMATE
 from maneuver.app import run
-from tests.support.flown_circle import HEIGHT, RADIUS, RATE, SPEED, check_circle
-from tests.support.ulog_writer import Columns, ulog
+from tests.support.external.flown_circle import HEIGHT, RADIUS, RATE, SPEED, check_circle
+from tests.support.external.ulog_writer import Columns, ulog
 
 pytest.importorskip("pyulog", reason="pyulog is an extra")
 

@@ -165,24 +165,27 @@ def test_a_real_log_is_imported_and_reviewed(tmp_path: Path, capsys: pytest.Capt
 
 
 @pytest.mark.skipif(not DATA.is_dir(), reason="no logs of others beside the project")
-def test_a_real_log_without_positions_is_reviewed_by_what_it_has(
+def test_a_real_log_without_an_estimated_position_has_that_of_its_receiver(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     pytest.importorskip("pyulog", reason="pyulog is an extra")
     log = tmp_path / "bench.mcap"
     assert run(["import", str(DATA / "sample_log_small.ulg"), "--out", str(log), "--json"]) == 0
     summary = json.loads(capsys.readouterr().out)
-    assert summary["absent_of_the_state"] == ["north", "east", "forward", "side"]
+    assert summary["absent_of_the_state"] == []
+    assert summary["import"]["place"].startswith("local plane at 63.4170")
     flight = read_log(log)
+    # On a bench, at one place within the error of the receiver.
+    assert np.nanmax(np.hypot(flight[ESTIMATE]["north"], flight[ESTIMATE]["east"])) < 5.0
     assert flight[ESTIMATE].has_fields("down", "roll", "pitch", "heading", "roll_rate")
     assert flight[ACTUATORS].has_fields("control_1", "control_4")
     # Its wind estimator never ran; the logged zeros are no estimate.
     assert WIND.name not in flight.series
     assert run(["review", str(log), "--html", "--png", "--json", "--out", str(tmp_path / "review")]) == 0
     summary = json.loads(capsys.readouterr().out)
-    assert summary["distance"] is None
+    assert summary["distance"] < 100.0
     assert {Path(path).name for path in summary["files"]} == {
-        *("bench.html", "velocities.png", "attitude_and_controls.png")
+        *("bench.html", "flight.png", "track.png", "velocities.png", "attitude_and_controls.png")
     }
 
 

@@ -1,4 +1,4 @@
-"""Clock of a bag: the messages' own stamps, or the times of logging."""
+"""Clock of a bag: stamps of the messages, or log times."""
 
 from collections.abc import Mapping
 
@@ -22,7 +22,7 @@ Column = Float[np.ndarray, "n"]
 
 
 def clocks_of(tables: Mapping[str, TopicColumns], part: int | None) -> tuple[dict[str, Part], str]:
-    """Returns the messages of each topic in order of one clock, and its name.
+    """Returns each topic's messages in order of one clock, and its name.
 
     Args:
         tables: messages by topic.
@@ -58,7 +58,7 @@ def _ordered(times: Mapping[str, Column], part: int | None) -> dict[str, Part]:
 
 
 def _stamps(table: TopicColumns) -> Column | None:
-    """Returns the stamps in seconds; None if there are none that can be used."""
+    """Returns the stamps in seconds; None if they cannot be used."""
     found = table.stamps()
     if found is None:
         return None
@@ -75,7 +75,7 @@ def _stamps(table: TopicColumns) -> Column | None:
 
 
 def _size(numbers: Column, logged: Column) -> float | None:
-    """Returns the unit of stamps by their dates, or by the times of logging; None if unclear."""
+    """Returns the unit of stamps by dates or log times, if clear."""
     middle, span, logging = float(np.median(numbers)), float(np.ptp(numbers)), float(np.ptp(logged))
     units: tuple[TimeUnit, ...] = ("s", "ms", "us", "ns")
     dates = [SECONDS[unit] for unit in units if _DATE < SECONDS[unit] * middle < 4.0 * _DATE]

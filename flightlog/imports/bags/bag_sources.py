@@ -56,7 +56,7 @@ class AlignedTopic:
 
 
 def default_frames(pose: AlignedTopic, moving: AlignedTopic) -> Frames:
-    """Returns the axes that the messages state, or that are usual for them."""
+    """Returns the axes that messages state, or usual ones."""
     if pose.table.px4:
         stated = moving.scalar("velocity_frame")
         body = stated is not None and bool((stated == _BODY_FRD).all())
@@ -94,7 +94,7 @@ def bag_sources(
 
 
 def _velocity_axes(pose: TopicColumns, moving: TopicColumns) -> VelocityAxes:
-    """Returns the axes of a velocity: the body's for odometry, else by frame."""
+    """Returns the axes of a velocity, by schema and frame."""
     if moving.schema.endswith(_IN_BODY):
         return "world" if moving.frame and set(moving.children) == {moving.frame} else "body"
     return "world" if moving.frame == pose.frame else "body"

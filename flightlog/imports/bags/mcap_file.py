@@ -1,4 +1,4 @@
-"""Messages of an MCAP file, whole or compressed, with or without a summary."""
+"""Messages of an MCAP file, compressed or not, without its summary."""
 
 import io
 import struct

@@ -13,7 +13,7 @@ NEEDED = "ROS bags and messages of ROS 1 need the package rosbags: pip install r
 
 
 class RosBag:
-    """ROS 1 bag, ROS 2 bag in a folder, or a single file of one."""
+    """ROS 1 bag, or ROS 2 bag in a folder or file."""
 
     def __init__(self, path: Path) -> None:
         """Opens nothing yet.

@@ -125,7 +125,7 @@ class TopicColumns:
         return int(self._logged[0])
 
     def stamps(self) -> tuple[Float[np.ndarray, "n"], str] | None:
-        """Returns stamps, and their unit: `ns`, `text` in nanoseconds, or `?`; None without."""
+        """Returns stamps and their unit, `ns`, `us`, `text` or `?`, if any."""
         given = [stamp for stamp in self._stamps if stamp is not None]
         if not given:
             return None

@@ -54,7 +54,7 @@ def level_velocities(known: Mapping[str, Column]) -> Iterator[tuple[str, Column]
 
 
 def yaw_rate(known: Mapping[str, Column]) -> Column | None:
-    """Returns the rate of the heading by body rates, else by its slope."""
+    """Returns the heading's rate by body rates, else its slope."""
     if not {"pitch_rate", "body_yaw_rate", "roll", "pitch"} <= known.keys():
         return known.get(HEADING_RATE)
     upright = np.cos(known["pitch"])

@@ -138,7 +138,7 @@ def _contradiction(build: Build, frames: Frames) -> tuple[str, float]:
 
 
 def _upright(states: Series) -> float:
-    """Returns the mean cosine of the tilt; 1 where it is not known."""
+    """Returns the mean cosine of the tilt; 1 if unknown."""
     if not states.has_fields("roll", "pitch"):
         return 1.0
     cosines = np.cos(states["roll"]) * np.cos(states["pitch"])

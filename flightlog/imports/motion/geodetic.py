@@ -14,7 +14,7 @@ _EARTH_RADIUS = 6_371_000.0
 def local_plane(
     time: Column, latitude: Column, longitude: Column, height: Column | None
 ) -> tuple[Source, str]:
-    """Returns positions north and east of the first, and the plane in words.
+    """Returns positions relative to the first, and the plane in words.
 
     Heights are above the first one, along the ellipsoid's normals, not above the plane.
 

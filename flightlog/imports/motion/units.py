@@ -77,7 +77,7 @@ def check_speeds(
     *,
     stated: frozenset[Quantity],
 ) -> None:
-    """Refuses velocities whose size is not that of the slope of the position.
+    """Refuses velocities whose size differs from the position's slope.
 
     Args:
         time: seconds, increasing.
@@ -139,7 +139,7 @@ def slope_ratio(
 
 
 def _better_in_degrees(yaw: Column, course: Column | None) -> bool | None:
-    """Returns True if degrees fit the course and radians do not; None if unclear."""
+    """Returns True if degrees fit the course better; None if unclear."""
     if course is None:
         return None
     moving = np.isfinite(yaw) & np.isfinite(course)

@@ -112,7 +112,7 @@ class Cells:
         return np.asarray(column, np.float64)
 
     def _moments(self, column: "pd.Series[Any]") -> Column:
-        """Returns times in their unit, or in seconds if they are dates or H:M:S."""
+        """Returns times in their unit; dates and H:M:S in seconds."""
         numbers = self._plain(column)
         if np.isfinite(numbers).any() or not column.notna().any():
             return numbers

@@ -77,7 +77,7 @@ def is_unit(cell: str) -> bool:
 
 
 def split_heading(heading: str) -> tuple[str, str]:
-    """Returns a heading without its unit, and the unit; both in lower case."""
+    """Returns a heading and its unit, apart, in lower case."""
     found = _BRACKETED.fullmatch(heading)
     if found:
         return found[1].strip().lower(), found[2].strip().lower()
@@ -124,7 +124,7 @@ def place_of(headings: Sequence[str], heading: str) -> int:
 
 
 def unit_of(name: str, heading: str, row: str, stated: Mapping[Quantity, str]) -> tuple[str, float] | None:
-    """Returns the unit of a column and its size in SI; None if not stated.
+    """Returns a column's unit and size in SI, if stated.
 
     Args:
         name: our name of the column.

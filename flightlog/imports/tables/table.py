@@ -1,4 +1,4 @@
-"""Columns of a table by our names, and the choices of their import."""
+"""Columns of a table by our names, and their choices."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
@@ -58,7 +58,7 @@ class TableSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Table:
-    """Columns of a table by our names, in SI units but for the times.
+    """Columns of a table by our names, in SI units.
 
     Attributes:
         numbers: columns of numbers.
@@ -166,7 +166,7 @@ def seconds_of(table: Table) -> Float[np.ndarray, "n"]:
 
 
 def _certain_headings(dialect: Dialect, settings: TableSettings) -> tuple[str, ...]:
-    """Returns the headings, none where the rows are longer and columns are stated by number.
+    """Returns the headings; none if the columns have numbers instead.
 
     Raises:
         FlightError: the rows are longer than the headings, and columns are not stated by number.

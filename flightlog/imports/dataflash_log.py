@@ -104,16 +104,22 @@ def _read(path: Path) -> _Logged:
         raise FlightError("a DataFlash log needs the package pymavlink: pip install pymavlink") from None
     logged = _Logged()
     names = [*_FIELDS, "MSG", "VER"]
+    # Made before it is opened, so that its file is closed where opening it fails.
+    reader = DFReader_binary.__new__(DFReader_binary)
     try:
         # The reader prints to the console.
         with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
-            reader = DFReader_binary(str(path))
+            reader.__init__(str(path))
             while (message := reader.recv_match(type=names)) is not None:
                 _take(logged, message)
     except Exception as error:
         # A reader of damaged bytes may raise anything.
         reason = " ".join(str(error).split()) or type(error).__name__
         raise FlightError(f"is not a DataFlash log that can be read: {reason}") from None
+    finally:
+        for part in ("data_map", "filehandle"):
+            if (opened := getattr(reader, part, None)) is not None:
+                opened.close()
     return logged
 
 

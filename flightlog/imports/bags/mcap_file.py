@@ -74,7 +74,7 @@ class McapBag:
             summary = None
             if isinstance(stream, io.BufferedReader):
                 try:
-                    summary = make_reader(stream).get_summary()
+                    summary = make_reader(stream, validate_crcs=True).get_summary()
                 except _UNREADABLE:
                     summary = None
             if summary is not None and summary.channels:

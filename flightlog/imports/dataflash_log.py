@@ -1,10 +1,12 @@
 """Import of ArduPilot's DataFlash logs; missing data are absent, not zero."""
 
 import io
+import os
+import sys
 from array import array
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from contextlib import redirect_stderr, redirect_stdout
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -46,6 +48,8 @@ _FIELDS: Mapping[str, tuple[str, ...]] = {
 }
 _TIME = "TimeUS"
 _FIX = 3
+# Bytes that may be left at the end of a log that is written in pages.
+_PADDING = 528
 _QUATERNION = ("Q1", "Q2", "Q3", "Q4")
 _POSITION, _VELOCITY = ("PN", "PE", "PD"), ("VN", "VE", "VD")
 
@@ -60,6 +64,8 @@ class _Logged:
     columns: dict[str, dict[str, "array[float]"]] = field(default_factory=dict)
     messages: list[tuple[float, str]] = field(default_factory=list)
     version: str = UNKNOWN
+    size: int = 0
+    lost: int = 0
 
 
 def read_dataflash_log(path: Path, *, part: int | None = None) -> FlightLog:
@@ -85,10 +91,14 @@ def read_dataflash_log(path: Path, *, part: int | None = None) -> FlightLog:
             )
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
+    outcome = "completed"
+    if logged.lost > _PADDING:
+        outcome = f"recovered with loss: {logged.lost} of {logged.size} bytes are in no intact message"
     extra = (_command(topics, estimate), _actuators(topics), _wind(topics))
     return ExternalLog(path).log(
         [series for series in (estimate, truth, *extra) if series is not None],
         vehicle=logged.version,
+        outcome=outcome,
         provenance=said,
         autopilot_messages=[AutopilotMessage(time, "INFO", text) for time, text in logged.messages],
         breaks=merged(jumps(sources)),
@@ -107,11 +117,14 @@ def _read(path: Path) -> _Logged:
     # Made before it is opened, so that its file is closed where opening it fails.
     reader = DFReader_binary.__new__(DFReader_binary)
     try:
-        # The reader prints to the console.
-        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+        with _silence():
             reader.__init__(str(path))
             while (message := reader.recv_match(type=names)) is not None:
                 _take(logged, message)
+        logged.size = reader.data_len
+        logged.lost = logged.size - sum(
+            len(reader.offsets[kind]) * layout.len for kind, layout in reader.formats.items()
+        )
     except Exception as error:
         # A reader of damaged bytes may raise anything.
         reason = " ".join(str(error).split()) or type(error).__name__
@@ -121,6 +134,21 @@ def _read(path: Path) -> _Logged:
             if (opened := getattr(reader, part, None)) is not None:
                 opened.close()
     return logged
+
+
+@contextmanager
+def _silence() -> Iterator[None]:
+    """Discards what the reader prints; its compiled part knows only the descriptor."""
+    sys.stderr.flush()
+    kept, nowhere = os.dup(2), os.open(os.devnull, os.O_WRONLY)
+    try:
+        os.dup2(nowhere, 2)
+        with redirect_stdout(io.StringIO()), redirect_stderr(io.StringIO()):
+            yield
+    finally:
+        os.dup2(kept, 2)
+        os.close(kept)
+        os.close(nowhere)
 
 
 def _take(logged: _Logged, message: Any) -> None:

@@ -51,7 +51,7 @@ class Source:
 
 def attitude_source(time: Column, quaternions: Float[np.ndarray, "n 4"]) -> Source:
     """Returns the Euler angles of body-to-world quaternions w, x, y, z."""
-    with np.errstate(invalid="ignore", divide="ignore"):
+    with np.errstate(all="ignore"):
         w, x, y, z = (quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)).T
     known = np.isfinite(w)
     w, x, y, z = w[known], x[known], y[known], z[known]

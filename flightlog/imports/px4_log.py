@@ -266,7 +266,8 @@ def _complete_rows(series: Series) -> Series | None:
 
 
 def _numbers(messages: Messages, name: str) -> Column:
-    return np.asarray(messages[name], np.float64)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(messages[name], np.float64)
 
 
 def _seconds(messages: Messages) -> Column:

@@ -39,7 +39,10 @@ def test_a_real_log_has_the_values_of_another_reader(tmp_path: Path) -> None:
     theirs = np.array(rows)[20:-20]
     # Its clock starts with the first state, at a sample of the gyroscopes: found by the height.
     starts = theirs[0, 0] - 0.8 + np.arange(-0.5, 0.5, 0.001)
-    down = [np.abs(np.interp(theirs[:, 0] - start, estimate.time, estimate["down"]) - theirs[:, 3]).max() for start in starts]
+    down = [
+        np.abs(np.interp(theirs[:, 0] - start, estimate.time, estimate["down"]) - theirs[:, 3]).max()
+        for start in starts
+    ]
     start = starts[int(np.argmin(down))]
     # Away from its jump of 60 m, which takes one sample of the filter.
     calm = np.abs(np.gradient(theirs[:, 1])) < 2.0
@@ -47,3 +50,16 @@ def test_a_real_log_has_the_values_of_another_reader(tmp_path: Path) -> None:
         ours = np.interp(theirs[:, 0] - start, estimate.time, estimate[name])
         assert np.abs(ours - theirs[:, column])[calm].max() < largest, name
     assert estimate.time[-1] == pytest.approx(41.43, abs=0.01)
+
+
+def test_of_a_torn_log_the_intact_messages_are_read_with_exit_code_3(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    content, path, out = dataflash(), tmp_path / "torn.bin", tmp_path / "flight.mcap"
+    middle = content.index(b"\xa3\x95", len(content) // 2)
+    path.write_bytes(content[:middle] + np.random.default_rng(1).bytes(2000) + content[middle:])
+    assert run(["import", str(path), "--out", str(out)]) == 3
+    message = capfd.readouterr().err
+    assert message.count("\n") == 1
+    assert "recovered with loss: 20" in message
+    check_circle(read_log(out)[ESTIMATE], atol=1e-5)

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
+from flightlog.consistency import LARGEST_VALUE
 from flightlog.imports.mcap_messages import (
     ANGULAR,
     LINEAR,
@@ -109,7 +110,8 @@ class TopicColumns:
         """Returns a vector of all messages; None if they have none."""
         if name not in self.paths:
             return None
-        return np.array(self._vectors[name]).reshape(self._count, -1)
+        found = np.array(self._vectors[name]).reshape(self._count, -1)
+        return np.where(np.abs(found) < LARGEST_VALUE, found, np.nan)
 
     def scalar(self, name: str) -> Float[np.ndarray, "n"] | None:
         """Returns a number of all messages; None if they have none."""

@@ -33,10 +33,13 @@ def local_position_sources(time: Column, fields: Mapping[str, Column]) -> list[S
             continue
         valid = _flag(fields, flag, len(time))
         if valid.mean() >= LEAST_VALID:
-            columns = {ours: np.asarray(fields[name], np.float64)[valid] for name, ours in names.items()}
+            # Damaged single-precision numbers may be signalling.
+            with np.errstate(invalid="ignore"):
+                columns = {ours: np.asarray(fields[name], np.float64)[valid] for name, ours in names.items()}
             sources.append(Source(time[valid], columns))
     if "heading" in fields and sources:
-        sources.append(Source(time, {"heading": np.asarray(fields["heading"], np.float64)}))
+        with np.errstate(invalid="ignore"):
+            sources.append(Source(time, {"heading": np.asarray(fields["heading"], np.float64)}))
     return sources
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from flight.errors import FlightError
+from flightlog.consistency import LARGEST_VALUE
 from flightlog.imports.clock import SECONDS
 from flightlog.imports.motion.frames import Frames
 from flightlog.imports.motion.units import Quantity
@@ -118,7 +119,11 @@ def read_table(path: Path, settings: TableSettings) -> Table:
         heading = _heading(dialect, place)
         row = dialect.units[place] if place < len(dialect.units) else ""
         unit = None if name == "time" and cells.clock else unit_of(name, heading, row, settings.units)
-        numbers[name] = (unit[1] if unit and name != "time" else 1.0) * cells.numbers[place]
+        column = cells.numbers[place]
+        if name != "time":
+            # Beyond any plausible value: no measurement.
+            column = np.where(np.abs(column) < LARGEST_VALUE, column, np.nan) * (unit[1] if unit else 1.0)
+        numbers[name] = column
         described[name] = f"{heading} in {unit[0]}" if unit else heading
         if unit:
             units[MEASURED[name]] = TIME_UNITS.get(unit[0], unit[0]) if name == "time" else unit[0]

@@ -18,7 +18,22 @@ from tests.support.synthetic_log import synthetic_library, synthetic_log
 from .hostile_files import Kind
 from .mutations import changed_bytes
 
-_CELLS = ("", "nan", "inf", "-1", "1e308", "1e-320", "x", '"', "'", "0x10", "1,5", "\x00", "9" * 400, "10:00:00")
+_CELLS = (
+    "",
+    "nan",
+    "inf",
+    "-1",
+    "1e308",
+    "1e-320",
+    "x",
+    '"',
+    "'",
+    "0x10",
+    "1,5",
+    "\x00",
+    "9" * 400,
+    "10:00:00",
+)
 
 
 def kinds_of_imports() -> tuple[Kind, ...]:
@@ -26,8 +41,12 @@ def kinds_of_imports() -> tuple[Kind, ...]:
     flown = synthetic_log(synthetic_library(), (1, 2), (3.0, 3.0), seed=1)[TRUTH]
     return (
         Kind("table", text(table()).encode(), ".csv", _import(), changed_table),
-        Kind("JSON bag", json_bag(messages_of(range(300))), ".mcap", _import("--pose", "/odom"), changed_bytes),
-        Kind("ROS 2 bag", ros2_bag(flown, topics=["/odom"]), ".mcap", _import("--pose", "/odom"), changed_bytes),
+        Kind(
+            "JSON bag", json_bag(messages_of(range(300))), ".mcap", _import("--pose", "/odom"), changed_bytes
+        ),
+        Kind(
+            "ROS 2 bag", ros2_bag(flown, topics=["/odom"]), ".mcap", _import("--pose", "/odom"), changed_bytes
+        ),
         Kind("ULog", _small_ulog(), ".ulg", _import(), changed_bytes),
         Kind("DataFlash log", dataflash(), ".bin", _import(), changed_bytes),
     )

@@ -81,8 +81,9 @@ def gather_motion_evidence(
 
 
 def has_commands(path: Path) -> bool:
-    """Returns True if a log has the commanded primitives."""
-    return PRIMITIVE.name in read_log(path).series
+    """Returns True if a log has the commanded primitives of a library."""
+    log = read_log(path)
+    return PRIMITIVE.name in log.series and LIBRARY_ATTACHMENT in log.attachments
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -13,6 +13,7 @@ from flightlog.topics import ACTUATORS
 
 from .axes import quaternions_from_euler
 from .clock import MOST_REPEATED, check_unit, order_by_time
+from .commands import command_series, level_series
 from .imported_log import ExternalLog, LeftOut
 from .measured_motion import Source, attitude_source, differentiate_position, measured_states
 from .motion.derived_fields import BODY_RATES
@@ -83,8 +84,17 @@ def read_external_csv(path: Path, settings: TableSettings, *, topic: Topic) -> F
     if table.left_out:
         lost["with too many cells"] = table.left_out
     controls = _controls(time, table.numbers)
+    command = command_series(time, table.commands)
+    levels = None if command is None else level_series(command, states)
+    if command is not None:
+        provenance["commands"] = ", ".join(
+            f"input_{place}: {name}" for place, name in enumerate(table.commands, 1)
+        )
+    if levels is not None:
+        provenance["levels"] = "; ".join(levels[1])[:2000]
+    extra = (controls, command, levels[0] if levels else None)
     return file.log(
-        [states, *([] if controls is None else [controls])],
+        [states, *(series for series in extra if series is not None)],
         provenance=provenance,
         breaks=merged(jumps(sources)),
         left_out=LeftOut.of("row", part.total + table.left_out, lost),

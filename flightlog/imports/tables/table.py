@@ -13,6 +13,7 @@ from flightlog.consistency import LARGEST_VALUE
 from flightlog.imports.clock import SECONDS
 from flightlog.imports.motion.frames import Frames
 from flightlog.imports.motion.units import Quantity
+from flightlog.topics import MAX_INPUTS
 
 from .cells import Cells
 from .dialect import Dialect, dialect_of
@@ -99,6 +100,10 @@ def read_table(path: Path, settings: TableSettings) -> Table:
         dialect = dialect_of(path)
         columns = settings.columns
         places = select_columns(_certain_headings(dialect, settings), columns)
+        if len(settings.commands) > MAX_INPUTS:
+            raise FlightError(
+                f"--command: expected at most {MAX_INPUTS} columns, got {len(settings.commands)}"
+            )
         commands = {heading: place_of(dialect.headings, heading) for heading in settings.commands}
         if settings.rate is not None:
             places.pop("time", None)

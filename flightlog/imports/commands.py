@@ -1,4 +1,4 @@
-"""Commands of an imported log, and the levels at which they were held."""
+"""Commands of an imported log, and their held levels."""
 
 from collections.abc import Mapping
 

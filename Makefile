@@ -8,11 +8,12 @@ BIN := $(VENV)/bin
 export OPENBLAS_NUM_THREADS := 1
 export OMP_NUM_THREADS := 1
 
-.PHONY: help install viewers demo test check gallery format lock clean
+.PHONY: help install viewers demo test coverage check gallery format lock clean
 
 help:
 	@echo "make demo   the whole way, small: fly, identify, plan, fly the plan, review"
 	@echo "make test   the tests"
+	@echo "make coverage   the tests, with the lines and branches they run"
 	@echo "make check  format, lint, types, layers"
 	@echo "make gallery ULOG=FILE   the pictures of docs/review.md anew; that of an imported log where one is named"
 
@@ -37,6 +38,10 @@ demo: install
 
 test: install
 	$(BIN)/python -m pytest -n auto --dist loadfile
+
+# Tracing about doubles the time of the tests, so that CI alone does it.
+coverage: install
+	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report term
 
 check: install
 	$(BIN)/ruff format --check

@@ -79,6 +79,6 @@ class NoManeuverEndError(FlightError):
 
     def __init__(self, library: str) -> None:
         super().__init__(
-            f"library {library!r} cannot be flown: its conditions have no maneuver_end "
-            "(a band for each trim, dwell, timeout)"
+            f"library {library!r}: expected conditions.maneuver_end (a band for each trim, dwell, timeout) "
+            "for a flight, got none"
         )

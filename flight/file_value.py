@@ -30,7 +30,7 @@ class FileValue:
         stated = {field["name"]: field for field in schema["schema"]["fields"]}
         for field in stated.values():
             inner = field["schema"]
-            # A file that says less than it must would be filled up without a word.
+            # Otherwise missing keys would be filled with defaults silently.
             if inner["type"] == "default" and inner.get("default", "") is not None:
                 field["schema"] = inner if "serialization_exclude_if" in field else inner["schema"]
             field.pop("init", None)
@@ -44,7 +44,7 @@ class InForm:
 
     Attributes:
         form: type of that form.
-        load: makes the value of it; a `ValueError` says what is wrong.
+        load: makes the value of it; raises `ValueError` for invalid content.
         dump: makes it of the value.
     """
 
@@ -68,7 +68,7 @@ class _NullIsEmpty:
 
 
 Omittable = Annotated[Value, _NullIsEmpty(), Field(exclude_if=operator.not_)]
-"""A text, number or tuple that files leave out where it is empty or 0; null says the same."""
+"""A text, number or tuple that files omit if it is empty or 0; null means the same."""
 
 Share = Annotated[float, Field(ge=0, le=1)]
 """A part of a whole, from 0 to 1."""

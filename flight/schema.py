@@ -33,7 +33,7 @@ class FileModel(BaseModel):
 
 
 def schema_named(*known: str) -> AfterValidator:
-    """Returns what refuses every schema but the known ones, by name."""
+    """Returns a validator that accepts only the known schemas."""
     return AfterValidator(lambda schema: check_schema_name(schema, *known))
 
 
@@ -41,12 +41,12 @@ def check_schema_name(schema: str, *known: str) -> str:
     """Returns the schema name of a file if it is known.
 
     Raises:
-        ValueError: it is another; says all.
+        ValueError: it is another.
     """
     if schema not in known:
         newer = schema.partition("/")[0] == known[0].partition("/")[0]
         instead = "; another version may read it" if newer else ""
-        raise ValueError(f"this program reads {' and '.join(known)}, the file is {schema:.60}{instead}")
+        raise ValueError(f"expected {' or '.join(known)}, got {schema:.60}{instead}")
     return schema
 
 
@@ -87,9 +87,9 @@ def parse_json(
 
     Args:
         text: the document.
-        source: what to call it in an error.
+        source: name of the content in errors.
         kind: of the value: a `FileValue`, a `FileModel`, or a tuple of such.
-        extra: what becomes of unknown keys, where that is not for the kind to say.
+        extra: handling of unknown keys, if not the kind's own.
 
     Raises:
         BadFileError: names the source and the first place in it that is wrong.
@@ -133,7 +133,7 @@ def check_unique_keys(text: str | bytes) -> None:
     """Checks that JSON text has no key twice in one object.
 
     Raises:
-        RepeatedKeyError: there is one; says which.
+        RepeatedKeyError: there is one.
     """
     try:
         json.loads(text, object_pairs_hook=_UncheckedObject)
@@ -163,7 +163,7 @@ def read_text(path: Path) -> str:
     """
     try:
         with path.open("rb") as file:
-            # A device says no size, and need have no end.
+            # A device has no size and may have no end.
             content = file.read(LARGEST_FILE + 1)
         if len(content) > LARGEST_FILE:
             raise BadFileError(path, f"expected at most {LARGEST_FILE} bytes, got more")

@@ -35,7 +35,7 @@ class Twist(FileValue):
     def __post_init__(self) -> None:
         """Refuses non-finite components."""
         if not (isfinite(self.forward) and isfinite(self.side) and isfinite(self.yaw_rate)):
-            raise ValueError(f"a twist has finite components, got {self}")
+            raise ValueError(f"components of a twist must be finite, got {self}")
 
     def scaled_error(self, error: "Twist", gamma: float) -> "Twist":
         """Returns this velocity plus gamma times the error (thesis, eq. 8a)."""
@@ -65,7 +65,7 @@ class SE2(FileValue):
     def __post_init__(self) -> None:
         """Refuses non-finite components."""
         if not (isfinite(self.x) and isfinite(self.y) and isfinite(self.heading)):
-            raise ValueError(f"a pose has finite components, got {self}")
+            raise ValueError(f"components of a pose must be finite, got {self}")
 
     @classmethod
     def identity(cls) -> Self:

@@ -25,7 +25,7 @@ ARRIVAL_ATTACHMENT = "arrival.json"
 """Whether a mission reached its goal: a `flight.mission.arrival.ArrivalVerdict`."""
 
 VEHICLE_ATTACHMENT = "vehicle.json"
-"""All parameters of the vehicle flown, with their changes."""
+"""All parameters of the vehicle believed; what flew differs by the header's `drawn`."""
 
 IMPORT_ATTACHMENT = "import.json"
 """Origin of an imported log: file name, SHA-256 and the log's own information."""

@@ -12,6 +12,9 @@ from .topics import PRIMITIVE, TRUTH
 LONGEST_NAME = 200
 """Characters of a name in the header."""
 
+LONGEST_LIST = 4000
+"""Characters of the header's list of drawn differences."""
+
 LARGEST_VALUE = 1e9
 """Largest magnitude of a plausible value, in metres, radians or their rates."""
 
@@ -26,14 +29,14 @@ def check_log_consistency(log: FlightLog) -> None:
 
     Raises:
         ValueError: times decrease or are not finite, a value is not finite (not-a-number is a hole of an
-            import), a topic has no message, a primitive has an unknown kind, or a header
-            field is not printable; the message says which.
+            import), a topic has no message, a primitive has an unknown kind, or a header field is not
+            printable.
     """
     for name, value in asdict(log.header).items():
-        text = str(value)
-        if len(text) > LONGEST_NAME or not text.isprintable():
+        text, longest = str(value), LONGEST_LIST if name == "drawn" else LONGEST_NAME
+        if len(text) > longest or not text.isprintable():
             raise ValueError(
-                f"header {name}: expected at most {LONGEST_NAME} printable characters, got {text[:40]!r}"
+                f"header {name}: expected at most {longest} printable characters, got {text[:40]!r}"
             )
     for series in log.series.values():
         _check_values(series, holes=log.header.kind == IMPORT)

@@ -23,6 +23,11 @@ class FlightHeader:
         backend: numeric back-end of the vehicle, such as `casadi-3.8.2 compiled`; with planning in flight
             also that of the search: `casadi-3.8.2 compiled, plans compiled`.
         outcome: `completed`, or the reason of the failure.
+        air: mean wind, standard deviations and intensities of the wind class at the flight's height; empty
+            where not known.
+        vehicles: population that the vehicle was drawn from: `nominal`, `airframe SEED` or `fleet`.
+        drawn: differences of the vehicle flown from the one believed, by name, SI units.
+        sensors: class of the sensors; `ideal` without errors; empty where not stated.
     """
 
     kind: str
@@ -34,6 +39,10 @@ class FlightHeader:
     code_version: str
     backend: str
     outcome: str = "completed"
+    air: str = ""
+    vehicles: str = "nominal"
+    drawn: str = ""
+    sensors: str = ""
 
     @property
     def release(self) -> str:

@@ -29,7 +29,7 @@ class LoggedPlan:
     """One planning of a receding-horizon flight.
 
     Attributes:
-        time: seconds since the flight's start at which it was asked for.
+        time: seconds since the flight's start of the request.
         latency: seconds that it took, as charged.
         plan: its answer, which may be that there is none.
     """
@@ -49,7 +49,7 @@ class LoggedSequence:
     altitude: float
 
 
-class _Asked(FileModel):
+class _LoggedPlanning(FileModel):
     time: NonNegativeFloat
     latency: NonNegativeFloat
 
@@ -98,7 +98,7 @@ def logged_goal(log: FlightLog) -> Destination | None:
     closed = _attached(log, MISSION_ATTACHMENT, _Closed)
     if mission is None or closed is None:
         return None
-    # What the loop was closed with comes before what the mission's file says.
+    # The settings of the loop come before those of the mission's file.
     return replace(mission.destination, tolerance=closed.settings.final_tolerance or mission.tolerance)
 
 
@@ -127,9 +127,9 @@ def logged_plannings(log: FlightLog) -> tuple[LoggedPlan, ...]:
     Raises:
         BadFileError: the attachment is invalid.
     """
-    asked = _attached(log, PLANS_ATTACHMENT, tuple[_Asked, ...]) or ()
+    plannings = _attached(log, PLANS_ATTACHMENT, tuple[_LoggedPlanning, ...]) or ()
     plans = _attached(log, PLANS_ATTACHMENT, tuple[Plan, ...]) or ()
-    return tuple(LoggedPlan(one.time, one.latency, plan) for one, plan in zip(asked, plans, strict=True))
+    return tuple(LoggedPlan(one.time, one.latency, plan) for one, plan in zip(plannings, plans, strict=True))
 
 
 def logged_planned_time(log: FlightLog) -> float | None:

@@ -28,7 +28,7 @@ class FlownPrimitive:
         target: nominal velocity of that trim.
         start: start, seconds.
         end: start of the next primitive or end of the log, seconds.
-        timed_out: whether it ended by time-out.
+        timed_out: True if it ended by time-out.
     """
 
     kind: PrimitiveKind

@@ -25,7 +25,7 @@ class NoClaimError(FlightError):
     """No primitive of the library has statistics."""
 
     def __init__(self, library: str) -> None:
-        super().__init__(f"library {library}: expected statistics to test, no primitive has statistics")
+        super().__init__(f"library {library}: expected primitives with statistics to test, got none")
 
 
 @dataclass(frozen=True, slots=True)

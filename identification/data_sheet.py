@@ -31,7 +31,8 @@ def data_sheet(library: Library) -> str:
     if notes:
         parts += ["## Notes", "\n".join(notes)]
     if any(trim.statistics for trim in library.trims):
-        parts += ["## Coverage claims", _CLAIM, *_outlier_section(library)]
+        claim = _CLAIM.format(future_flights=conditions.future_flights)
+        parts += ["## Coverage claims", claim, *_outlier_section(library)]
     parts += _interpolated_section(library)
     return "\n\n".join(parts) + "\n"
 
@@ -47,7 +48,7 @@ def describe_sample_size(library: Library) -> str:
     beside = f"; {plural(interpolated, 'maneuver')} interpolated, never flown" if interpolated else ""
     return (
         f"errors from {flights} flights; each primitive's bounds cover at least {100 * least:.0f} % of "
-        f"future flights ({100 * entries[0].confidence:.0f} % confidence){beside}"
+        f"{library.conditions.future_flights} ({100 * entries[0].confidence:.0f} % confidence){beside}"
     )
 
 
@@ -70,10 +71,13 @@ def _fact_rows(library: Library) -> list[tuple[str, str]]:
     return [
         ("vehicle", library.vehicle),
         ("wind class", conditions.wind),
+        ("air", conditions.air or unknown),
         ("altitude", unknown if altitude is None else f"{altitude:g} m"),
         ("trim errors", conditions.trim_error_kind),
         ("deviations of", f"the {_MOTIONS.get(motion, motion)} motion" if motion else unknown),
         ("vehicle parameters", unknown if flown is None else f"sha256 {flown[:12]}"),
+        ("vehicles flown", conditions.vehicles or unknown),
+        ("sensors", conditions.sensors or unknown),
         ("speeds flown", unknown if speeds is None else f"{speeds[0]:g} to {speeds[1]:g} m/s"),
         ("maneuvers flown from trims", unknown if entries is None else ", ".join(map(str, entries))),
         ("coasts flown", unknown if coasts is None else f"{coasts[0]:.1f} to {coasts[1]:.1f} s"),
@@ -93,9 +97,9 @@ _MANEUVER_HEAD = (
 )
 _BIN_HEAD = ("trim", "coast s", "forward m/s", "side m/s", "yaw rate rad/s", "samples", "coverage")
 _CLAIM = (
-    "A sample is a flight. `coverage` is the share of future flights, under the same conditions and with the "
-    "same schedule, in which all numbers of the primitive stay inside value ± |error| at once, at the "
-    "confidence of the library's `statistics`. `centre` is the source of the values that deviations are "
+    "A sample is a flight. `coverage` is the share of {future_flights}, under the same conditions and "
+    "with the same schedule, in which all numbers of the primitive stay inside value ± |error| at once, at "
+    "the confidence of the library's `statistics`. `centre` is the source of the values that deviations are "
     "measured from; values from the same flights as the bounds need twice as many fitted numbers, so their "
     "coverage is lower. A `discarded` sample is outside the bounds: a lost flight, or one in which the "
     "maneuver did not settle. It is counted and listed, and the coverage accounts for it. Durations and "

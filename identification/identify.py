@@ -76,11 +76,14 @@ def identify(
         conditions=replace(
             flown.conditions,
             wind=header.wind,
+            air=header.air or None,
             trim_error_kind=trim_errors,
             coasting_range=_coasting_range(bounding),
             vehicle_hash=header.model_hash,
             speed_range=_speed_range(flown),
             entry_trims=tuple(sorted({row.from_trim for row in flown.maneuvers})),
+            vehicles=header.vehicles,
+            sensors=header.sensors or None,
         ),
         provenance=_provenance(bounding, centring, confidence, campaign),
     )
@@ -147,7 +150,11 @@ def _check_consistency(flights: Sequence[FlightEvidence]) -> None:
                 f"expected different flights, {flight.name} is the same flight as {seen[flight.sha256]}"
             )
         seen[flight.sha256] = flight.name
-        for field in ("vehicle", "model_hash", "wind", "release", "arithmetic"):
+        compared = (
+            *("vehicle", "model_hash", "wind", "air", "vehicles", "sensors"),
+            *("release", "arithmetic"),
+        )
+        for field in compared:
             expected, got = getattr(first.header, field), getattr(flight.header, field)
             if got != expected:
                 raise InconsistentLogsError(

@@ -26,28 +26,33 @@ STOPPING = {signal.SIGINT: "interrupted", signal.SIGTERM: "asked to stop", signa
 
 BROKEN_PIPE = 128 + signal.SIGPIPE
 
+HELP = {"--help", "-h"}
+
 # Where each verb is and, for the overview, what it does; a verb's module is imported only when it is called.
 VERBS = {
-    "demo": ("maneuver.demo:demo", "The whole way, small: fly, identify, plan, fly the plans, review."),
+    "demo": ("maneuver.demo:demo", "Small example of all steps: fly, identify, plan, fly plans, review."),
     "fly": ("maneuver.fly:fly", "Flies a sequence, a mission or a campaign; writes flight logs."),
-    "identify": ("maneuver.identify:identify", "Flight logs in, library with its data sheet out."),
+    "identify": ("maneuver.identify:identify", "Identifies a library from flight logs; writes a data sheet."),
     "segment": (
         "maneuver.segment:segment",
-        "Maneuvers found in the motion alone, beside the commanded ones.",
+        "Finds maneuvers from motion alone and compares them with the commands.",
     ),
     "regenerate": ("maneuver.regenerate:regenerate", "Flies a campaign and identifies its library."),
-    "plan": ("maneuver.plan.plan:app", "A mission in, a plan out; `plan check` checks one."),
-    "validate": ("maneuver.validate:validate", "Flies missions many times, beside what was planned."),
+    "plan": ("maneuver.plan.plan:app", "Plans a mission; `plan check` checks a plan."),
+    "validate": (
+        "maneuver.validate:validate",
+        "Flies missions in closed loop and compares them with their plans.",
+    ),
     "faults": (
         "maneuver.faults:faults",
-        "Flies faults in closed loop: safe, detected loss or undetected failure.",
+        "Flies faults in closed loop; counts safe flights, detected losses, undetected failures.",
     ),
-    "import": ("maneuver.import_log:import_log", "A log of PX4 in, a flight log out."),
-    "review": ("maneuver.review:review", "A flight log in; summary, page and pictures out."),
-    "thesis": ("maneuver.thesis:thesis", "Every printed table of the thesis beside the computed one."),
-    "verify": ("maneuver.verify:verify", "The physics and the margins, each figure beside its bar."),
-    "replay": ("maneuver.replay:replay", "Logged flights flown again from their logs, compared to the byte."),
-    "recover": ("maneuver.recover:recover", "A damaged log in, what is whole of it out."),
+    "import": ("maneuver.import_log:import_log", "Imports a PX4 ULog, an MCAP file or a table."),
+    "review": ("maneuver.review:review", "Reviews flight logs: summary, page and pictures."),
+    "thesis": ("maneuver.thesis:thesis", "Compares every printed table of the thesis with computed figures."),
+    "verify": ("maneuver.verify:verify", "Checks physics and margins of the simulator against their limits."),
+    "replay": ("maneuver.replay:replay", "Flies logged flights again and compares the logs byte by byte."),
+    "recover": ("maneuver.recover:recover", "Recovers the intact part of a damaged log."),
     "library": (
         "maneuver.library.show:app",
         "Shows, checks, tests, compares, interpolates and makes libraries.",
@@ -56,7 +61,7 @@ VERBS = {
 
 
 class _Stopped(KeyboardInterrupt):
-    """A signal has come."""
+    """Stop by a signal."""
 
     def __init__(self, number: int) -> None:
         super().__init__(number)
@@ -71,15 +76,15 @@ def build(*, overview: bool = False) -> App:
     """Returns the application.
 
     Args:
-        overview: whether a line for each verb stands in for the verb's own help.
+        overview: list each verb with one line instead of its own help.
     """
     app = App(
         name="maneuver",
         version=VERSION,
         help=(
-            "Flies a simulated helicopter, identifies motion primitives with their uncertainties from the "
-            "flight logs, plans minimum-time missions that survive those uncertainties, and proves each plan "
-            "by flying it again."
+            "Flies a simulated helicopter, identifies motion primitives with uncertainties from the flight "
+            "logs, plans minimum-time missions that are robust to these uncertainties, and validates the "
+            "plans in closed-loop flights."
         ),
         error_formatter=_one_line,
         error_console=Console(stderr=True, soft_wrap=True, markup=False, highlight=False),
@@ -90,16 +95,26 @@ def build(*, overview: bool = False) -> App:
     return app
 
 
+def _build_for(words: Sequence[str]) -> App:
+    """Returns the application with the help texts that a command line needs."""
+    verbs = [word for word in words if word not in HELP]
+    app = build(overview=not verbs)
+    if len(verbs) == 1 and verbs[0] in VERBS:
+        # The help of a verb's own verbs is empty until they are imported.
+        for name in app[verbs[0]]:
+            app[verbs[0]][name]
+    return app
+
+
 def run(arguments: Sequence[str] | None = None) -> int:
     """Runs one command and returns its exit code.
 
-    0 yes; 1 the honest no; 2 bad input or usage, one line on stderr.
+    0 success; 1 negative result; 2 bad input or usage, one line on stderr.
     """
     words = list(sys.argv[1:] if arguments is None else arguments)
     left = RESUME if _is_resumable(words) else WHOLE
     try:
-        app = build(overview=not words or words[0] in {"--help", "-h"})
-        code = app(words, result_action="return_value")
+        code = _build_for(words)(words, result_action="return_value")
         sys.stdout.flush()
     except FlightError as error:
         return _print_error(str(error), BAD_INPUT)
@@ -109,12 +124,12 @@ def run(arguments: Sequence[str] | None = None) -> int:
         number = stop.number if isinstance(stop, _Stopped) else signal.SIGINT
         return _print_error(f"{STOPPING[number]}; {left}", 128 + number)
     except BrokenPipeError:
-        # Whoever read the output has gone; keep the interpreter from complaining when it closes stdout.
+        # The reader of the output is gone; without this the interpreter complains when it closes stdout.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return BROKEN_PIPE
     except OSError as error:
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        return _print_error(f"the system says no: {error}", BAD_INPUT)
+        return _print_error(f"system error: {error}", BAD_INPUT)
     return code if isinstance(code, int) else 0
 
 
@@ -139,7 +154,7 @@ def _stop(number: int, _: FrameType | None) -> None:
 def main() -> None:
     """Entry point of the `maneuver` command."""
     for number in STOPPING:
-        # Who started this in the background, or with nohup, has said that it shall not hear them.
+        # Started in the background or with nohup: the signal stays ignored.
         if signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _stop)
     sys.exit(run())

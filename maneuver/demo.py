@@ -1,4 +1,4 @@
-"""`maneuver demo`: the whole way, small."""
+"""`maneuver demo`: small example of all steps."""
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
@@ -23,8 +23,9 @@ from flight.plan.plan import Plan
 from flightlog.file.reader import read_log
 from identification.data_sheet import describe_sample_size
 from identification.identify import identify
-from maneuver.library.publish import publish_library
+from maneuver.library.library_files import write_library_files
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import campaign_population
 from review.pictures.demo_picture import FlownPlan, demo_picture
 from review.pictures.flight_picture import write_picture, write_pictures
 from review.pictures.library_picture import library_picture
@@ -32,6 +33,7 @@ from runtime.atomic_write import check_output_folder
 from runtime.executor import JobExecutor, default_workers, worker_pool
 from runtime.progress import show_progress
 from scenarios.find import find_campaign, find_mission
+from sim.loop.specification import FlightOptions
 
 CAMPAIGN = "gtmax"
 MISSION = "gtmax-2"
@@ -49,8 +51,8 @@ def demo(
 ) -> int:
     """Flies, identifies, plans, flies the plans and reviews, in about a minute.
 
-    A few flights in turbulence give a library, both policies plan a mission of the thesis with it, and each
-    plan is flown, re-planned on the way, in the same turbulence. Ends by saying where the pictures are.
+    A library is identified from a few flights in turbulence. Both policies plan a mission of the thesis with
+    it. Each plan is flown in the same turbulence, with replanning. The last lines list the pictures.
 
     For example:
 
@@ -59,28 +61,28 @@ def demo(
         maneuver demo --flights 30 --out more
 
     Args:
-        out: folder for everything that is made.
-        flights: identification flights.
-        repeats: flights of each plan.
-        seed: of all chance.
-        workers: processes; one for each processor by default.
-        force: write into a folder that has something in it.
+        out: folder for all results.
+        flights: number of identification flights.
+        repeats: number of flights of each plan.
+        seed: seed of all random numbers.
+        workers: number of processes; one per processor by default.
+        force: write into a folder that is not empty.
     """
     check_output_folder(out, force=force)
     console = Console(highlight=False)
     mission = find_mission(MISSION)
     with worker_pool(workers or default_workers()) as executor:
-        way = _Demo(out, seed, force, executor)
-        with _report_step(console, f"fly       {flights} flights of the campaign {CAMPAIGN}, in its wind"):
-            logs = way.fly(flights)
+        stages = _Demo(out, seed, force, executor)
+        with _report_step(console, f"fly       {flights} flights of campaign {CAMPAIGN}, in its wind"):
+            logs = stages.fly(flights)
         with _report_step(console, "identify  a library with uncertainties from their logs"):
-            library = way.identify(logs)
-        with _report_step(console, f"plan      mission {MISSION}, nominal and for the worst case"):
+            library = stages.identify(logs)
+        with _report_step(console, f"plan      mission {MISSION}, nominal and worst-case"):
             plans = [planner_of(policy, library, gamma=GAMMA).plan(mission) for policy in COMPARED_POLICIES]
-        with _report_step(console, f"fly       each plan {repeats} times, re-planned on the way"):
-            results = way.fly_plans(mission, library, repeats)
+        with _report_step(console, f"fly       each plan {repeats} times, with replanning"):
+            results = stages.fly_plans(mission, library, repeats)
         with _report_step(console, "review    the flights as pictures"):
-            pictures = way.review(mission, library, plans, results)
+            pictures = stages.review(mission, library, plans, results)
     console.print(f"library     {describe_sample_size(library)}", soft_wrap=True)
     for plan in plans:
         console.print(
@@ -92,11 +94,11 @@ def demo(
 
 
 def _describe_outcome(plan: Plan, flights: list[MissionResult]) -> str:
-    """Says what a policy promised and what its flights did."""
-    promised = f"planned {plan.cost:.1f} s" if plan.found else f"no plan: {plan.reason}"
+    """Returns planned and flown times of a policy."""
+    planned = f"planned {plan.cost:.1f} s" if plan.found else f"no plan: {plan.reason}"
     times = sorted(flight.flown_time for flight in flights if flight.reached)
-    flown = f", in {times[0]:.1f} to {times[-1]:.1f} s" if times else ""
-    return f"{plan.policy:<11} {promised}; flown: goal reached in {len(times)} of {len(flights)}{flown}"
+    flown = f" in {times[0]:.1f} to {times[-1]:.1f} s" if times else ""
+    return f"{plan.policy:<11} {planned}; goal reached in {len(times)} of {len(flights)} flights{flown}"
 
 
 @contextmanager
@@ -108,7 +110,7 @@ def _report_step(console: Console, what: str) -> Iterator[None]:
 
 @dataclass(frozen=True, slots=True)
 class _Demo:
-    """The stages of the demo, and what they share."""
+    """Stages of the demo with their shared settings."""
 
     out: Path
     seed: int
@@ -117,14 +119,21 @@ class _Demo:
 
     def fly(self, flights: int) -> list[Path]:
         campaign = find_campaign(CAMPAIGN)
-        order = CampaignOrder(campaign, seed=self.seed, flights=flights, wind=campaign.wind)
+        population = campaign_population(campaign, None, airframe=None, seed=self.seed, sensors=None)
+        order = CampaignOrder(
+            campaign,
+            seed=self.seed,
+            flights=flights,
+            wind=campaign.wind,
+            flight_options=FlightOptions(**population),
+        )
         job_executor = JobExecutor(self.executor)
         flown = fly_campaign(order, self.out / "flights", job_executor=job_executor, force=self.force)
         return [flight.path for flight in flown.flights]
 
     def identify(self, logs: list[Path]) -> Library:
         library = identify(gather_evidence(logs, executor=self.executor), name="demo")
-        publish_library(library, self.out / "demo.json", force=self.force)
+        write_library_files(library, self.out / "demo.json", force=self.force)
         return library
 
     def fly_plans(self, mission: Mission, library: Library, repeats: int) -> list[MissionResult]:
@@ -149,7 +158,7 @@ class _Demo:
     def review(
         self, mission: Mission, library: Library, plans: list[Plan], results: list[MissionResult]
     ) -> dict[Path, str]:
-        """Draws everything, and returns where the pictures are with what they show."""
+        """Draws the pictures and returns their paths with captions."""
         outcomes = []
         for plan in plans:
             paths = [row.log for row in results if row.policy == plan.policy and row.log is not None]
@@ -159,7 +168,7 @@ class _Demo:
         write_picture(library_picture(library), primitives, force=self.force)
         write_pictures(outcomes[-1].flights[0], folder, force=self.force)
         return {
-            whole: "the whole way: library, plans, flights",
-            primitives: "the library that was identified",
-            folder / "flight.png": "one of the flights: command, estimate and truth",
+            whole: "library, plans and flights",
+            primitives: "identified library",
+            folder / "flight.png": "one flight: command, estimate and truth",
         }

@@ -1,4 +1,4 @@
-"""`maneuver fly`: sequences, missions and campaigns flown by the simulated helicopter."""
+"""`maneuver fly`: flights of sequences, missions and campaigns by the simulated helicopter."""
 
 import json as json_module
 import sys
@@ -16,6 +16,7 @@ from experiments.mission.no_plan import with_full_reason
 from experiments.mission.policies import FlownPolicy
 from experiments.mission.result import flown_walk
 from flight.errors import FlightError
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.fault import parse_fault
 from flight.mission.wind_change import parse_wind_change
 from flightlog.file.reader import read_log
@@ -27,6 +28,7 @@ from maneuver.options.films import check_film_target, make_film
 from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import check_output_files
@@ -46,7 +48,7 @@ from .fly_campaign import fly_ordered_campaign, order_campaign
 
 LOST = 1
 
-# How results are said to people, where their names alone would not do.
+# Labels where the key is not clear by itself.
 LABELS = {
     "flown_time": "flown",
     "planned_time": "planned",
@@ -56,7 +58,7 @@ LABELS = {
     "flight_hours": "flight hours",
     "timeouts": "time-outs",
 }
-# What a result holds for scorecards and pictures.
+# Keys for scorecards and pictures only.
 NOT_PRINTED = {
     *("gamma", "plant", "predicted_time", "planning_times", "performances", "legs"),
     *("claimed", "alarms", "left", "effects", "left_tube"),
@@ -75,6 +77,9 @@ def fly(
     latency: str | None = None,
     max_trims: Count | None = None,
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     ideal_sensors: Annotated[bool, Parameter(negative="")] = False,
     adaptation: bool = True,
     fault: tuple[str, ...] = (),
@@ -92,9 +97,9 @@ def fly(
 ) -> int:
     """Flies a sequence, a mission or a campaign and writes flight logs.
 
-    A sequence is flown as it stands. A mission is planned and re-planned in flight. A campaign flies every
-    maneuver of its automaton once a flight; stopped in whatever way and started again, the same command flies
-    only what is missing. The exit code is 1 when a flight was lost or the goal was not reached.
+    A sequence is flown as given. A mission is planned, and replanned in flight. A campaign flies every
+    maneuver of its automaton once per flight; the same command resumes after a stop. The exit code is 1 if
+    a flight was lost or the goal was not reached.
 
     For example:
 
@@ -121,28 +126,33 @@ def fly(
         mission: name or path of a mission.
         campaign: name or path of a campaign.
         library: name or path of the library that a sequence or mission is flown with.
-        policy: planner of a mission; worst-case by default.
-        gamma: uncertainty level of the worst-case planner of a mission, 0 to 1; 1 by default.
-        latency: what a mission is charged for each planning: seconds, `measured` (by the clock; what took
-            longer than 0.05 s is too late), or a log of a flight to be repeated; 0.05 by default.
-        max_trims: longest sequence that a mission is planned with, at most 8; the mission's by default.
-        wind: wind class; that of the sequence, of the mission's library or of the campaign by default.
-        ideal_sensors: the vehicle believes the truth, at once.
-        adaptation: whether the controller's adaptive element adapts.
-        fault: where, what, start and duration in s (inf: to the end), then its sizes; may be repeated. What
-            exists stands in docs/helicopter.md, and in the answer to one that does not.
-        wind_change: time in s and the wind class that it changes to, such as `20 light`; may be repeated.
-        supervision: whether the vehicle of a mission watches itself, and gives up at its first alarm.
-        seed: of all chance.
-        flights: of a campaign, to give bounds; the campaign's number by default.
-        nominal_flights: of a campaign, to give the values of maneuvers; the campaign's number by default,
-            none where only --flights is given.
+        policy: planning policy of a mission; worst-case by default.
+        gamma: uncertainty level of a mission's worst-case policy, 0 to 1; 1 by default.
+        latency: planning latency of a mission: seconds, `measured` (clock time; more than 0.05 s is too
+            late), or the log of a flight whose latencies are repeated; 0.05 by default.
+        max_trims: number of trims in the longest sequence of a mission's plan, at most 8; the mission's by
+            default.
+        wind: wind class; that of the sequence, the mission's library or the campaign by default.
+        vehicles: vehicle flown, while the nominal one is assumed: `nominal`, `one` drawn airframe for all
+            flights, or a `fleet`, an airframe drawn for each flight; the library's or campaign's by default.
+        airframe: seed of the airframe of --vehicles one; --seed by default.
+        sensors: sensor class, rtk or gps; the library's or campaign's by default.
+        ideal_sensors: fly with ideal navigation: the estimate equals the truth.
+        adaptation: use the controller's adaptive element.
+        fault: component, kind, start and duration in s (inf: to the end), then its sizes; may be repeated.
+            All kinds are listed in docs/helicopter.md and in the error message for an unknown one.
+        wind_change: time in s and the new wind class, such as `20 light`; may be repeated.
+        supervision: monitor a mission's flight and abort it at the first alarm.
+        seed: seed of all random numbers.
+        flights: number of campaign flights for the bounds; the campaign's by default.
+        nominal_flights: number of campaign flights for the maneuvers' values; the campaign's by default,
+            none if only --flights is given.
         out: log of a sequence or mission (NAME.mcap by default), folder of a campaign (NAME by default).
-        job_executor: who flies a campaign.
-        status: fly nothing; say which flights of the campaign are there. The exit code is 1 where one is not.
-        video: film of a sequence or mission, as seen from a camera that follows, FILE.mp4.
-        force: overwrite OUT and VIDEO; of a campaign, replace logs of other flights.
-        json: print what was flown as JSON.
+        job_executor: executor of a campaign's flights.
+        status: list the stored flights of the campaign without flying; the exit code is 1 if one is missing.
+        video: film of a sequence or mission from a chase camera, FILE.mp4.
+        force: overwrite OUT and VIDEO; for a campaign, replace logs of other flights.
+        json: print the result as JSON.
     """
     flight_options = FlightOptions(
         ideal_navigation=ideal_sensors,
@@ -151,20 +161,20 @@ def fly(
         supervised=supervision and mission is not None,
         wind_changes=tuple(map(parse_wind_change, wind_change)),
     )
+    if campaign is None:
+        population = library_population(
+            find_library(library), vehicles, airframe=airframe, seed=seed, sensors=sensors
+        )
+        flight_options = replace(flight_options, **population)
     order = _SharedOptions(library, wind, flight_options, seed, out, video, force)
     if video is not None:
         _check_video(video, campaign, force=force)
     if mission is None:
-        _check_options(
-            "a mission: give --mission", policy=policy, gamma=gamma, latency=latency, max_trims=max_trims
-        )
+        _check_options("--mission", policy=policy, gamma=gamma, latency=latency, max_trims=max_trims)
     if campaign is None:
-        told = {name: value for name, value in asdict(job_executor).items() if value} | {
-            "status": status or None
-        }
-        _check_options(
-            "a campaign: give --campaign", flights=flights, nominal_flights=nominal_flights, **told
-        )
+        given = {name: value for name, value in asdict(job_executor).items() if value}
+        given |= {"status": status or None}
+        _check_options("--campaign", flights=flights, nominal_flights=nominal_flights, **given)
     match sequence, mission, campaign:
         case str(), None, None:
             code, result = _fly_sequence(sequence, order)
@@ -184,14 +194,17 @@ def fly(
                 wind=wind,
                 seed=seed,
                 flight_options=flight_options,
+                vehicles=vehicles,
+                airframe=airframe,
+                sensors=sensors,
             )
             folder = out or Path(wanted.campaign.name)
             if status:
                 return print_status(inspect_jobs(wanted.jobs(folder), folder), as_json=json)
             code, result = fly_ordered_campaign(wanted, folder, job_executor=job_executor, force=force)
         case _:
-            given = sum(kind is not None for kind in (sequence, mission, campaign))
-            raise FlightError(f"expected one of --sequence, --mission and --campaign, got {given}")
+            count = sum(kind is not None for kind in (sequence, mission, campaign))
+            raise FlightError(f"expected one of --sequence, --mission and --campaign, got {count} of them")
     if video is not None:
         make_film(read_log(Path(str(result["log"]))), video, force=force)
         result["video"] = str(video)
@@ -208,15 +221,15 @@ def _lines(result: Mapping[str, object]) -> str:
 
 def _check_video(path: Path, campaign: str | None, *, force: bool) -> None:
     if campaign is not None:
-        raise FlightError("--video belongs to one flight: give --sequence or --mission with it")
+        raise FlightError("--video: expected --sequence or --mission, got --campaign")
     check_film_target(path, force=force)
 
 
 def _check_options(owner: str, **options: object) -> None:
-    """Refuses options that were given without what they belong to."""
+    """Refuses options without the option that they need."""
     given = [f"--{name.replace('_', '-')}" for name, value in options.items() if value is not None]
     if given:
-        raise FlightError(f"{', '.join(given)} belong to {owner} with it")
+        raise FlightError(f"{', '.join(given)}: only valid with {owner}")
 
 
 def _text(value: object) -> str:

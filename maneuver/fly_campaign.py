@@ -1,10 +1,13 @@
-"""A campaign as `maneuver fly` flies it."""
+"""Campaign flights of `maneuver fly`."""
 
+from dataclasses import replace
 from pathlib import Path
 
 from experiments.campaign.campaign_size import campaign_size
 from experiments.campaign.fly_campaign import CampaignOrder, fly_campaign
+from flight.mission.campaign import VehiclePopulation
 from maneuver.options.executor_options import ExecutorOptions, open_executor
+from maneuver.options.population import campaign_population
 from scenarios.find import find_campaign
 from sim.loop.specification import FlightOptions
 
@@ -18,15 +21,21 @@ def order_campaign(
     wind: str | None,
     seed: int,
     flight_options: FlightOptions,
+    vehicles: VehiclePopulation | None = None,
+    airframe: int | None = None,
+    sensors: str | None = None,
 ) -> CampaignOrder:
-    """Returns what is flown of a campaign.
+    """Returns the order of a campaign.
 
     Args:
         name: or path of the campaign.
         counts: flights for the bounds and for the values; None for the campaign's.
         wind: wind class; None for the campaign's.
-        seed: of all chance.
-        flight_options: how the flights differ from plain ones.
+        seed: seed of all random numbers.
+        flight_options: options of the flights.
+        vehicles: population flown; None for the campaign's.
+        airframe: seed of the airframe of `one`; None for the campaign's seed.
+        sensors: class of the sensors; None for the campaign's.
 
     Raises:
         FlightError: there is no such campaign, or it is broken.
@@ -41,7 +50,10 @@ def order_campaign(
         flights=size.bounding,
         nominal_flights=size.nominal,
         wind=wind or campaign.wind,
-        flight_options=flight_options,
+        flight_options=replace(
+            flight_options,
+            **campaign_population(campaign, vehicles, airframe=airframe, seed=seed, sensors=sensors),
+        ),
     )
 
 
@@ -53,8 +65,8 @@ def fly_ordered_campaign(
     Raises:
         FlightError: the campaign cannot be flown as asked, or the folder holds something else.
     """
-    with open_executor(job_executor) as lent:
-        flown = fly_campaign(order, folder, job_executor=lent, force=force)
+    with open_executor(job_executor) as executor:
+        flown = fly_campaign(order, folder, job_executor=executor, force=force)
     lost = [flight.path.name for flight in flown.flights if flight.outcome != "completed"]
     result: dict[str, object] = {
         "campaign": order.campaign.name,

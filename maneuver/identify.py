@@ -1,4 +1,4 @@
-"""`maneuver identify`: logs in, library out."""
+"""`maneuver identify`: library from flight logs."""
 
 import sys
 from math import inf
@@ -15,7 +15,7 @@ from identification.identify import TrimErrors
 from identification.identify import identify as identify_library
 from identification.segmentation.flight_evidence import StateJudged
 from identification.segmentation.trim_discovery import Resolution
-from maneuver.library.publish import check_library_target, library_report, publish_library
+from maneuver.library.library_files import check_library_target, library_report, write_library_files
 from maneuver.options.numbers import Count
 from runtime.executor import default_workers, worker_pool
 from scenarios.find import find_library
@@ -39,17 +39,17 @@ def identify(
     force: Annotated[bool, Parameter(negative="")] = False,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Identifies a motion-primitive library from flight logs, and from nothing else.
+    """Identifies a motion-primitive library from flight logs alone.
 
-    A maneuver is entered when the command changes, or, in logs without commands, where the motion shows it;
-    it ends by the rule that the logs carry. The value of a maneuver is its mean over the nominal flights
-    (those flown as such, and --nominal), errors are the largest deviations over the others, signed by the
-    convention; without nominal flights the same flights give both and the claim is weaker. Beside the library
-    stands its data sheet, OUT with the ending .md. The exit code is 1 where a primitive claims less than
-    --coverage.
+    A maneuver starts when the command changes, or, in logs without commands, where the motion shows a
+    change. It ends by the maneuver-end rule in the logs. A maneuver's value is its mean over the nominal
+    flights (logs marked as nominal, and --nominal). Its errors are the largest deviations in the other
+    flights, signed by the sign convention. Without nominal flights, the same flights give values and errors,
+    and the coverage claim is weaker. The data sheet is written beside the library, with the ending .md. The
+    exit code is 1 if a primitive's claim is below --coverage.
 
-    Logs of another vehicle need `/truth`, `/estimate` or `/motion` at 20 Hz or more and nothing else. Which
-    trims they hold, and when a maneuver has ended, is then found in them too, unless TRIMS says it.
+    Logs of another vehicle need only `/truth`, `/estimate` or `/motion` at 20 Hz or more. Their trims and
+    maneuver ends are then discovered from the motion, unless --trims names a library with both.
 
     For example:
 
@@ -63,38 +63,38 @@ def identify(
 
     Args:
         logs: flight logs, or folders of them.
-        out: where the library goes.
-        name: of the library; OUT's by default.
-        by: what shows where maneuvers begin; the commands by default, in logs that have them.
-        trims: library that names the trims, the maneuvers and the rule for their ends, for logs that carry
-            none; its other numbers are not used.
-        resolution: least difference between two trims where they are to be found: m/s forward, m/s to the
-            side, rad/s; 6 % of each one's range by default, at least 0.2 m/s and 0.02 rad/s.
-        nominal: more logs, or folders of them, that give the values of maneuvers and no bounds.
-        coverage: share of future flights that every primitive must claim to hold, all its numbers at once.
-        confidence: with which the coverage is claimed.
-        of: whose deviations: those of the true motion, or of what the vehicle believed.
+        out: library file to write.
+        name: name of the library; OUT's by default.
+        by: source of the maneuvers' starts; the commands by default, in logs that have them.
+        trims: library with trims, maneuvers and maneuver-end rule, for logs without them; its other numbers
+            are not used.
+        resolution: smallest difference between two discovered trims: forward in m/s, side in m/s, yaw rate in
+            rad/s; 6 % of each range by default, at least 0.2 m/s and 0.02 rad/s.
+        nominal: more logs, or folders of them, for the values of maneuvers only, not for bounds.
+        coverage: required share of future flights inside all bounds of a primitive at once.
+        confidence: confidence of the coverage.
+        of: motion whose deviations are bounded: the truth or the vehicle's estimate.
         trim_errors: largest deviation of a trim at any instant, or averaged over a coast.
-        workers: processes that read logs; one for each processor by default.
+        workers: number of processes that read logs; one per processor by default.
         force: overwrite OUT.
         json: print the library as JSON.
     """
     if not 0 < confidence < 1:
         raise FlightError(f"--confidence must be between 0 and 1, got {confidence}")
-    paths, apart = log_paths(logs), log_paths(nominal) if nominal else []
-    check_library_target(out, force=force, inputs=[*paths, *apart])
+    paths, nominal_paths = log_paths(logs), log_paths(nominal) if nominal else []
+    check_library_target(out, force=force, inputs=[*paths, *nominal_paths])
     if by == "commands" and (trims or resolution):
-        raise FlightError("--trims and --resolution are for --by motion; with commands the logs say both")
+        raise FlightError("--trims and --resolution: expected --by motion, got --by commands")
     by_motion = by == "motion" or (by is None and (bool(trims) or not has_commands(paths[0])))
     if by_motion and of == "estimate":
-        raise FlightError("--of estimate is for logs with commands; --by motion judges the truth where it is")
+        raise FlightError("--of estimate: expected logs with commands and --by commands, got --by motion")
     named = find_library(trims) if trims else None
     least = _resolution(resolution) if resolution else None
     with worker_pool(workers or default_workers()) as executor:
         flights = (
-            gather_motion_evidence([*paths, *apart], executor=executor, trims=named, resolution=least)
+            gather_motion_evidence([*paths, *nominal_paths], executor=executor, trims=named, resolution=least)
             if by_motion
-            else gather_evidence([*paths, *apart], executor=executor, of=of)
+            else gather_evidence([*paths, *nominal_paths], executor=executor, of=of)
         )
     bounding, centring = split_by_kind(flights[: len(paths)])
     library = identify_library(
@@ -105,7 +105,7 @@ def identify(
         trim_errors=trim_errors,
     )
     weak = weaker_claims(library, coverage)
-    publish_library(library, out, force=force)
+    write_library_files(library, out, force=force)
     sys.stdout.write(library_text(library) if json else library_report(library, out))
     for line in weak:
         print(line, file=sys.stderr)

@@ -1,4 +1,4 @@
-"""`maneuver import`: a flight that another program logged, as a log of ours."""
+"""`maneuver import`: flight log from another program's log."""
 
 import json as json_module
 import sys
@@ -74,7 +74,7 @@ def import_log(
         options: what a log does not say itself.
         out: flight log to write; LOG's name with .mcap by default. Of several logs, the folder for them.
         force: overwrite OUT.
-        json: print what came of it as JSON.
+        json: print the result as JSON.
     """
     paths = [each for log in logs for each in _found(log)]
     if len(paths) == 1 and not (logs[0].is_dir() and paths[0] != logs[0]):
@@ -172,11 +172,11 @@ def _print_rows(flight: FlightLog, facts: dict[str, Any]) -> None:
     rows = [
         ("log", facts["log"]),
         ("duration", f"{facts['duration']:.2f} s"),
-        ("held", ", ".join(facts["held"])),
+        ("topics", ", ".join(facts["held"])),
     ]
     if facts["absent_of_the_state"]:
-        rows.append(("not held", f"{', '.join(facts['absent_of_the_state'])} of {flight.motion.topic.name}"))
-    rows.append(("absent", ", ".join(facts["absent"])))
+        rows.append(("missing fields", f"{', '.join(facts['absent_of_the_state'])} of {flight.motion.topic.name}"))
+    rows.append(("missing topics", ", ".join(facts["absent"])))
     taken: dict[str, Any] = facts["import"]
     rows += [(name, value) for name, value in taken.items() if isinstance(value, str) and name != "sha256"]
     rows += [("left out", sentence) for sentence in taken.get("left out", [])]

@@ -24,17 +24,17 @@ def recover(
 ) -> int:
     """Recovers the intact part of a truncated or damaged MCAP file.
 
-    Every chunk and attachment whose checksum is right is kept, and the result is read again before it is said
-    to be there. The exit code is 0 without loss, 3 with loss, 1 where nothing could be saved. A flight log
-    recovered with loss says so in its outcome, and identification counts it as lost.
+    Every chunk and attachment with a correct checksum is kept, and the result is verified by reading it
+    again. The exit code is 0 without loss, 3 with loss, 1 if nothing could be recovered. The outcome of a
+    flight log recovered with loss states the loss, and identification counts the flight as lost.
 
     For example:
 
         maneuver recover flights/gtmax-0007.mcap --out gtmax-0007-recovered.mcap
 
     Args:
-        log: the damaged file; it is left as it is.
-        out: where the recovered log goes; beside LOG, with `-recovered` in its name, by default.
+        log: damaged file; it is not changed.
+        out: recovered log; beside LOG, with `-recovered` in its name, by default.
         force: overwrite OUT.
     """
     out = out or log.with_name(f"{log.stem}-recovered.mcap")
@@ -42,12 +42,12 @@ def recover(
     damaged = _content(log)
     found = salvage(damaged)
     if not found.messages:
-        what = "no whole chunk of messages" if damaged.startswith(MAGIC) else "no beginning of an MCAP file"
-        print(f"nothing to save: {log} has {what} in its {len(damaged)} bytes")
+        what = "no intact chunk of messages" if damaged.startswith(MAGIC) else "no start of an MCAP file"
+        print(f"nothing to recover: {log} has {what} in its {len(damaged)} bytes")
         return NOTHING_TO_SAVE
     content = recovered_bytes(found)
     if not contains_salvage(content, found):
-        raise FlightError(f"{log}: what was recovered cannot be read again; nothing was written")
+        raise FlightError(f"{log}: the recovered part cannot be read again; nothing was written")
     write_atomically(content, out, force=force)
     print(f"recovered  {out}")
     print(
@@ -75,13 +75,13 @@ def _losses(found: Salvage) -> str:
         "damaged chunks": found.damaged_chunks,
         "damaged attachments": found.damaged_attachments,
         "messages of unknown channels": found.orphans,
-        "bytes that are no record": found.skipped_bytes,
+        "bytes outside records": found.skipped_bytes,
     }
     parts = [f"{count} {what}" for what, count in counts.items() if count]
     if found.announced is not None and found.announced > len(found.messages):
         parts.append(f"{found.announced - len(found.messages)} of {found.announced} messages")
     elif not found.ended:
-        parts.append("all after the end of the file as it is, unknown how much")
+        parts.append("everything after the end of the truncated file")
     if found.data_intact is False and not parts:
-        parts.append("no message, but something beside them was altered")
+        parts.append("no message, but other bytes were altered")
     return ", ".join(parts)

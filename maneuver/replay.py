@@ -32,8 +32,8 @@ class ReplayComparison:
         size: of that file, in bytes.
         differing: bytes in which the repetition's log differs; the name of the code is no part of that.
         differences: in words.
-        code: that flew; the version of this program with that of its code.
-        code_here: that flew again.
+        code: version of the program and code that flew.
+        code_here: the same of the repetition.
     """
 
     log: str
@@ -54,10 +54,10 @@ def replay(
 ) -> int:
     """Flies logged flights again from their logs and compares the bytes.
 
-    A log carries what its flight was made of: specification with seed and faults, library, vehicle, mission
-    and planner, and, where planning was timed by the clock, the times. The numeric back-end that the log
-    names is used, or the replay is refused. The exit code is 0 where no byte differs. On another family of
-    processors, or with other versions of the packages, the same bytes are not promised.
+    A log holds all inputs of its flight: specification with seed and faults, library, vehicle, mission,
+    planner, and measured planning times, if any. The numeric back-end named in the log is required. The exit
+    code is 0 if no byte differs. Equal bytes are not guaranteed on another processor family or with other
+    package versions.
 
     For example:
 
@@ -67,14 +67,14 @@ def replay(
 
     Args:
         logs: flight logs, or folders of them.
-        out: where the log of the flight flown again goes, of one flight; nowhere by default.
+        out: log of the repeated flight, for a single log; none by default.
         force: overwrite OUT.
         json: print the comparisons as JSON.
     """
     paths = log_paths(logs)
     if out is not None:
         if len(paths) != 1:
-            raise FlightError(f"--out is for one flight, got {len(paths)} logs")
+            raise FlightError(f"--out: expected one log, got {len(paths)}")
         check_output_files(out, force=force, inputs=paths)
     compared = [
         _compare(path, out, force=force)
@@ -94,7 +94,7 @@ def _compare(path: Path, out: Path | None, *, force: bool) -> ReplayComparison:
         repeated = repeat_flight(log)
     except FlightError as error:
         raise FlightError(f"{path}: {error}") from None
-    # The name of the code says who flew, not what was flown.
+    # The code version identifies the program, not the flight.
     named: FlightLog = replace(
         repeated, header=replace(repeated.header, code_version=log.header.code_version)
     )
@@ -118,4 +118,4 @@ def _print_comparison(one: ReplayComparison) -> None:
     if len(one.differences) > _PRINTED:
         print(f"  and {len(one.differences) - _PRINTED} more")
     if one.code != one.code_here:
-        print(f"  flown by code {one.code}, flown again by {one.code_here}")
+        print(f"  flown with code {one.code}, repeated with {one.code_here}")

@@ -70,10 +70,9 @@ def review(
 ) -> int:
     """Reviews one log, several side by side, or a folder of them.
 
-    Prints a summary. A page is one file for a browser, with everything in it; it needs no network. Several
-    logs are laid over one another, aligned at their starts. A folder's page lists its flights, those that
-    stand out first, each of the first with a page of its own; the exit code is then 1 when a flight was lost,
-    missed its goal or cannot be reviewed.
+    Prints a summary. A page is one self-contained file for a browser and needs no network. Several logs are
+    overlaid, aligned at their starts. A folder's page lists its flights, outliers first, and the first ones
+    get a page each; the exit code is then 1 if a flight was lost, missed its goal or cannot be reviewed.
 
     For example:
 
@@ -92,15 +91,16 @@ def review(
     Args:
         logs: a flight log, up to four to compare, or a folder of logs.
         html: write a page.
-        png: write pictures; of a single log.
-        out: folder for what is written; the first LOG's name with -review by default.
-        pages: flights of a folder that get a page of their own.
-        library: whose errors judge the flights, by path or name, where it is not the one that they were flown
-            with. Flights of a campaign are judged by none unless it is given: they are flown to find bounds.
-        video: film a single flight, as seen from a camera that follows, to FILE.mp4.
-        still: draw one picture of that film, to FILE.png.
-        at: seconds into the flight of that picture.
-        workers: processes for a folder; one for each processor by default.
+        png: write pictures of a single log.
+        out: folder for the page and pictures; the first LOG's name with -review by default.
+        pages: number of flights of a folder that get a page each.
+        library: library whose errors are the bounds, name or path; by default the one that the flights were
+            flown with. Campaign flights are compared with no bounds unless it is given: they are flown to
+            find the bounds.
+        video: film of a single flight from a chase camera, FILE.mp4.
+        still: single picture of that film, FILE.png.
+        at: time of that picture, seconds into the flight.
+        workers: number of processes for a folder; one per processor by default.
         force: overwrite files of the same name.
         json: print the summary as JSON.
     """
@@ -116,12 +116,14 @@ def review(
         library=find_library(library) if library is not None else None,
     )
     if out is not None and not (html or png):
-        raise FlightError("--out is where --html and --png write: give one of them with it")
+        raise FlightError("--out: expected --html or --png, got neither")
     folders = [path for path in logs if path.is_dir()]
     if (png or video or still) and (folders or len(logs) > 1):
-        raise FlightError("--png, --video and --still draw a single log; --html shows several")
+        raise FlightError(
+            "--png, --video and --still: expected a single log, got several; --html shows several"
+        )
     if folders and len(logs) > 1:
-        raise FlightError(f"expected logs or one folder, got the folder {folders[0]} among {len(logs)}")
+        raise FlightError(f"expected logs or one folder, got {len(logs)} paths with the folder {folders[0]}")
     if len(logs) > MOST_COMPARED:
         raise FlightError(f"expected at most {MOST_COMPARED} logs to compare, got {len(logs)}; give a folder")
     if folders:
@@ -165,7 +167,7 @@ def _review_flights(logs: tuple[Path, ...], order: _ReviewOptions) -> int:
 def _review_folder(folder: Path, order: _ReviewOptions, pages: int, workers: int) -> int:
     paths = sorted(folder.rglob("*.mcap"))
     if not paths:
-        raise FlightError(f"{folder}: expected flight logs, *.mcap, found none")
+        raise FlightError(f"{folder}: expected flight logs (*.mcap), got none")
     page = order.page("index") if order.html else None
     check_output_files(page, force=order.force)
     files: list[Path] = []
@@ -236,4 +238,4 @@ def _row_content(row: FlightRow) -> dict[str, object]:
 def _print_files(files: list[Path]) -> None:
     if files:
         others = ", ".join(path.name for path in files[1:])
-        print(f"\nLook at {files[0]}{f'; beside it: {others}' if others else ''}")
+        print(f"\nfiles  {files[0]}{f', {others}' if others else ''}")

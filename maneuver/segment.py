@@ -1,4 +1,4 @@
-"""`maneuver segment`: how well maneuvers are found without commands, held against the commands."""
+"""`maneuver segment`: maneuvers found from motion alone, compared with the commands."""
 
 import json as json_module
 import sys
@@ -38,7 +38,7 @@ def segment(
     """Finds maneuvers from motion alone and compares them with the commands.
 
     A boundary counts as found within a second of the commanded one, between the same trims. The exit code
-    is 1 where fewer than 98 % are found, or more than 2 % are spurious.
+    is 1 if fewer than 98 % are found, or more than 2 % are spurious.
 
     For example:
 
@@ -70,8 +70,10 @@ def segment(
         sys.stdout.write(json_module.dumps(document, indent=2) + "\n")
     else:
         winds = ", ".join(sorted({log.header.wind for log in flights}))
-        said = f"{plural(len(flights), 'flight')}, wind {winds}"
-        print(f"{said}; found: within {TOLERANCE:g} s, between the same trims")
+        print(
+            f"{plural(len(flights), 'flight')}, wind {winds}; found: within {TOLERANCE:g} s, "
+            "between the same trims"
+        )
         Console(highlight=False).print(_table(rows))
     return 0 if all(_passes(row) for row in (entries, ends)) else MISSED
 
@@ -82,7 +84,7 @@ def _passes(row: EdgeScore) -> bool:
 
 def _table(rows: dict[str, EdgeScore]) -> Table:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    headings = ("trims", "commanded", "found", "spurious", "late, s", "spread, s", "furthest, s")
+    headings = ("trims", "commanded", "found", "spurious", "mean delay, s", "std dev, s", "max error, s")
     for place, heading in enumerate(headings):
         table.add_column(heading, justify="right" if place else "left", no_wrap=True)
     for name, row in rows.items():

@@ -1,4 +1,4 @@
-"""`maneuver thesis`: what the thesis prints beside what its own tables give."""
+"""`maneuver thesis`: figures printed in the thesis, beside computed ones."""
 
 import json as json_module
 import sys
@@ -13,7 +13,7 @@ from maneuver.report.thesis_report import markdown_page, print_thesis_tables
 from scenarios.find import find_library
 
 DIFFERS = 1
-"""Exit code where a figure differs and nothing explains it."""
+"""Exit code if a figure differs without explanation."""
 
 
 def thesis(
@@ -24,11 +24,10 @@ def thesis(
 ) -> int:
     """Prints the thesis's figures beside computed ones, with differences marked.
 
-    Tables 11 to 18 are reproduced, but for one figure; Tables 19 to 26 are shown with the reason why they
-    cannot be. Problems 4.3 and 4.4 (numbered 4) and appendix B's Tables 27 to 33 follow, misprints marked.
-    The closed-loop columns of Tables 12 to 26 are flown, with the library's errors on the library's model,
-    which takes some seconds. The exit code is 1 where a figure differs without an
-    explanation.
+    Tables 11 to 18 are reproduced except for one figure. Tables 19 to 26 cannot be reproduced; the reason is
+    printed. Problems 4.3 and 4.4 (numbered 4) and Tables 27 to 33 of appendix B follow, misprints marked. The
+    closed-loop columns of Tables 12 to 26 are flown by the library's model with the library's errors, which
+    takes some seconds. The exit code is 1 if a figure differs without an explanation.
 
     For example:
 
@@ -39,7 +38,7 @@ def thesis(
         maneuver thesis --json
 
     Args:
-        closed_loop: fly the closed-loop figures too.
+        closed_loop: also fly the closed-loop figures.
         markdown: print Markdown.
         json: print one JSON document.
     """

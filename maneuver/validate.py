@@ -1,7 +1,8 @@
-"""`maneuver validate`: missions flown in closed loop, many times, beside what was predicted."""
+"""`maneuver validate`: repeated closed-loop flights of missions, compared with their plans."""
 
 import sys
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -28,6 +29,7 @@ from experiments.validation.time_bound_trial import time_bound_trials
 from experiments.validation.tube_trial import tube_trials
 from flight.automaton.library import Library
 from flight.errors import FlightError
+from flight.mission.campaign import VehiclePopulation
 from flight.mission.mission import Mission
 from maneuver.options.calibration import BOUND_SHARE, check_calibration, write_time_bounds
 from maneuver.options.depth import at_depth
@@ -36,6 +38,7 @@ from maneuver.options.executor_options import THIS_MACHINE, ExecutorArgument, op
 from maneuver.options.folder_status import print_status
 from maneuver.options.latencies import latency_of
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from maneuver.report.scorecard_report import print_scorecard
 from planner.closed_loop.settings import Settings
 from runtime.atomic_write import (
@@ -47,6 +50,7 @@ from runtime.atomic_write import (
 from runtime.executor import default_workers, worker_pool
 from runtime.job_store import inspect_jobs
 from scenarios.find import find_library, find_mission, library_path
+from sim.loop.specification import SUPERVISED_OPTIONS
 
 # Chapter 7 of the thesis, from the slow forward trim, to 3 ft; the kinematic missions in metres.
 THESIS_MISSIONS = ("gtmax-1", "gtmax-2", "kinematic-1-flown", "kinematic-2-flown", "kinematic-3-flown")
@@ -69,6 +73,9 @@ def validate(
     plant: Literal["helicopter", "automaton"] = "helicopter",
     true_gamma: Names = (),
     wind: Names = (),
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     flights: Count = 5,
     seed: Seed = 1,
     tolerance: PositiveFloat | None = None,
@@ -92,11 +99,11 @@ def validate(
 ) -> int:
     """Flies missions in closed loop and compares them with their plans.
 
-    Every mission is flown under every policy, at every level, in every wind, with the same seeds. With
-    --out the flights are kept as they come: the same command, started again, flies only what is missing.
-    The folder then holds a scorecard (Markdown, CSV, JSON) and pictures. The exit code is 0 when every
-    flight of the worst-case policy (or, without it, of the policies flown) reached its goal. A flight that
-    ends by time-out, by the limit of plannings, without a plan or on its way to rest counts as not reached.
+    Every mission is flown with every policy, gamma and wind, with the same seeds. With --out, flights are
+    stored as they finish, the same command resumes after a stop, and the folder receives a scorecard
+    (Markdown, CSV, JSON) and pictures. The exit code is 0 if every flight of the worst-case policy (or,
+    without it, of all policies flown) reached its goal. A flight that ends by time-out, at the limit of
+    replans, without a plan or in a safe stop counts as not reached.
 
     For example:
 
@@ -111,38 +118,41 @@ def validate(
         maneuver validate --plant automaton --gamma 0.3 0.5 1 --true-gamma minus random
 
     Args:
-        suite: the thesis's missions; or missions drawn by chance that have a plan at the first level; or
-            Tables 12 to 26 beside the thesis's, by the automaton, to which no other option but --out belongs.
-        missions: names or paths of other missions; for --suite random one number, 100 by default.
-        policies: which planners.
+        suite: missions of the thesis; random missions that have a plan at the first gamma; or Tables 12 to 26
+            of the thesis, flown by the automaton, with no other option but --out.
+        missions: names or paths of other missions; for --suite random their number, 100 by default.
+        policies: planning policies.
         library: name or path of the library planned with.
-        gamma: uncertainty levels of the worst-case planner, 0 to 1.
-        plant: what flies: the simulated helicopter, or the library's own model with its own errors.
-        true_gamma: how the automaton truly moves: at levels from -1 to 1, `plus` or `minus` the level planned
-            for, or `random`, another for every primitive; 1 by default.
+        gamma: uncertainty levels of the worst-case policy, 0 to 1.
+        plant: simulated helicopter, or automaton: the library's model with the library's errors.
+        true_gamma: true gamma of the automaton: numbers from -1 to 1, `plus` or `minus` the planned gamma, or
+            `random`, drawn for every primitive; 1 by default.
         wind: wind classes; the library's by default.
-        flights: of each mission and policy, each with a seed of its own.
-        seed: of all chance.
-        tolerance: metres within which the goal counts as reached; the mission's by default.
+        vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: sensor class, rtk or gps; the library's by default.
+        flights: number of flights per mission and policy, each with its own seed.
+        seed: seed of all random numbers.
+        tolerance: goal tolerance in metres; the mission's by default.
         replan_interval: seconds between two replans.
-        tolerance_share: of the distance to go: the tolerance that re-planning is handed, where larger.
-        aim: part of the tolerance that the planner is handed: errors need room.
-        hysteresis: seconds by which a new plan must be faster than one under way that still reaches the goal.
-        learn_level: fly the coasting times of the level that the vehicle has shown, not of the deciding one.
-        replan_in_maneuver: plan again during every maneuver, from where it is foretold to end.
-        latency: charged for each planning: seconds, `measured` (by the clock; what took longer than 0.05 s is
-            too late), or a log of a flight to be repeated.
-        max_nodes: deadline of each planning: walks that it may solve at one level; what it needs by default.
-        max_replans: replans after which a flight is given up.
-        max_trims: longest sequence that missions are planned with, at most 8; each mission's by default.
+        tolerance_share: share of the remaining distance that replaces the replan's tolerance if it is larger.
+        aim: share of the goal tolerance that replans use, to leave room for errors.
+        hysteresis: seconds by which a new plan must be faster than one that still reaches the goal.
+        learn_level: fly the coasting times of the estimated gamma, not of the deciding one.
+        replan_in_maneuver: replan during every maneuver, from its predicted end.
+        latency: planning latency: seconds, `measured` (clock time; more than 0.05 s is too late), or the log
+            of a flight whose latencies are repeated.
+        max_nodes: limit of each replan: walks solved at one gamma; no limit by default.
+        max_replans: number of replans after which a flight is aborted.
+        max_trims: number of trims in the longest sequence of a plan, at most 8; each mission's by default.
         out: folder for flights, scorecard and pictures; none by default.
-        calibrate: file for the times that 90 % of these flights keep, so that `maneuver plan` can state them:
-            NAME.times.toml beside the library NAME.json; for --suite random. Not written where too few
-            flights succeeded.
-        logs: folder that keeps the flight logs of the helicopter; none are kept by default.
-        job_executor: who flies.
-        status: fly nothing; say which flights are there already. The exit code is 1 where one is missing.
-        force: write into a folder that has something else in it.
+        calibrate: file for the times within which 90 % of these flights finish, used by `maneuver plan`:
+            NAME.times.toml beside the library NAME.json; for --suite random. Not written if too few flights
+            succeeded.
+        logs: folder for the flight logs of the helicopter; none by default.
+        job_executor: executor of the flights.
+        status: list the stored flights without flying; the exit code is 1 if one is missing.
+        force: write into a folder that holds other files.
         json: print one JSON document with every cell and every flight.
     """
     if suite == "tables":
@@ -166,13 +176,13 @@ def validate(
     check_calibration(calibrate, suite, plant, plain=plain)
     check_output_files(calibrate, force=force, inputs=[library_path(library)])
     if job_executor.cluster is not None and logs is not None and out is None:
-        raise FlightError("--logs from a --cluster need --out too: the folder that keeps the flights")
+        raise FlightError("--logs with --cluster: expected --out with a folder for the flights, got none")
     if plant == "automaton" and (wind or logs):
         raise FlightError(
-            "--plant automaton flies in no wind and writes no logs: give neither --wind nor --logs"
+            "--plant automaton: expected neither --wind nor --logs; it has no wind and writes no logs"
         )
     if plant == "helicopter" and true_gamma:
-        raise FlightError("--true-gamma moves the automaton: give --plant automaton with it")
+        raise FlightError("--true-gamma: expected --plant automaton, got helicopter")
     grid = Grid(
         missions=tuple(
             at_depth(mission, max_trims)
@@ -188,14 +198,18 @@ def validate(
         settings=settings,
         max_nodes=max_nodes,
         logs=logs,
+        flight_options=replace(
+            SUPERVISED_OPTIONS,
+            **library_population(flown_with, vehicles, airframe=airframe, seed=seed, sensors=sensors),
+        ),
     )
     if plant == "helicopter":
         for name in grid.winds:
             warn_of_flight(flown_with, wind=name)
     if status:
         return _status(grid, out, as_json=json)
-    with open_executor(job_executor) as lent:
-        results = fly_tasks(grid.tasks(), folder=out, logs=logs, job_executor=lent, force=force)
+    with open_executor(job_executor) as executor:
+        results = fly_tasks(grid.tasks(), folder=out, logs=logs, job_executor=executor, force=force)
     helicopter = [one for one in results if one.plant == "helicopter" and one.legs]
     warn_of_walks(flown_with, [flown_walk(one.legs) for one in helicopter])
     stated = stated_time_bounds(library, flown_with)
@@ -235,15 +249,15 @@ def _tables(folder: Path | None, workers: int, *, force: bool) -> int:
     write_atomically(loops_csv(rows).encode(), folder / "tables-12-to-26.csv", force=force)
     for policy, (printed, theirs, ours) in count_arrivals_by_policy(rows).items():
         print(
-            f"{policy}: goal reached in {printed} of 15 lines printed; at both signs, in the thesis's loop "
-            f"in {theirs}, in ours in {ours}"
+            f"{policy}: goal reached in {printed} of 15 printed lines; recomputed with both signs of the "
+            f"errors: {theirs} with the thesis's loop, {ours} with this program's loop"
         )
     return 0
 
 
 def _status(grid: Grid, folder: Path | None, *, as_json: bool) -> int:
     if folder is None:
-        raise FlightError("--status: expected --out with the folder that keeps the flights, got none")
+        raise FlightError("--status: expected --out with the folder of the flights, got none")
     return print_status(
         inspect_jobs(stored_tasks(grid.tasks(), folder / FLIGHTS), folder / FLIGHTS), as_json=as_json
     )
@@ -264,7 +278,7 @@ def _missions(
     if suite == "thesis":
         return tuple(find_mission(name, library) for name in names or THESIS_MISSIONS)
     if len(names) > 1 or not all(name.isdecimal() and int(name) for name in names):
-        raise FlightError(f"--suite random: expected --missions with one number, got {' '.join(names)}")
+        raise FlightError(f"--suite random: expected one number > 0 for --missions, got {' '.join(names)}")
     count = int(names[0]) if names else RANDOM_MISSIONS
     return random_missions(library, count=count, seed=seed, gamma=gamma)
 

@@ -26,7 +26,7 @@ from sim.loop.specification import FlightSpecification
 CHECK_FAILED = 1
 TOPICS = (
     *("trim", "power", "ground", "modes", "shape", "response", "limits"),
-    *("margins", "delay", "adaptation", "wind", "navigation", "numerics"),
+    *("margins", "delay", "adaptation", "wind", "navigation", "alarms", "numerics"),
 )
 _CAMPAIGN = "gtmax"
 # Flights in which no limit may be met; not those of the shipped library.
@@ -41,23 +41,29 @@ def verify(
     spectrum: Path | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Measures the simulator against its limits; returns 1 on a miss.
+    """Checks physics and margins of the simulator against their limits.
 
-    Examples:
+    The exit code is 1 if a value violates its limit.
+
+    For example:
+
         maneuver verify
+
         maneuver verify --topics trim modes
+
         maneuver verify --topics wind --spectrum spectrum.png
+
         maneuver verify --json
 
     Args:
-        topics: show and judge these alone, of trim, power, ground, modes, shape, response, limits, margins,
-            delay, adaptation, wind, navigation and numerics.
-        spectrum: also draw the gusts' spectra beside the standard's to this file.
+        topics: topics to check; all by default: trim, power, ground, modes, shape, response, limits, margins,
+            delay, adaptation, wind, navigation, alarms and numerics.
+        spectrum: picture of the gusts' spectra beside the standard's.
         json: print one JSON document.
     """
     unknown = sorted(set(topics) - set(TOPICS))
     if unknown:
-        raise FlightError(f"no topic {', '.join(unknown)}; there are {', '.join(TOPICS)}")
+        raise FlightError(f"no topic {', '.join(unknown)}; the topics are {', '.join(TOPICS)}")
     if spectrum is not None:
         _draw(spectrum)
     figures = list(measure(topics))
@@ -71,14 +77,14 @@ def verify(
 
 def _draw(path: Path) -> None:
     from review.pictures.spectrum_picture import draw_spectra
-    from sim.checks.wind_check import gust_spectra
+    from sim.checks.gust_spectra import fly_course, gust_spectra
 
-    frequency, found = gust_spectra()
+    frequency, found = gust_spectra(fly_course("crosswind"))
     draw_spectra(frequency, found, path)
 
 
 def measure(topics: tuple[str, ...]) -> Iterable[CheckResult]:
-    """Yields every figure of the topics; of all where none is named."""
+    """Yields the checks of the topics; of all topics by default."""
     from sim.checks.controller_check import check_adaptation, check_delay, check_margins
     from sim.checks.limits_check import check_limits
     from sim.checks.numerics_check import check_numerics
@@ -98,6 +104,7 @@ def measure(topics: tuple[str, ...]) -> Iterable[CheckResult]:
         ({"adaptation"}, lambda: check_adaptation(vehicle)),
         ({"wind"}, check_wind),
         ({"navigation"}, _check_navigation),
+        ({"alarms"}, _check_alarms),
         (
             {"numerics"},
             lambda: check_numerics(vehicle, displacement_error=_median_displacement_error()),
@@ -127,6 +134,13 @@ def _check_navigation() -> Iterable[CheckResult]:
         yield from check_navigation(_library("gtmax"), executor=executor)
 
 
+def _check_alarms() -> Iterable[CheckResult]:
+    from sim.checks.alarm_check import check_alarms
+
+    with worker_pool(default_workers()) as executor:
+        yield from check_alarms(_library("gtmax"), executor=executor)
+
+
 def _median_displacement_error() -> float:
     """Returns the median displacement error of the shipped library's maneuvers, in metres."""
     maneuvers = find_library("gtmax-sim").maneuvers
@@ -138,7 +152,7 @@ def _print_checks(figures: list[CheckResult]) -> None:
     if not console.is_terminal:
         console = Console(highlight=False, width=_WIDTH)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("topic", "figure", "value", "unit", "bar", "", "beside"):
+    for heading in ("topic", "check", "value", "unit", "limit", "", "reference"):
         table.add_column(heading, justify="right" if heading == "value" else "left")
     for figure in figures:
         verdict = "" if not figure.limit_text else "holds" if figure.passed else "MISSED"
@@ -148,4 +162,4 @@ def _print_checks(figures: list[CheckResult]) -> None:
         )
     console.print(table)
     missed = sum(not figure.passed for figure in figures)
-    console.print(f"{plural(len(figures), 'figure')}, {missed} missed their bar")
+    console.print(f"{plural(len(figures), 'check')}, {missed} outside the limit")

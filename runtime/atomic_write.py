@@ -195,15 +195,15 @@ def check_output_files(
         CannotWriteError: a path is not a regular file.
         FlightError: two outputs, or an output and an input, are the same file; or a name has another ending.
     """
-    taken = {os.path.realpath(path): f"{path}, which it reads" for path in inputs}
+    taken = {os.path.realpath(path): f"the input {path}" for path in inputs}
     for path in (file for file in files if file is not None):
         if path.suffix.lower() != ending and ending:
             raise FlightError(f"expected a name that ends with {ending}, got {path}")
         target = os.path.realpath(path)
         if target in taken:
-            raise FlightError(f"{path}: one command cannot write this and {taken[target]}; give another name")
+            raise FlightError(f"{path}: expected another file than {taken[target]}, got the same")
         file_target(path, force=force)
-        taken[target] = f"{path}, which it also writes"
+        taken[target] = f"the output {path}"
 
 
 def check_output_folder(folder: Path, *, force: bool) -> None:

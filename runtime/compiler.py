@@ -30,7 +30,7 @@ class NoMachineCodeError(FlightError):
 
     def __init__(self, why: str) -> None:
         super().__init__(
-            f"expected a C compiler that works, {', '.join(COMPILERS)} or that of the extra `compiler` "
+            f"expected a working C compiler, {', '.join(COMPILERS)} or that of the extra `compiler` "
             f"(pip install '.[compiler]'): {why}"
         )
 
@@ -74,7 +74,7 @@ def compiler_command() -> tuple[str, ...]:
         return (found,)
     if find_spec(WHEEL) is not None:
         return (sys.executable, *WHEEL_COMMAND)
-    raise NoMachineCodeError("there is none")
+    raise NoMachineCodeError("got none")
 
 
 def _compile(sources: Sequence[Path], path: Path, flags: Sequence[str]) -> None:

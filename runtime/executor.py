@@ -24,7 +24,7 @@ class JobExecutor:
 
     Attributes:
         executor: runs the jobs.
-        by_value: whether workers send files back; otherwise they write them into a shared folder.
+        by_value: True if workers send files back; otherwise they write them into a shared folder.
         write: writes a file that was sent back.
     """
 

@@ -15,8 +15,8 @@ class CodeMismatchError(FlightError):
 
     def __init__(self, expected: str, here: str) -> None:
         super().__init__(
-            f"expected every worker to have code {expected}, one has {here}; "
-            "install the same version and packages there, and do not change them during the run"
+            f"expected code {expected} on every worker, got {here}; install the same version and packages "
+            "there, and do not change them during the run"
         )
 
 

@@ -29,7 +29,7 @@ class BusyError(FlightError):
     """Two programs writing into one folder at the same time."""
 
     def __init__(self, folder: Path) -> None:
-        super().__init__(f"{folder}: another program is writing there; wait for it or use another folder")
+        super().__init__(f"{folder} is locked by another program; wait for it, or give another folder")
 
 
 class NotSharedError(FlightError):
@@ -91,8 +91,8 @@ def check_own_folder(store: JobStoreStatus[Result]) -> None:
     check_no_replacement(store)
     if store.foreign_files:
         raise FlightError(
-            f"{store.folder} holds {store.foreign_files[0].name}, which does not belong to this command "
-            f"({len(store.foreign_files)} such); use --force to keep it there, or another folder"
+            f"{store.folder}: expected only files of this command, got {store.foreign_files[0].name} "
+            f"({len(store.foreign_files)} unrelated files); give --force to keep them, or another folder"
         )
     begun = any(found.state is not JobState.MISSING for found in store.status) or store.partial_files
     if not begun and any(store.folder.iterdir()):
@@ -107,7 +107,7 @@ def check_no_replacement(store: JobStoreStatus[Result]) -> None:
     """
     for found in store.status:
         if found.state is JobState.ANOTHER:
-            raise FlightError(f"{found.reason}; use --force to replace it, or another folder")
+            raise FlightError(f"{found.reason}; give --force to replace it, or another folder")
 
 
 def allow_other_files(store: JobStoreStatus[Result]) -> None:

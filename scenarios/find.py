@@ -21,7 +21,7 @@ class NoSuchFileError(FlightError):
     """Name of neither a file nor a shipped scenario."""
 
     def __init__(self, kind: str, name: str, shipped: list[str]) -> None:
-        super().__init__(f"no {kind} {name!r}: no such file, and the shipped ones are {shipped}")
+        super().__init__(f"no {kind} {name!r}: expected an existing file or one of {shipped}")
 
 
 def find_library(name: str) -> Library:

@@ -15,7 +15,9 @@ from flightlog.header import FlightHeader
 from runtime.code_version import code_version
 from sim.loop.backend import Backend, name_backend
 from sim.loop.specification import FlightSpecification
+from sim.population import header_entries
 from sim.vehicle.parameters import Parameters, model_hash, model_text
+from sim.wind.air_statement import state_wind
 
 
 def flight_header(
@@ -25,7 +27,14 @@ def flight_header(
     backend: Backend,
     outcome: str = "completed",
 ) -> FlightHeader:
-    """Returns the header of a flight."""
+    """Returns the header of a flight.
+
+    Args:
+        specification: specification of the flight.
+        parameters: vehicle believed.
+        backend: numeric back-end.
+        outcome: `completed`, or the reason of the failure.
+    """
     return FlightHeader(
         kind=specification.kind,
         name=specification.name,
@@ -36,6 +45,8 @@ def flight_header(
         code_version=code_version(),
         backend=name_backend(backend),
         outcome=outcome,
+        air=state_wind(specification.wind, height=specification.altitude),
+        **header_entries(specification, parameters),
     )
 
 

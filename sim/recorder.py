@@ -22,6 +22,7 @@ PERIODS_PER_SAMPLE, PERIODS_PER_NAVIGATION_SAMPLE = 2, 10
 # Initial capacity in rows.
 _ROWS = 4096
 _HEADING = Motion._fields.index("heading")
+_HEADING_SIGMA = NAVIGATION.field_names.index("heading")
 # Columns of `Signals.motion` and `Signals.period` in the order of the topics.
 _MOTION = len(Motion._fields)
 _COMMAND_COLUMNS = [2 * _MOTION, 2 * _MOTION + 3, 2 * _MOTION + 6]
@@ -75,12 +76,13 @@ class Recorder:
         )
         return true, estimated
 
-    def standard_deviation(self, first: int, last: int) -> float:
-        """Returns the largest claimed horizontal standard deviation, m."""
+    def standard_deviations(self, first: int, last: int) -> tuple[float, float]:
+        """Returns the largest claimed horizontal (m) and heading (rad) deviations."""
         rows = self._sigmas[
             first // PERIODS_PER_NAVIGATION_SAMPLE : last // PERIODS_PER_NAVIGATION_SAMPLE + 1
         ]
-        return max((hypot(north, east) for north, east, *_ in rows), default=0.0)
+        position = max((hypot(north, east) for north, east, *_ in rows), default=0.0)
+        return position, max((row[_HEADING_SIGMA] for row in rows), default=0.0)
 
     def log(self, header: FlightHeader, attachments: Mapping[str, bytes]) -> FlightLog:
         """Returns the recorded flight as a log."""

@@ -3,14 +3,16 @@
 from flight.errors import FlightError
 from flightlog.log import FlightLog
 from sim.loop.backend import Backend, best_backend, name_backend
+from sim.loop.specification import FlightSpecification
 from sim.vehicle.parameters import model_hash
+from sim.wind.air_statement import STILL_AIR, state_wind
 
 
 class VehicleMismatchError(FlightError):
-    """Vehicle or back-end of a log that is not available here."""
+    """Vehicle, air or back-end of a log that is not available here."""
 
     def __init__(self, what: str, logged: str, here: str) -> None:
-        super().__init__(f"expected the {what} of the log, {logged}, got {here}")
+        super().__init__(f"expected the {what} of the log, {logged}, got {here}: it cannot be repeated here")
 
 
 def check_vehicle_matches(log: FlightLog) -> None:
@@ -21,6 +23,19 @@ def check_vehicle_matches(log: FlightLog) -> None:
     """
     if log.header.model_hash != model_hash():
         raise VehicleMismatchError("vehicle", log.header.model_hash, model_hash())
+
+
+def check_air_matches(log: FlightLog, specification: FlightSpecification) -> None:
+    """Refuses a log flown in other air of the same name.
+
+    Raises:
+        VehicleMismatchError: the air differs, or the log states none.
+    """
+    here = state_wind(specification.wind, height=specification.altitude)
+    # Logs of earlier releases do not state the air; still air was the same.
+    earlier = "" if here == STILL_AIR and not specification.wind_changes else here
+    if log.header.air not in {here, earlier}:
+        raise VehicleMismatchError("air", log.header.air or "not stated", here)
 
 
 def backend_named(name: str) -> Backend:

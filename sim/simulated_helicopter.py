@@ -27,9 +27,12 @@ from sim.navigation.navigation import IdealNavigation, Navigation, Navigator
 from sim.vehicle.equilibrium import find_equilibrium
 from sim.vehicle.helicopter import Helicopter, move_in_plane
 from sim.vehicle.parameters import Parameters, read_parameters
+from sim.vehicle.uncertainty import DrawnVehicle
+from sim.wind.flyable import check_flyable
 from sim.wind.weather import Weather
 
 from .flight_header import flight_attachments, flight_header
+from .population import sensors_of, vehicle_of
 from .recorder import PERIODS_PER_NAVIGATION_SAMPLE, PERIODS_PER_SAMPLE, Recorder
 from .supervisor import Supervisor, alarm_limits
 
@@ -42,7 +45,8 @@ class SimulatedHelicopter:
     Args:
         specification: specification of the flight.
         library: trims, maneuvers and the maneuver-end rule.
-        parameters: vehicle; `models/gtmax.toml` if None.
+        parameters: vehicle believed; `models/gtmax.toml` if None.
+        flown: vehicle flown; drawn by the specification if None.
         gains: gains of the controller.
         backend: numeric back-end; the best available if None. No number depends on it.
 
@@ -51,6 +55,7 @@ class SimulatedHelicopter:
 
     Raises:
         NoManeuverEndError: the library has no maneuver-end rule.
+        UnflyableWindError: the vehicle cannot hold the wind.
         FlightLostError: the flight was lost during settling.
     """
 
@@ -60,18 +65,24 @@ class SimulatedHelicopter:
         library: Library,
         *,
         parameters: Parameters | None = None,
+        flown: DrawnVehicle | None = None,
         gains: Gains | None = None,
         backend: Backend | None = None,
     ) -> None:
         if library.conditions.maneuver_end is None:
             raise NoManeuverEndError(library.name)
+        for wind in (specification.wind, *(change.wind for change in specification.wind_changes)):
+            check_flyable(wind, library, height=specification.altitude)
         parameters = parameters or read_parameters()
         self._backend = backend = backend or best_backend()
         self._rule = library.conditions.maneuver_end
         self._specification, self._library, self._parameters = specification, library, parameters
         self._trim = library.trim(specification.start_trim)
         self._signals = signals = Signals()
-        self._helicopter = Helicopter(parameters, step=specification.step, signals=signals, backend=backend)
+        self._flown = flown = flown or vehicle_of(specification, parameters)
+        self._helicopter = Helicopter(
+            flown.parameters, step=specification.step, signals=signals, backend=backend, nominal=parameters
+        )
         self._steps = round(CONTROL_PERIOD / specification.step)
         self._wind = Weather(specification, parameters, signals, backend)
         self._generator = ManeuverGenerator(
@@ -107,14 +118,17 @@ class SimulatedHelicopter:
                 specification.faults,
                 signals=signals,
                 helicopter=self._helicopter,
-                parameters=parameters,
+                parameters=flown.parameters,
                 navigation=self.navigation,
                 parts=self._parts,
             )
             self._parts = faults.parts
         if specification.supervised and self._lost is None:
             self.supervisor = Supervisor(
-                signals, self.navigation, height=specification.altitude, limits=alarm_limits(library)
+                signals,
+                self.navigation,
+                height=specification.altitude,
+                limits=alarm_limits(library, specification.sensors),
             )
 
     def _settle(self) -> None:
@@ -140,8 +154,12 @@ class SimulatedHelicopter:
     def _navigator(self) -> Navigator:
         if self._specification.ideal_navigation:
             return IdealNavigation(self._signals)
+        believed, made, installation = sensors_of(self._specification, self._flown)
         return Navigation(
             self.truth,
+            errors=believed,
+            true_errors=made,
+            installation=installation,
             step=CONTROL_PERIOD,
             gravity=self._parameters.environment.gravity,
             rng=random_stream(self._specification.seed, Stream.NAVIGATION),
@@ -224,12 +242,14 @@ class SimulatedHelicopter:
     def _leg(self, first: int, *, settled: bool) -> Leg:
         """Returns the flight from a control period to now."""
         track, estimated_track = self._recorder.tracks(first, self._periods)
+        position, heading = self._recorder.standard_deviations(first, self._periods)
         return Leg(
             (self._periods - first) / CONTROL_RATE,
             settled=settled,
             track=track,
             estimated_track=estimated_track,
-            standard_deviation=self._recorder.standard_deviation(first, self._periods),
+            standard_deviation=position,
+            heading_deviation=heading,
             turbulence=None if self.supervisor is None else self.supervisor.turbulence,
             alarm=self._alarm_since(first),
         )

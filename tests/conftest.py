@@ -1,4 +1,4 @@
-"""Options of the studies, and tests that are skipped where a browser is missing."""
+"""Options of the studies, and the browser's availability."""
 
 import pytest
 

@@ -52,7 +52,7 @@ class WeatherCase:
 WEATHERS = (
     WeatherCase("calm", ((10.0, "gtmax"),)),
     WeatherCase("gtmax", ((10.0, "calm"),)),
-    WeatherCase("gtmax", ((8.0, "light"), (16.0, "moderate"))),
+    WeatherCase("gtmax", ((8.0, "light"), (16.0, "9"))),
 )
 
 

@@ -2,7 +2,7 @@
 
 Run by `python -m benchmarks.flight.alarm_limits 200 7`.
 
-Arguments: missions, seed. Prints, for the wind of the shipped library and for moderate wind, the largest of
+Arguments: missions, seed. Prints, for the wind of the shipped library and for light wind, the largest of
 each monitored value over random missions, beside its limit, and the flights with an alarm. The seed should
 differ from those of matrices and tests.
 """
@@ -23,7 +23,7 @@ from sim.simulated_helicopter import SimulatedHelicopter
 from sim.supervisor import LIMITS
 
 LIBRARY = find_library("gtmax-sim")
-WINDS = ("gtmax", "moderate")
+WINDS = ("gtmax", "light")
 
 
 def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[Mapping[AlarmKind, float]]:
@@ -38,6 +38,7 @@ def watched(missions: tuple[Mission, ...], *, wind: str, seed: int) -> Iterator[
                 start=specified_pose(mission.start),
                 start_trim=mission.start_trim,
                 supervised=True,
+                vehicles="fleet",
             ),
             LIBRARY,
         )

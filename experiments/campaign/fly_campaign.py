@@ -17,6 +17,7 @@ from runtime.job_store import allow_other_files, check_own_folder, complete
 from scenarios.find import find_library
 from sim.campaign_flight import CampaignFlight, CampaignFlightResult
 from sim.loop.specification import DEFAULT_OPTIONS, FlightOptions, FlightSpecification, specify_sequence
+from sim.wind.flyable import check_flyable
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,6 +131,8 @@ class CampaignOrder:
             "seed": self.seed,
             "flights": self.flights,
             "nominal": self.nominal_flights,
+            "vehicles": self.flight_options.population,
+            "sensors": self.flight_options.sensors,
         }
 
     def library(self) -> Library:
@@ -143,6 +146,7 @@ class CampaignOrder:
             FlightError: the campaign cannot be flown as ordered.
         """
         library = self.library()
+        check_flyable(self.wind, library, height=self.campaign.altitude)
         return tuple(
             CampaignFlight(
                 specification.with_options(self.flight_options),

@@ -87,7 +87,7 @@ def judge_interpolated(
             "flights": len(flights),
             "seeds": sorted(flight.header.seed for flight in flights),
             "refuted": refuted,
-            "grown": [asdict(trial) for trial in trials],
+            "interpolated": [asdict(trial) for trial in trials],
             "primitives": [asdict(one) for one in primitives],
         }
         sys.stdout.write(dumps(document, indent=2) + "\n")

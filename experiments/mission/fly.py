@@ -40,6 +40,7 @@ from .mission_task import MissionTask, Plant
 from .policies import planner_of
 from .result import MissionResult, downsample_leg
 from .safe_envelope import EnvelopeExit, first_exit
+from .sensor_tolerance import check_tolerance
 from .timed_planner import TimedPlanner
 
 # Distinct from the stream keys of `fly_campaign`.
@@ -69,7 +70,12 @@ def fly_mission(task: MissionTask) -> MissionResult:
 
 
 def fly_and_log(task: MissionTask) -> tuple[MissionResult, FlightLog | None]:
-    """Flies a mission once; returns its result and the helicopter's log."""
+    """Flies a mission once; returns its result and the helicopter's log.
+
+    Raises:
+        ToleranceTooFineError: the sensors cannot tell the goal.
+    """
+    check_tolerance(task)
     flown_primitives: tuple[Performance, ...] = ()
     log: FlightLog | None = None
     alarms: tuple[Alarm, ...] = ()

@@ -46,15 +46,15 @@ def mission_identity(task: MissionTask) -> dict[str, str]:
 
 
 @dataclass(frozen=True, slots=True)
-class Asked(FileValue):
+class PlanningSettings(FileValue):
     """Planner and loop settings of a flight, logged beside its mission.
 
     Attributes:
-        policy: which planner.
-        gamma: uncertainty level of the worst-case planner.
-        max_nodes: the planner's deadline, in walks that it may solve at one level; None for all it needs.
-        settings: how the loop was closed. Latencies of a flight that is repeated are left out: those charged
-            stand with the plans, so that a flight and its repetition have the same log.
+        policy: planning policy.
+        gamma: uncertainty level of the worst-case policy.
+        max_nodes: limit of each replan in walks solved at one gamma; None without a limit.
+        settings: settings of the closed loop. Recorded latencies of a repeated flight are left out: the
+            applied ones are logged with the plans, so that a flight and its repetition have the same log.
     """
 
     policy: FlownPolicy
@@ -66,8 +66,8 @@ class Asked(FileValue):
 def mission_json(task: MissionTask) -> bytes:
     """Returns mission, planner and loop settings as JSON."""
     settings = replace(task.settings, latency=replace(task.settings.latency, recorded=None))
-    asked = Asked(task.policy, task.gamma, task.max_nodes, settings)
-    content = json_content(task.mission, exclude_none=False) | json_content(asked, exclude_none=False)
+    logged = PlanningSettings(task.policy, task.gamma, task.max_nodes, settings)
+    content = json_content(task.mission, exclude_none=False) | json_content(logged, exclude_none=False)
     return json.dumps(content, indent=1).encode()
 
 

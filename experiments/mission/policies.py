@@ -60,7 +60,7 @@ def planner_of(
             return worst_case_planner(library, gamma, max_nodes=max_nodes, deadline=deadline)
         case "adaptive-gamma":
             from planner.policies.adaptive_gamma import AdaptiveGammaPlanner
-            from sim.wind.wind import wind_class
+            from sim.wind.wind_class import wind_class
 
             wind = wind_class(library.conditions.wind).wind_at_20_ft
             return AdaptiveGammaPlanner(library, wind, max_nodes=max_nodes)

@@ -30,7 +30,7 @@ class NoMissionError(FlightError):
     def __init__(self, library: Library, gamma: float) -> None:
         super().__init__(
             f"library {library.name}: expected a worst-case plan at gamma {gamma:g} for one of {DRAWS} "
-            "random missions, none has a plan"
+            "random missions, got none"
         )
 
 

@@ -9,7 +9,7 @@ from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_plannings
 from planner.closed_loop.latency import Latency
 
-from .mission_log import Asked
+from .mission_log import PlanningSettings
 
 
 def recorded_latency(log: FlightLog, *, source: str) -> Latency:
@@ -20,7 +20,9 @@ def recorded_latency(log: FlightLog, *, source: str) -> Latency:
     """
     for name in (MISSION_ATTACHMENT, PLANS_ATTACHMENT):
         if name not in log.attachments:
-            raise BadFileError(source, f"is no flight of a mission: it has no {name}")
-    asked = parse_json(log.attachments[MISSION_ATTACHMENT], MISSION_ATTACHMENT, Asked, extra="ignore")
+            raise BadFileError(source, f"expected the log of a mission's flight, got one without {name}")
+    logged = parse_json(
+        log.attachments[MISSION_ATTACHMENT], MISSION_ATTACHMENT, PlanningSettings, extra="ignore"
+    )
     recorded = tuple(planning.latency for planning in logged_plannings(log))
-    return replace(asked.settings.latency, recorded=recorded)
+    return replace(logged.settings.latency, recorded=recorded)

@@ -11,11 +11,11 @@ from planner.kernel.build import SEARCH_BACKEND
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import FlightSpecification, parse_specification
-from sim.replay import VehicleMismatchError, backend_named, check_vehicle_matches
+from sim.replay import VehicleMismatchError, backend_named, check_air_matches, check_vehicle_matches
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import Asked, mission_specification
+from .mission_log import PlanningSettings, mission_specification
 from .mission_task import MissionTask
 from .recorded_latency import recorded_latency
 
@@ -38,6 +38,7 @@ def repeat_flight(log: FlightLog) -> FlightLog:
     check_vehicle_matches(log)
     backend = backend_named(log.header.vehicle_backend)
     specification = parse_specification(log.attachments[SPECIFICATION_ATTACHMENT], SPECIFICATION_ATTACHMENT)
+    check_air_matches(log, specification)
     parameters = parse_parameters(log.attachments[VEHICLE_ATTACHMENT], VEHICLE_ATTACHMENT)
     if MISSION_ATTACHMENT in log.attachments:
         return _fly_mission(log, specification, parameters, backend)
@@ -51,7 +52,10 @@ def _fly_mission(
     if log.header.search_backend != SEARCH_BACKEND:
         raise VehicleMismatchError("search for plans", log.header.search_backend or "unnamed", SEARCH_BACKEND)
     if mission_specification(task) != specification:
-        raise BadFileError(SPECIFICATION_ATTACHMENT, f"is not that of the mission in {MISSION_ATTACHMENT}")
+        raise BadFileError(
+            SPECIFICATION_ATTACHMENT,
+            f"expected the flight of the mission in {MISSION_ATTACHMENT}, got another",
+        )
     return fly_helicopter(task, parameters=parameters, backend=backend)[1]
 
 
@@ -63,18 +67,18 @@ def mission_task(log: FlightLog, specification: FlightSpecification) -> MissionT
     """
     text = log.attachments[MISSION_ATTACHMENT]
     mission = parse_json(text, MISSION_ATTACHMENT, Mission, extra="ignore")
-    asked = parse_json(text, MISSION_ATTACHMENT, Asked, extra="ignore")
-    settings = asked.settings
+    logged = parse_json(text, MISSION_ATTACHMENT, PlanningSettings, extra="ignore")
+    settings = logged.settings
     if settings.latency.measured:
         settings = replace(settings, latency=recorded_latency(log, source=MISSION_ATTACHMENT))
     return MissionTask(
         mission=mission,
         library=log.library(),
-        policy=asked.policy,
-        gamma=asked.gamma,
+        policy=logged.policy,
+        gamma=logged.gamma,
         wind=specification.wind,
         seed=specification.seed,
         settings=settings,
-        max_nodes=asked.max_nodes,
+        max_nodes=logged.max_nodes,
         flight_options=specification.flight_options,
     )

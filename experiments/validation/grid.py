@@ -7,10 +7,12 @@ from pathlib import Path
 from experiments.mission.fly import mission_seed
 from experiments.mission.mission_task import MissionTask, Plant
 from experiments.mission.policies import FlownPolicy
+from experiments.mission.sensor_tolerance import check_tolerance
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flight.mission.mission import Mission
 from planner.closed_loop.settings import Settings
+from sim.loop.specification import SUPERVISED_OPTIONS, FlightOptions
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,9 +30,14 @@ class Grid:
     settings: Settings
     max_nodes: int | None
     logs: Path | None
+    flight_options: FlightOptions = SUPERVISED_OPTIONS
 
     def tasks(self) -> list[MissionTask]:
-        """Returns every distinct flight; policies share the wind of a mission."""
+        """Returns every distinct flight; policies share the wind of a mission.
+
+        Raises:
+            ToleranceTooFineError: the sensors cannot tell the goal of a mission.
+        """
         tasks = [
             self._task(mission, policy, gamma, plant=plant, wind=wind, number=number)
             for mission in self.missions
@@ -39,6 +46,8 @@ class Grid:
             for plant, wind in self._plants(gamma)
             for number in range(self.flights)
         ]
+        for task in tasks:
+            check_tolerance(task)
         return list({self._identity(task): task for task in tasks}.values())
 
     def _task(
@@ -56,6 +65,7 @@ class Grid:
             seed=mission_seed(self.seed, mission.name, number),
             settings=self.settings,
             max_nodes=self.max_nodes,
+            flight_options=self.flight_options,
             log=None if self.logs is None else self.logs / name,
             force=True,
         )
@@ -66,7 +76,7 @@ class Grid:
         plants = [_true_plant(word, gamma) for word in self.true_gammas]
         if self.flights != 1 and any(isinstance(plant, float) for plant in plants):
             raise FlightError(
-                f"--plant automaton repeats a flight exactly except with --true-gamma random: expected "
+                "--plant automaton without --true-gamma random repeats a flight exactly: expected "
                 f"--flights 1, got {self.flights}"
             )
         return [(plant, "none") for plant in plants]

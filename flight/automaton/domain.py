@@ -29,7 +29,7 @@ def air_domain_warnings(
     Args:
         library: states wind class and altitude.
         wind: class flown in.
-        stronger: whether that is stronger than the library's.
+        stronger: True if that is stronger than the library's.
         altitude: metres above ground; None where it is the library's.
     """
     said = []

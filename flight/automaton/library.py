@@ -25,7 +25,7 @@ _Json = Annotated[Any, GetPydanticSchema(lambda _, handler: handler(JsonValue))]
 
 
 class InconsistentLibraryError(FlightError):
-    """A library contradicts itself; says where."""
+    """A library contradicts itself."""
 
 
 @dataclass(frozen=True)
@@ -36,9 +36,9 @@ class Library(FileValue):
         schema: of its file.
         name: short name, also the file's.
         description: one sentence for people.
-        vehicle: what was flown.
-        conditions: where the numbers hold.
-        provenance: where they come from, as plain JSON values.
+        vehicle: name of the vehicle.
+        conditions: flight conditions for which the numbers are valid.
+        provenance: origin of the numbers, as plain JSON values.
         trims: vertices, unique ids.
         maneuvers: edges, unique ids, at most one for each ordered pair of trims.
 
@@ -61,7 +61,7 @@ class Library(FileValue):
     def __post_init__(self) -> None:
         """Refuses a library that contradicts itself."""
         if not self.trims:
-            raise InconsistentLibraryError("trims: a library has at least one trim, got none")
+            raise InconsistentLibraryError("trims: expected at least one, got none")
         _check_unique_ids("trims", [trim.id for trim in self.trims])
         _check_unique_ids("maneuvers", [maneuver.id for maneuver in self.maneuvers])
         edges: dict[tuple[int, int], int] = {}
@@ -84,7 +84,7 @@ class Library(FileValue):
         rule = self.conditions.maneuver_end
         if rule is not None and set(rule.bands) != set(self._trims):
             raise InconsistentLibraryError(
-                f"conditions.maneuver_end.band: one band for each of the trims {sorted(self._trims)}, "
+                f"conditions.maneuver_end.band: expected one for each of the trims {sorted(self._trims)}, "
                 f"got {sorted(rule.bands)}"
             )
 

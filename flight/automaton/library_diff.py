@@ -19,8 +19,8 @@ class LibraryDifference:
     Attributes:
         part: `library`, `trim 3` or `maneuver 12`.
         place: within the part, such as `error.forward`; empty where the whole part is missing in one.
-        first: what the first library has there.
-        second: what the second one has.
+        first: value in the first library.
+        second: value in the second library.
     """
 
     part: str

@@ -26,7 +26,7 @@ class ManeuverError(FileValue):
         if not all(
             isfinite(value) for value in (self.duration, self.forward, self.side, self.heading_change)
         ):
-            raise ValueError(f"maneuver errors are finite, got {self}")
+            raise ValueError(f"maneuver errors must be finite, got {self}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,9 +49,9 @@ class Maneuver:
         displacement: forward, to the right, heading change, in the body frame at entry, so that
             `pose_exit = pose_entry @ displacement` (thesis, eq. 3b with the rotation it leaves out).
         error: signed errors; gamma scales them.
-        statistics: how the errors were found, where they were measured.
-        notes: what a reader should know, such as a suspect row of a printed table.
-        interpolated: what is claimed of its errors, where they were interpolated between flown maneuvers.
+        statistics: samples behind the errors, if they were measured.
+        notes: remarks, such as a suspect row of a printed table.
+        interpolated: claim of the errors, if they were interpolated between flown maneuvers.
     """
 
     id: int
@@ -91,7 +91,7 @@ class DisplacementRow(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class ManeuverRow(FileValue):
-    """A maneuver as it stands in files."""
+    """A maneuver as in files."""
 
     id: int
     from_trim: Annotated[int, Field(alias="from")]

@@ -27,7 +27,7 @@ class Band:
     def __post_init__(self) -> None:
         """Refuses a band that nothing can be inside of."""
         if not all(isfinite(width) and width > 0 for width in (self.forward, self.side, self.yaw_rate)):
-            raise ValueError(f"a band has positive half widths, got {self}")
+            raise ValueError(f"half widths of a band must be > 0, got {self}")
 
     def contains(self, velocity: Twist, target: Twist) -> bool:
         """Returns True where a velocity is inside the band around a target."""
@@ -51,7 +51,7 @@ class BandRow(FileValue):
 def _by_trim(rows: Sequence[BandRow]) -> dict[int, Band]:
     bands = {row.trim: Band(row.forward, row.side, row.yaw_rate) for row in rows}
     if len(bands) != len(rows):
-        raise ValueError(f"one for each trim, got {sorted(row.trim for row in rows)}")
+        raise ValueError(f"expected one for each trim, got {sorted(row.trim for row in rows)}")
     return bands
 
 

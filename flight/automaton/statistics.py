@@ -66,8 +66,8 @@ class Statistics(FileValue):
         confidence: confidence of that share.
         discarded: samples that the bounds do not hold, because the flight was lost or a maneuver did not
             settle; the claim accounts for them.
-        support: how many numbers were fitted to the samples; None where it is not told.
-        centre: where the values come from; None where it is not told.
+        support: number of values fitted to the samples; None if unknown.
+        centre: source of the values; None if unknown.
         scalars: one entry per number; a file has them by their names.
     """
 
@@ -96,8 +96,8 @@ class InterpolationClaim(FileValue):
 
     Attributes:
         left_out: flown primitives of the kind, each of which was left out in turn.
-        exceeding: how many of them the bounds that the others gave did not hold.
-        flights: that each of them was flown in.
+        exceeding: number of them outside the bounds interpolated from the others.
+        flights: number of flights of each.
         factor: by which interpolated deviations were inflated, so that no more exceed.
         coverage: share of the interpolated primitives that hold so many flights.
         confidence: confidence of that share.

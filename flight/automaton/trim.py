@@ -20,9 +20,9 @@ class Trim(FileValue):
         name: a few words for people.
         velocity: the nominal body velocity.
         error: the signed error of the velocity; gamma scales it.
-        statistics: how the error was found, where it was measured.
+        statistics: samples behind the error, if it was measured.
         averaged: errors averaged over a coast, by its duration, where they were measured.
-        interpolated: what is claimed of its error, where that was interpolated between flown trims.
+        interpolated: claim of the error, if it was interpolated between flown trims.
     """
 
     id: int

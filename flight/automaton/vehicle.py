@@ -13,19 +13,20 @@ from .maneuver import Maneuver
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leg:
-    """A stretch of flight, as it truly happened.
+    """Coast or maneuver as flown: true motion, estimate, alarm.
 
     Attributes:
         duration: seconds.
-        settled: whether the primitive ended by its rule (a coast always does), not by time-out.
+        settled: True if the primitive ended by its rule (a coast always does), not by time-out.
         track: true motion including both ends: time since the start in seconds, north and east in metres,
             heading in radians (not wrapped).
-        estimated_track: the same as the vehicle believes it; None where that is the truth.
-        standard_deviation: of the believed position in metres, the largest on the way, as the vehicle
-            claims it.
-        turbulence: how hard the vehicle takes it to blow at the end: the standard's wind at 20 ft, in m/s;
-            None where it does not know.
-        alarm: what the vehicle found wrong with itself, and broke the leg off for; empty where nothing.
+        estimated_track: the same as estimated by the vehicle; None if that is the truth.
+        standard_deviation: largest standard deviation of the estimated position in metres, as the vehicle
+            claims it: the root of the summed variances of north and east.
+        heading_deviation: largest standard deviation of the estimated heading in radians, likewise.
+        turbulence: estimated wind at 20 ft at the end (MIL-F-8785C), in m/s;
+            None if unknown.
+        alarm: alarm that ended the leg early; empty without one.
     """
 
     duration: float
@@ -33,12 +34,13 @@ class Leg:
     track: Float[np.ndarray, "n 4"]
     estimated_track: Float[np.ndarray, "n 4"] | None = None
     standard_deviation: float = 0.0
+    heading_deviation: float = 0.0
     turbulence: float | None = None
     alarm: str = ""
 
 
 class Vehicle(Protocol):
-    """Something that holds trims and performs maneuvers, and believes to be somewhere."""
+    """Vehicle that holds trims, performs maneuvers and estimates its pose."""
 
     @property
     def time(self) -> float:

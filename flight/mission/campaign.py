@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Literal, get_args
 
 from pydantic import NonNegativeInt, PositiveFloat, PositiveInt
 
@@ -14,6 +14,12 @@ from flight.schema import read_toml, schema_named
 
 SCHEMA = "maneuver-campaign/1"
 """What a file may name itself; one that does not is of this version."""
+
+VehiclePopulation = Literal["nominal", "one", "fleet"]
+"""Vehicles flown: the one believed, one airframe, an airframe for each flight."""
+
+DEFAULT_SENSORS = "rtk"
+"""Class of the sensors where a file names none."""
 
 
 class NoRuleForWindError(FlightError):
@@ -33,10 +39,12 @@ class Campaign(FileValue):
         library: name or path of the library that names the trims and the maneuvers.
         wind: wind class.
         altitude: metres above ground.
-        flights: how many give the bounds.
-        nominal_flights: how many others give the values of maneuvers; 0 lets the same flights give both.
+        flights: number of flights for the bounds.
+        nominal_flights: number of other flights for the values of maneuvers; 0 for the same flights.
         coasting_range: shortest and longest coasting time, seconds.
         maneuver_end: the rule, by wind class.
+        vehicles: population flown; empty for the nominal vehicle.
+        sensors: class of the sensors; empty for `rtk`.
     """
 
     schema: Annotated[Omittable[str], schema_named(SCHEMA)] = field(init=False, default=SCHEMA, repr=False)
@@ -48,9 +56,14 @@ class Campaign(FileValue):
     coasting_range: tuple[float, float]
     maneuver_end: Mapping[str, ManeuverEnd]
     nominal_flights: Omittable[NonNegativeInt] = 0
+    vehicles: Omittable[str] = ""
+    sensors: Omittable[str] = ""
 
     def __post_init__(self) -> None:
-        """Refuses coasting times in the wrong order."""
+        """Refuses an unknown population, and coasting times in the wrong order."""
+        if self.vehicles and self.vehicles not in get_args(VehiclePopulation):
+            known = ", ".join(get_args(VehiclePopulation))
+            raise ValueError(f"vehicles: expected one of {known}, got {self.vehicles!r}")
         shortest, longest = self.coasting_range
         if not 0 <= shortest <= longest:
             raise ValueError(

@@ -9,7 +9,7 @@ from jaxtyping import Float
 
 from flight.se2 import SE2, wrap_angle
 
-Track = Float[np.ndarray, "n 4"]
+Track = Float[np.ndarray, "_ 4"]
 
 SLACK = 1e-9
 """Metres and radians by which rounding may leave an end outside a tolerance of 0 or more.

@@ -34,11 +34,11 @@ class FaultKind:
     Attributes:
         where: sensor, servo, `controller`, `wind` or `vehicle`.
         what: one word.
-        meaning: what then happens.
+        meaning: effect in words.
         sizes: numbers that say by how much.
-        effect: what shows that it acts: the number in the log's `/fault_effect`, 0 where it does not.
+        effect: meaning of the number in the log's `/fault_effect`; 0 without an effect.
         unit: of the effect.
-        ends: whether it must end.
+        ends: True if it must end.
     """
 
     where: str
@@ -182,7 +182,7 @@ def parse_fault(words: str) -> Fault:
     except ValueError:
         raise BadFaultError(words, f"expected {form!r} with numbers, got {' '.join(rest)!r}") from None
     if not all(isfinite(number) for number in (start, *size)) or isnan(duration):
-        raise BadFaultError(words, "expected finite numbers, `inf` for the duration alone")
+        raise BadFaultError(words, "expected finite numbers; only the duration may be `inf`")
     try:
         return Fault(
             where=where,
@@ -196,10 +196,10 @@ def parse_fault(words: str) -> Fault:
 
 
 def _unknown_kind_message(where: str, what: str) -> str:
-    """Says what exists: what can happen there, or where anything can happen."""
+    """Returns the message for an unknown kind, with the known ones."""
     here = [kind.what for kind in FAULT_KINDS.values() if kind.where == where]
     if here:
-        return f"no {what!r} of {where}; it knows {here}"
+        return f"no {what!r} of {where}; expected one of {here}"
     return f"no place {where!r}; faults have {_unique_in_order(kind.where for kind in FAULT_KINDS.values())}"
 
 

@@ -116,7 +116,7 @@ class _Goal(FileModel):
     @model_validator(mode="after")
     def _heading_with_tolerance(self) -> "_Goal":
         if (self.heading is None) != (self.heading_tolerance is None):
-            raise ValueError("heading and heading_tolerance go together: give both or none")
+            raise ValueError("heading and heading_tolerance: expected both or none, got one")
         return self
 
 

@@ -38,10 +38,11 @@ class Sequence:
     def __post_init__(self) -> None:
         """Refuses a walk that cannot be flown."""
         if not self.trims:
-            raise ValueError("trims: a sequence has at least one trim, got none")
+            raise ValueError("trims: expected at least one, got none")
         if len(self.trims) != len(self.coasting_times):
             raise ValueError(
-                f"coasting_times: one for each of the {len(self.trims)} trims, got {len(self.coasting_times)}"
+                f"coasting_times: expected one for each of the {len(self.trims)} trims, "
+                f"got {len(self.coasting_times)}"
             )
         for time in self.coasting_times:
             if not (isfinite(time) and time >= 0):

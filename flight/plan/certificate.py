@@ -37,7 +37,7 @@ class BoxSplit:
 
 @dataclass(frozen=True, slots=True)
 class BoxLeaf:
-    """Refutes a box, or says that it is empty.
+    """Refutes a box, or marks it as empty.
 
     Attributes:
         kappa: 1 for a bound of the cost, 0 where the goal is out of reach; None where the box is empty.
@@ -87,7 +87,7 @@ def read_tree(text: str) -> list[BoxSplit | BoxLeaf]:
     """Reads a tree's nodes in order.
 
     Raises:
-        ValueError: the text is no tree; says where.
+        ValueError: the text is not a tree.
     """
     nodes: list[BoxSplit | BoxLeaf] = []
     for token in text.split():

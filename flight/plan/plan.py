@@ -51,34 +51,34 @@ class Scenario(FileValue):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Plan(FileValue):
-    """The answer to a mission, or an honest no.
+    """Plan for a mission, or the reason that there is none.
 
     Attributes:
-        schema: of its file.
+        schema: name of the file's schema.
         status: `optimal`, `feasible` (not proved the best), `infeasible` (proved), `unknown`.
-        reason: why there is no plan, or why it is not called optimal.
+        reason: reason if there is no plan, or if it is not proved optimal.
         library: name of the library planned with.
         library_hash: SHA-256 of the library's text.
         mission: name of the mission.
-        stated_mission: the mission itself, as it was planned for; None where only its name is known.
-        policy: which planner.
+        stated_mission: the mission planned for; None if only its name is known.
+        policy: planning policy.
         gamma: uncertainty level planned for.
-        alpha: worst-case time accepted, in nominal optima, where the policy knows a price.
-        tolerance: radius around the goal in metres that was planned with.
-        cost: seconds that the deciding scenario takes; infinite without a plan.
+        alpha: accepted worst-case time over the nominal optimum, for price-of-robustness plans.
+        tolerance: radius around the goal in metres.
+        cost: time of the deciding scenario in seconds; infinite without a plan.
         sequence: trim ids; empty without a plan.
         maneuvers: maneuver ids between them.
         coasting_times: seconds in each trim in the deciding scenario; empty without a plan.
         scenarios: one for each uncertainty level considered, the deciding one among them.
-        tail: ids of the trims that lead from the last one to rest, for when nothing better comes.
+        tail: trim ids of the safe-stop path from the last trim, flown without a newer plan.
         miss: metres that the end misses the goal by at most, whatever the level between -gamma and gamma;
             where one set of coasting times is flown at all of them.
-        time_promise: which share of flights keeps which multiple of the cost, where that was found by flying.
-        lower_bound: seconds that no plan can undercut, where known.
-        certificate: proof of the lower bound, or that there is no plan, where asked for.
-        verified: whether code that shares nothing with the solver flew every scenario to the goal.
-        solve_time: seconds of computing; outside every hash.
-        at_smallest_tolerance: where no such set exists, the plan for the smallest tolerance for which one
+        time_promise: time bound from validation flights, if any.
+        lower_bound: lower bound of any plan's time in seconds, if known.
+        certificate: proof of the lower bound, or that there is no plan, if requested.
+        verified: True if code independent of the solver confirmed that every scenario ends at the goal.
+        solve_time: computing time in seconds; outside every hash.
+        at_smallest_tolerance: if no such set exists, the plan for the smallest tolerance for which one
             does.
     """
 
@@ -110,7 +110,7 @@ class Plan(FileValue):
     at_smallest_tolerance: "Plan | None" = None
 
     def __post_init__(self) -> None:
-        """Works out the schema, and what the deciding scenario says."""
+        """Sets schema, cost and coasting times from the other fields."""
         schema = SCHEMA_WITHOUT_MISSION if self.stated_mission is None else SCHEMA
         object.__setattr__(self, "schema", schema)
         object.__setattr__(self, "cost", self.deciding.cost if self.found else inf)
@@ -118,7 +118,7 @@ class Plan(FileValue):
 
     @property
     def found(self) -> bool:
-        """True where the plan has a walk to fly."""
+        """True if the plan has a walk to fly."""
         return bool(self.scenarios)
 
     @property
@@ -166,7 +166,7 @@ def read_plan(path: Path) -> Plan:
 
 
 def _check_mission(plan: Plan, schema: str) -> None:
-    """Checks that a plan carries a mission where its schema says so."""
+    """Checks that a plan holds a mission if its schema requires one."""
     if plan.schema != schema:
         problem = "is missing" if plan.stated_mission is None else f"expected none in {schema}, got one"
         raise ValueError(f"stated_mission: {problem}")

@@ -17,7 +17,7 @@ POINTS = 40
 TUBE_GAMMAS = 5
 """Lines of a tube."""
 
-Line = Float[np.ndarray, "n 2"]
+Line = Float[np.ndarray, "_ 2"]
 
 
 def planned_track(

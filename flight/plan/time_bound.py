@@ -1,7 +1,7 @@
 """Time bound: a factor on the predicted time, found by flights.
 
-It is no part of a library, whose numbers are of primitives, but stands beside it: `NAME.times.toml` beside
-`NAME.json`, with the library's hash.
+It is not part of a library, which holds numbers of primitives. The file `NAME.times.toml` beside `NAME.json`
+holds it, with the library's hash.
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from flight.schema import FileModel, read_toml
 SUFFIX = ".times.toml"
 
 LARGEST_FACTOR = 1e6
-"""Factor that a file may state: a plan's time times this stays finite."""
+"""Largest factor in a file: a plan's time times this stays finite."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,15 +25,16 @@ class TimeBound(FileValue):
     """Share of flights that finish within a multiple of the predicted time.
 
     Attributes:
-        policy: of the plans.
+        policy: policy of the plans.
         gamma: uncertainty level of the plans.
-        wind: class in which the helicopter flew.
-        share: of flights, or more, with 95 % confidence.
-        factor: on the seconds of a plan to the part of the tolerance that the loop aims at, and its latency.
-        missions: that it was found on.
-        flights: likewise, all missions together.
-        seed: that they were drawn with.
-        time: seconds that this is for one plan; None where it is said of none.
+        wind: wind class of the flights.
+        share: least share of flights, with 95 % confidence.
+        factor: factor on the predicted time: latency plus the time of a plan to the replans' share of the
+            tolerance.
+        missions: number of missions that it was found with.
+        flights: number of flights of all these missions.
+        seed: seed of the missions.
+        time: seconds for one plan; None if it is of no plan.
     """
 
     policy: str
@@ -48,15 +49,16 @@ class TimeBound(FileValue):
 
     @property
     def source(self) -> str:
-        """From what it was found, for people."""
+        """Missions, flights and wind in words."""
         return f"{self.missions} missions, {self.flights} flights in wind {self.wind}, seed {self.seed}"
 
     @property
     def sentence(self) -> str:
         """Time bound in words."""
         multiple = f"{self.factor:.2f} × predicted"
-        when = multiple if self.time is None else f"{self.time:.1f} s ({multiple})"
-        return f"{self.share:.0%} of flights finish within {when}, 95% confidence, from {self.source}"
+        limit = f"{multiple} (" if self.time is None else f"{self.time:.1f} s ({multiple}, "
+        share = f"{100 * self.share:.0f} %"
+        return f"{share} of flights finish within {limit}95 % confidence), from {self.source}"
 
 
 class _TimeBoundsFile(FileModel):
@@ -66,28 +68,28 @@ class _TimeBoundsFile(FileModel):
 
     @field_validator("promise")
     @classmethod
-    def _no_time(cls, promises: tuple[TimeBound, ...]) -> tuple[TimeBound, ...]:
-        for place, one in enumerate(promises):
+    def _no_time(cls, bounds: tuple[TimeBound, ...]) -> tuple[TimeBound, ...]:
+        for place, one in enumerate(bounds):
             if one.time is not None:
                 raise ValueError(f"[{place}].time: expected none beside a library, got {one.time} s")
-        return promises
+        return bounds
 
 
 def time_bounds_path(library: Path) -> Path:
-    """Returns where the promises of a library stand."""
+    """Returns the path of a library's time bounds."""
     return library.with_name(library.stem + SUFFIX)
 
 
-def time_bounds_text(promises: Sequence[TimeBound], *, library_hash: str, command: str) -> str:
-    """Returns promises as their file's text.
+def time_bounds_text(bounds: Sequence[TimeBound], *, library_hash: str, command: str) -> str:
+    """Returns the text of a file of time bounds.
 
     Args:
-        promises: found with one library; at least one, for a file without is none.
-        library_hash: of that.
-        command: that found them.
+        bounds: at least one, all of one library.
+        library_hash: hash of the library.
+        command: command line of the flights.
     """
     lines = [f"# {command}", 'schema = "maneuver-times/1"', f'library_hash = "{library_hash}"']
-    for one in promises:
+    for one in bounds:
         lines += [
             "",
             "[[promise]]",
@@ -107,11 +109,11 @@ def read_time_bounds(library: Path, *, library_hash: str) -> tuple[TimeBound, ..
     """Returns the time bounds stated beside a library; none without a file.
 
     Args:
-        library: its path.
-        library_hash: of it.
+        library: path of the library.
+        library_hash: hash of the library.
 
     Returns:
-        None where the file was found with another library: that promises nothing of this one.
+        None if the file is of another library.
 
     Raises:
         BadFileError: the file is broken.

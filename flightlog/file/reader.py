@@ -8,7 +8,7 @@ import io
 import struct
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import fields
+from dataclasses import MISSING, fields
 from pathlib import Path
 from typing import Any
 
@@ -73,7 +73,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
         zstandard.ZstdError,
         MemoryError,
     ) as error:
-        raise BadFileError(path, f"is no flight log: {error}") from None
+        raise BadFileError(path, f"is not a flight log: {error}") from None
 
 
 def _check_complete(content: bytes, path: Path) -> None:
@@ -118,7 +118,9 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
 
 def _parse_header(metadata: Mapping[str, str]) -> FlightHeader:
     names = {field.name for field in fields(FlightHeader)}
-    if set(metadata) != names:
+    # Logs of older versions lack the fields with defaults.
+    needed = {field.name for field in fields(FlightHeader) if field.default is MISSING}
+    if not needed <= set(metadata) <= names:
         raise ValueError(f"expected header fields {sorted(names)}, got {sorted(metadata)}")
     return FlightHeader(**{**metadata, "seed": int(metadata["seed"])})  # type: ignore[arg-type]
 

@@ -62,8 +62,8 @@ class Salvage:
         damaged_attachments: attachments with wrong checksum.
         skipped_bytes: bytes outside any recognised record.
         orphans: messages of channels without description.
-        ended: whether the data-end record was found.
-        data_intact: whether the data match the checksum of that record; None if it has none.
+        ended: True if the data-end record was found.
+        data_intact: True if the data match the checksum of that record; None if it has none.
     """
 
     header: Header | None = None

@@ -1,10 +1,13 @@
 """Fingerprint of a flight: the hash of its content."""
 
 import json
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from hashlib import sha256
 
+from flightlog.header import FlightHeader
 from flightlog.log import FlightLog
+
+_LATER_FIELDS = frozenset({"air", "vehicles", "drawn", "sensors"})
 
 
 def fingerprint(log: FlightLog) -> str:
@@ -14,7 +17,9 @@ def fingerprint(log: FlightLog) -> str:
     fingerprint with and without a compiler. Changes of code that change no flight, and the packing of the
     file, do not change it.
     """
-    header = asdict(log.header)
+    # Logs of older versions lack these.
+    later = {field.name: field.default for field in fields(FlightHeader) if field.name in _LATER_FIELDS}
+    header = {key: value for key, value in asdict(log.header).items() if later.get(key) != value}
     header |= {"backend": log.header.arithmetic, "code_version": log.header.release}
     digest = sha256(json.dumps(header, sort_keys=True).encode())
     for name, series in sorted(log.series.items()):

@@ -56,7 +56,7 @@ def quaternions_from_euler(
     return _product(_product(about_z, about_y), about_x)
 
 
-def _product(left: Quaternions, right: Quaternions) -> Quaternions:
+def _product(left: Float[np.ndarray, "#n 4"], right: Float[np.ndarray, "#n 4"]) -> Quaternions:
     a, b, c, d = left.T
     w, x, y, z = right.T
     return np.column_stack(

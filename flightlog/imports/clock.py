@@ -187,8 +187,8 @@ def _check_resolution(times: Column, new: Bool[np.ndarray, "k"], *, sample: str)
         )
     if 0.0 < span < INTERVALS[0] * (count - 1):
         raise ClockError(
-            f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {count} in {span:.3g} s: the "
-            "unit of the times is another"
+            f"expected a {sample} every {INTERVALS[0]:g} s or less often, got {count} in {span:.3g} s: "
+            "check the unit of the times"
         )
 
 

@@ -228,7 +228,7 @@ def _is_plausible(values: Float[np.ndarray, "n k"]) -> Bool[np.ndarray, "n k"]:
     return np.asarray(~(np.abs(values) >= LARGEST_VALUE))
 
 
-def _has_neighbours(time: Column, wanted: Column) -> Bool[np.ndarray, "n"]:
+def _has_neighbours(time: Column, wanted: Float[np.ndarray, "wanted"]) -> Bool[np.ndarray, "wanted"]:
     """Returns a mask of times with samples close on both sides."""
     longest = longest_gap(time)
     after = np.searchsorted(time, wanted).clip(1, len(time) - 1)

@@ -37,7 +37,7 @@ def parse_model(text: bytes, source: str) -> ElementTree.Element:
         # Decoded first, so that no other encoding hides an entity.
         words = text.decode("utf-8")
         if "<!DOCTYPE" in words or "<!ENTITY" in words:
-            raise BadFileError(source, "has a document type: expected no entities")
+            raise BadFileError(source, "expected no document type, got one")
         root = ElementTree.fromstring(words)
     except (ElementTree.ParseError, ValueError) as error:
         raise BadFileError(source, f"expected a drawable model: {error}") from None
@@ -51,10 +51,10 @@ def parse_model(text: bytes, source: str) -> ElementTree.Element:
 
 def _check_element(part: ElementTree.Element, source: str) -> None:
     if part.tag not in _ELEMENTS:
-        raise BadFileError(source, f"has <{part.tag:.40}>: expected one of {sorted(_ELEMENTS)}")
+        raise BadFileError(source, f"expected elements of {sorted(_ELEMENTS)}, got <{part.tag:.40}>")
     for name, value in part.attrib.items():
         if "file" in name or name in _FOLDERS:
-            raise BadFileError(source, f"names a file, {name}={value!r:.60}: expected all in one text")
+            raise BadFileError(source, f"expected no names of files, got {name}={value!r:.60}")
         for word in value.split():
             if not _is_finite_or_word(word):
                 raise BadFileError(source, f"{part.tag} {name}: expected finite numbers, got {word!r:.40}")

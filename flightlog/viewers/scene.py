@@ -155,7 +155,7 @@ def _points_at_height(line: Float[np.ndarray, "n 2"], height: float) -> Points:
     return np.column_stack([line[:, 1], line[:, 0], np.full(len(line), height)])
 
 
-def _decimate_points(time: Float[np.ndarray, "n"], points: Points) -> Points:
+def _decimate_points(time: Float[np.ndarray, "n"], points: Points) -> Float[np.ndarray, "kept 3"]:
     """Returns about `SCENE_RATE` points a second, both ends included."""
     step = max(1, round((len(time) - 1) / max((time[-1] - time[0]) * SCENE_RATE, 1.0)))
     rows = np.unique([*range(0, len(time), step), len(time) - 1])

@@ -72,7 +72,7 @@ class ViewerChannel:
     """
 
     topic: ViewerTopic
-    blocks: tuple[tuple[Int[np.ndarray, "n"], UInt8[np.ndarray, "n size"]], ...]
+    blocks: tuple[tuple[Int[np.ndarray, "_"], UInt8[np.ndarray, "_ _"]], ...]
 
     @classmethod
     def of(cls, topic: ViewerTopic, times: Iterable[int], messages: Iterable[Message]) -> "ViewerChannel":

@@ -27,6 +27,7 @@ def schedule(
     rng: np.random.Generator,
     coasting_range: tuple[float, float],
     wind: str,
+    repetitions: int = 1,
 ) -> tuple[Sequence, ...]:
     """Returns one sequence per flight, the independent unit of the statistics.
 
@@ -40,11 +41,13 @@ def schedule(
         rng: the campaign's random number generator.
         coasting_range: shortest and longest coasting time in seconds; times are drawn uniformly between them.
         wind: wind class to fly in.
+        repetitions: of the whole tour, in one order that is random too.
 
     Raises:
         NoClosedTourError: there are no maneuvers, or the automaton is not strongly connected.
     """
-    edges = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
+    once = tour_edges([(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers])
+    edges = once * repetitions
     return tuple(
         _tour(edges, name=f"flight-{number:04d}", rng=rng, coasting_range=coasting_range, wind=wind)
         for number in range(flights)

@@ -18,7 +18,7 @@ from .spline import Spline
 # the convex hull of the flown ones.
 FURTHEST = 0.75
 
-Table = Float[np.ndarray, "n k"]
+Velocities = Float[np.ndarray, "_ 2"]
 
 
 def interpolate_trims(
@@ -43,7 +43,9 @@ def interpolate_trims(
     return trims, _bands(flown, places, rule, at, first)
 
 
-def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, first: int) -> dict[int, Band]:
+def _bands(
+    flown: Sequence[Trim], places: Velocities, rule: ManeuverEnd, at: Velocities, first: int
+) -> dict[int, Band]:
     """Interpolates the bands that were fixed before the flights."""
     known = [rule.bands[trim.id] for trim in flown]
     columns = zip(*((one.forward, one.side, one.yaw_rate) for one in known), strict=True)
@@ -54,7 +56,7 @@ def _bands(flown: Sequence[Trim], places: Table, rule: ManeuverEnd, at: Table, f
     }
 
 
-def _grid(flown: Sequence[Trim], places: Table, speed_step: float, yaw_rate_step: float) -> list[Twist]:
+def _grid(flown: Sequence[Trim], places: Velocities, speed_step: float, yaw_rate_step: float) -> list[Twist]:
     """Returns unflown grid velocities inside the range, near flown trims."""
     speeds = [trim.velocity.forward for trim in flown]
     rates = [trim.velocity.yaw_rate for trim in flown]

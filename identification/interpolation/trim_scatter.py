@@ -29,7 +29,7 @@ from .spline import Spline
 # Least share of a deviation due to wind; the computed tail may exceed the flown deviation.
 _WIND = 0.25
 
-Table = Float[np.ndarray, "n 3"]
+Table = Float[np.ndarray, "_ 3"]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

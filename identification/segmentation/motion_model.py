@@ -28,7 +28,7 @@ SLOWEST_RATE = 20.0
 # Median absolute deviation over standard deviation of a normal distribution.
 MAD = 0.6745
 
-MotionSamples = Float[np.ndarray, "n 3"]
+MotionSamples = Float[np.ndarray, "_ 3"]
 FINE_PERIOD = 0.025
 """Sampling period of the motion taken from a log, seconds."""
 

@@ -23,7 +23,7 @@ def trim_graph_of(library: Library) -> TrimGraph:
     rule = library.conditions.maneuver_end
     if rule is None:
         raise FlightError(
-            f"library {library.name!r} has no conditions.maneuver_end: expected a band for each trim, dwell, "
+            f"library {library.name!r}: expected conditions.maneuver_end with a band for each trim, dwell, "
             "timeout"
         )
     places = {trim.id: place for place, trim in enumerate(library.trims)}
@@ -45,7 +45,7 @@ def all_edges(trims: int) -> np.ndarray:
 
 
 def walks_of(
-    motions: Sequence[Float[np.ndarray, "n 3"]], library: Library, *, model: MotionModel | None = None
+    motions: Sequence[Float[np.ndarray, "_ 3"]], library: Library, *, model: MotionModel | None = None
 ) -> tuple[ObservedWalk, ...]:
     """Returns the walk of each flight through a library's trims.
 

@@ -27,9 +27,9 @@ class Observations:
         trims: by trim, the largest deviation of each velocity over all its coasts, signed.
     """
 
-    tracks: dict[int, list[Float[np.ndarray, "n 2"]]]
-    maneuvers: dict[int, Float[np.ndarray, "n 4"]]
-    trims: dict[int, Float[np.ndarray, "3"]]
+    tracks: dict[int, list[Float[np.ndarray, "_ 2"]]]
+    maneuvers: dict[int, Float[np.ndarray, "_ 4"]]
+    trims: dict[int, Float[np.ndarray, "... 3"]]
 
 
 def observations(log: FlightLog, segments: Segments, library: Library) -> Observations:

@@ -31,7 +31,7 @@ class StepResponse:
 
 
 def fit_response(
-    steps: Sequence[Float[np.ndarray, "samples"]], *, period: float, memory: float, guess: StepResponse
+    steps: Sequence[Float[np.ndarray, "_"]], *, period: float, memory: float, guess: StepResponse
 ) -> StepResponse:
     """Fits a response to steps by least squares on their innovations.
 

@@ -34,7 +34,7 @@ BAND_IN_SCATTERS, DWELL, TIMEOUT = 4.0, 1.0, 15.0
 MAD = 0.6745
 _ADVICE = "change --resolution, give --trims, or longer flights with steps between trims"
 
-MotionSamples = Float[np.ndarray, "n 3"]
+MotionSamples = Float[np.ndarray, "_ 3"]
 
 
 class NoTrimsError(FlightError):

@@ -118,7 +118,7 @@ def maneuver_row(segment: ManeuverSegment) -> tuple[float, float, float, float]:
 
 def _samples(
     hulls: list[Hull],
-    rows: list[Float[np.ndarray, "m scalars"]],
+    rows: list[Float[np.ndarray, "_ scalars"]],
     discarded: list[int],
     timeouts: int,
     scalars: int,

@@ -1,4 +1,4 @@
-"""`maneuver library audit`: what the sign convention claims, measured over random missions."""
+"""`maneuver library audit`: test of the sign convention on random missions."""
 
 import json as json_module
 import sys
@@ -39,11 +39,11 @@ def audit(
     max_trims: Count = 4,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
-    """Counts how often the optimal time falls as gamma rises.
+    """Counts random missions whose optimal time never rises with gamma.
 
-    Every error is signed so that gamma = +1 means fast and wide. Whether a mission then takes least time at
-    gamma = +1 and most at gamma = -1 is measured: the best walk of each mission at gamma -1, 0 and +1. Where
-    the time rises, the number is named whose holding back saves most on the walk that was best before.
+    By the sign convention, gamma = +1 means fast and wide, so a mission should take least time at gamma = +1
+    and most at gamma = -1. The optimal time of each mission is computed at gamma -1, 0 and +1. Where it
+    rises, the table names the error that causes the largest part of the rise on the previously optimal walk.
 
     For example:
 
@@ -53,9 +53,9 @@ def audit(
 
     Args:
         library: name or path.
-        missions: how many, at random.
-        seed: of the missions.
-        max_trims: longest walk searched.
+        missions: number of random missions.
+        seed: seed of the missions.
+        max_trims: number of trims in the longest walk searched.
         json: print every rise as JSON.
     """
     found = find_library(library)
@@ -78,8 +78,8 @@ def audit(
         rises = [rise for rise in result.rises if rise.gammas == levels]
         lost = sum(not isfinite(rise.times[1]) for rise in rises)
         print(
-            f"gamma {levels[0]:+g} to {levels[1]:+g}: rises in {len(rises)} "
-            f"({_share(len(rises), result.reachable)}), {lost} of them because nothing arrives any more"
+            f"gamma {levels[0]:g} to {levels[1]:g}: rises in {len(rises)} "
+            f"({_share(len(rises), result.reachable)}), {lost} of them because the goal becomes unreachable"
         )
     Console(highlight=False).print(_table(found, result))
     return 0
@@ -94,7 +94,7 @@ def _table(library: Library, result: MonotonicityAudit) -> Table:
     for rise in result.rises:
         by_number[rise.culprit].append(rise)
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("what breaks it", "signed by the rule", "rises", "median, s"):
+    for heading in ("cause", "signed by the rule", "rises", "median, s"):
         table.add_column(
             heading, justify="right" if heading in ("rises", "median, s") else "left", no_wrap=True
         )

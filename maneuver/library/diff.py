@@ -1,4 +1,4 @@
-"""`maneuver library diff`: what two libraries have different."""
+"""`maneuver library diff`: differences between two libraries."""
 
 import json as json_module
 import sys
@@ -34,9 +34,9 @@ def diff(
         maneuver library diff thesis-kinematic kinematic.json --numbers
 
     Args:
-        first: name or path.
-        second: name or path.
-        numbers: only values and signed errors of trims and maneuvers: not where they come from.
+        first: name or path of the first library.
+        second: name or path of the second library.
+        numbers: compare only values and signed errors of trims and maneuvers, not their origin.
         json: print the differences as JSON.
     """
     found = library_differences(find_library(first), find_library(second))
@@ -62,7 +62,7 @@ def diff(
     Console(highlight=False).print(table)
     parts = Counter(one.part.split()[0] for one in found)
     touched = len({one.part for one in found if one.part != "library"})
-    print(f"{len(found)} differences: {touched} primitives touched, {parts['library']} in the library's head")
+    print(f"{len(found)} differences in {touched} primitives and {parts['library']} library entries")
     return DIFFERENT
 
 

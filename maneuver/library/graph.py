@@ -28,9 +28,9 @@ def graph(
         maneuver library graph gtmax-sim --numbers --out gtmax-sim.png
 
     Args:
-        library: name or path.
-        out: where the picture goes; NAME-graph.png by default.
-        numbers: every number with its signed error beside the graph.
+        library: name or path of the library.
+        out: picture to write; NAME-graph.png by default.
+        numbers: also list every number with its signed error.
         force: overwrite OUT.
     """
     found = find_library(library)

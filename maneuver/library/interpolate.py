@@ -1,4 +1,4 @@
-"""`maneuver library interpolate`: primitives that were never flown, interpolated between those that were."""
+"""`maneuver library interpolate`: interpolation of primitives between flown ones."""
 
 import sys
 from math import inf
@@ -12,10 +12,10 @@ from flight.errors import FlightError
 from flight.plural import plural
 from flight.units import FOOT
 from identification.data_sheet import describe_claim
-from identification.interpolation.interpolate import interpolate_library as grow_library
+from identification.interpolation.interpolate import interpolate_library
 from scenarios.find import find_library, library_path
 
-from .publish import check_library_target, publish_library
+from .library_files import check_library_target, write_library_files
 
 
 def interpolate(
@@ -33,25 +33,25 @@ def interpolate(
 ) -> int:
     """Interpolates trims and maneuvers on a grid inside the flown range.
 
-    The errors of what was never flown are interpolated, and inflated by a factor at which the flown
-    primitives, each left out in turn, would have had every flown sample inside the bounds that the others
-    give: as many of them as it takes to claim COVERAGE with CONFIDENCE, or all, and then less is claimed. The
-    claim is of the kind: so large a share of the grown primitives holds as many flights as each flown one
-    had. A flown trim that grown maneuvers lead to is widened and claims what grown ones do; flown maneuvers
-    stay as they are. `maneuver library test` flies a random sample against the claim.
+    Interpolated errors are inflated by a factor from leave-one-out cross-validation: with it, bounds
+    interpolated from the other primitives contain every sample of each left-out one, for as many primitives
+    as --coverage with --confidence requires. If that is more than there are, the claim is weaker. It reads:
+    this share of the interpolated primitives contains as many flights as each flown primitive had. Flown
+    trims that interpolated maneuvers lead to are widened and get the same claim; flown maneuvers are
+    unchanged. `maneuver library test` tests the claim with new flights of a random sample.
 
     For example:
 
-        maneuver library interpolate trends-flown.json --out grown.json
+        maneuver library interpolate trends-flown.json --out interpolated.json
 
     Args:
-        library: flown, name or path.
-        out: where the grown library goes; its data sheet goes beside it.
-        speed_step: of the grid, m/s.
-        rate_step: of the grid, rad/s.
-        coverage: share of the grown primitives that are to hold as many flights as were flown.
-        confidence: of that share.
-        name: of the interpolated library; OUT's by default.
+        library: name or path of the flown library.
+        out: interpolated library to write; its data sheet is written beside it.
+        speed_step: speed step of the grid, m/s.
+        rate_step: yaw-rate step of the grid, rad/s.
+        coverage: share of the interpolated primitives whose bounds contain all flights.
+        confidence: confidence of that share.
+        name: name of the interpolated library; OUT's by default.
         force: overwrite OUT.
         json: print the library as JSON.
     """
@@ -62,7 +62,7 @@ def interpolate(
         if not 0 < step < inf:
             raise FlightError(f"{option} must be > 0, got {step}")
     check_library_target(out, force=force, inputs=[library_path(library)])
-    grown = grow_library(
+    result = interpolate_library(
         find_library(library),
         speed_step=speed_step,
         yaw_rate_step=rate_step,
@@ -70,20 +70,20 @@ def interpolate(
         coverage=coverage,
         confidence=confidence,
     )
-    publish_library(grown.library, out, force=force)
+    write_library_files(result.library, out, force=force)
     if json:
-        sys.stdout.write(library_text(grown.library))
+        sys.stdout.write(library_text(result.library))
         return 0
     print(
-        f"{plural(len(grown.library.trims), 'trim')}, {grown.trims} of them interpolated; "
-        f"{plural(len(grown.library.maneuvers), 'maneuver')}, {grown.maneuvers} of them interpolated"
+        f"{plural(len(result.library.trims), 'trim')}, {result.trims} of them interpolated; "
+        f"{plural(len(result.library.maneuvers), 'maneuver')}, {result.maneuvers} of them interpolated"
     )
-    for kind, claim in (("trims", grown.trim_claim), ("maneuvers", grown.maneuver_claim)):
+    for kind, claim in (("trims", result.trim_claim), ("maneuvers", result.maneuver_claim)):
         print(f"interpolated {kind}: {describe_claim(claim)}")
-    for fit in grown.fits:
+    for fit in result.fits:
         print(
-            f"{fit.number:24s} off by {fit.cross_validation_error:.4f} where left out, "
+            f"{fit.number:24s} cross-validation error {fit.cross_validation_error:.4f}, "
             f"smoothing {fit.smoothing:g}"
         )
-    print(f"library    {out}\ndata sheet {out.with_suffix('.md')}\nsha256     {library_hash(grown.library)}")
+    print(f"library    {out}\ndata sheet {out.with_suffix('.md')}\nsha256     {library_hash(result.library)}")
     return 0

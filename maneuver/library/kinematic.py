@@ -1,4 +1,4 @@
-"""`maneuver library kinematic`: a library by the kinematic equations, beside what the thesis prints."""
+"""`maneuver library kinematic`: library from the kinematic equations, beside the thesis's."""
 
 import sys
 from collections.abc import Iterator
@@ -19,7 +19,7 @@ from flight.plural import plural
 from identification.design.kinematic_library import read_kinematic_library
 from scenarios.find import find_library
 
-from .publish import check_library_target, publish_library
+from .library_files import check_library_target, write_library_files
 
 THESIS = libraries.FOLDER / "kinematic.toml"
 PRINTED = "thesis-kinematic"
@@ -39,8 +39,8 @@ def kinematic(
 ) -> int:
     """Makes a library from assumed trims, durations and errors (thesis, 2.6.1, 3.2.1).
 
-    Its numbers are shown beside those of another library of the same edges: Tables 6 and 8 as printed, where
-    FILE is the thesis's own, which is also an example of such a file.
+    Its numbers are printed beside those of another library with the same maneuvers, by default Tables 6 and 8
+    of the thesis if FILE is the shipped one, which is also an example of such a file.
 
     For example:
 
@@ -49,16 +49,16 @@ def kinematic(
         maneuver library kinematic mine.toml --out mine.json
 
     Args:
-        file: trims with percent errors, maneuvers with durations and their errors, as TOML.
-        out: where the library goes; its data sheet goes beside it.
-        beside: library to compare with, name or path.
+        file: TOML file with trims, percent errors, maneuvers, durations and duration errors.
+        out: library file to write; its data sheet is written beside it.
+        beside: name or path of the library to compare with.
         force: overwrite OUT.
         json: print the library as JSON.
     """
     made = read_kinematic_library(file)
     if out is not None:
         check_library_target(out, force=force, inputs=[file])
-        publish_library(made, out, force=force)
+        write_library_files(made, out, force=force)
     if json:
         sys.stdout.write(library_text(made))
         return 0
@@ -73,9 +73,12 @@ def kinematic(
             for row in rows
             if any(not same for *_, same in _numbers(row, _matching_maneuver(row, compared)))
         ]
-        print(f"{len(rows) - len(wrong)} of {len(rows)} maneuvers are as in {compared.name} to its decimals")
+        print(
+            f"{len(rows) - len(wrong)} of {len(rows)} maneuvers equal those of {compared.name} "
+            "within its rounding"
+        )
         if wrong:
-            print(f"not: {', '.join(map(str, wrong))}")
+            print(f"different: {', '.join(map(str, wrong))}")
     return 0
 
 

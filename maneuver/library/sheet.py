@@ -1,4 +1,4 @@
-"""`maneuver library sheet`: a library's whole data sheet: tables, pictures, the thesis beside it."""
+"""`maneuver library sheet`: data sheet of a library with pictures."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -39,9 +39,9 @@ def sheet(
 ) -> int:
     """Writes a library's data sheet into a folder: `sheet.md` with its pictures.
 
-    The graph, every number with its error, the flights used; for a library of the thesis's trims, Tables 9
-    and 10 beside it. With LOGS, those that it was identified from: every performance of every maneuver on one
-    another (Figure 6), and the deviations with the bounds.
+    It holds the graph, every number with its error and the flights used; for a library with the thesis's
+    trims also Tables 9 and 10. With --logs, the logs that it was identified from, it also holds every
+    performance of every maneuver overlaid (Figure 6), and the deviations with the bounds.
 
     For example:
 
@@ -50,11 +50,11 @@ def sheet(
         maneuver library sheet mine.json --logs flights --out mine-sheet
 
     Args:
-        library: name or path.
-        out: folder for the sheet.
+        library: name or path of the library.
+        out: folder for the data sheet.
         logs: flight logs, or folders of them.
-        workers: processes that read logs; one for each processor by default.
-        force: overwrite what is in OUT.
+        workers: number of processes that read logs; one per processor by default.
+        force: overwrite files in OUT.
     """
     found = find_library(library)
     check_output_folder(out, force=force)
@@ -89,18 +89,20 @@ def _check_same_automaton(library: Library, seen: Observations) -> None:
     known = {row.id for row in library.maneuvers}
     if not set(seen.tracks) <= known:
         unknown = sorted(set(seen.tracks) - known)
-        raise FlightError(f"expected logs that {library.name} is from, got some with maneuvers {unknown}")
+        raise FlightError(
+            f"--logs: expected maneuvers of {library.name}, got logs with other maneuvers {unknown}"
+        )
 
 
 def _parts(library: Library, observed: bool) -> Iterator[str]:
     yield data_sheet(library)
-    yield f"Library's sha256: `{library_hash(library)}`.\n"
+    yield f"sha256 of the library: `{library_hash(library)}`.\n"
     yield "## Graph\n\n![Trims by yaw rate and forward speed, maneuvers as arrows](graph.png)\n"
     yield "![Every number with its signed error](numbers.png)\n"
     if observed:
-        yield "## Repeatability\n\n![All performances, seen from their entry](repeatability.png)\n"
+        yield "## Repeatability\n\n![All performances, relative to their entry](repeatability.png)\n"
         yield "## Deviations and bounds\n\n![Histograms of all deviations, with the bounds](deviations.png)\n"
-        yield "Nominal flights among the logs gave the values, not the bounds: they may lie outside.\n"
+        yield "Nominal flights among the logs gave the values, not the bounds, and may lie outside them.\n"
     printed = find_library(THESIS)
     if library.name != THESIS and is_comparable(library, printed):
         yield from _comparison_with_thesis(list(error_ratios(library, printed)))
@@ -124,12 +126,12 @@ _UNITS = {
 
 def _comparison_with_thesis(rows: list[ErrorRatio]) -> Iterator[str]:
     near = sum(row.same_order for row in rows)
-    yield "## Beside the thesis's Tables 9 and 10\n"
+    yield "## Comparison with Tables 9 and 10 of the thesis\n"
     yield (
         f"Absolute errors in the units of the tables. {near} of {len(rows)} are of the same order "
-        "(ratio 1/4 to 4); beside the others stands why.\n"
+        "(ratio 1/4 to 4); the last column explains the others.\n"
     )
-    yield "| what | unit | ours | printed | ratio | why |\n| --- | --- | --- | --- | --- | --- |"
+    yield "| error | unit | library | thesis | ratio | reason |\n| --- | --- | --- | --- | --- | --- |"
     for row in rows:
         unit = _UNITS[row.kind, row.name]
         scale = FOOT if unit.startswith("ft") else 1.0

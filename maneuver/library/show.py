@@ -1,4 +1,4 @@
-"""`maneuver library`: a library in tables, and whether it holds together."""
+"""`maneuver library`: tables and checks of a library."""
 
 import json as json_module
 import sys
@@ -17,7 +17,7 @@ from flight.units import FOOT
 from identification.data_sheet import describe_sample_size
 from scenarios.find import find_library
 
-# Metres, radians and seconds: what differs by less than rounding in a table is the same.
+# Metres, radians and seconds; smaller differences are rounding.
 SAME = 1e-12
 
 app = App(
@@ -30,6 +30,7 @@ app.command("maneuver.library.graph:graph", name="graph")
 app.command("maneuver.library.trends:trends", name="trends")
 app.command("maneuver.library.interpolate:interpolate", name="interpolate")
 app.command("maneuver.library.sheet:sheet", name="sheet")
+app.command("maneuver.library.sources:sources", name="sources")
 app.command("maneuver.library.trial:run_trial", name="test")
 
 
@@ -50,8 +51,8 @@ def show(
         maneuver library show my-library.json --json
 
     Args:
-        library: name or path.
-        feet: lengths in feet, as the thesis prints them.
+        library: name or path of the library.
+        feet: print lengths in feet, as in the thesis.
         json: print the library as JSON, always in SI units.
     """
     found = find_library(library)
@@ -77,16 +78,16 @@ def show(
 def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = False) -> int:
     """Checks a library's file, references and error signs.
 
-    A broken library ends with exit code 2 and one line that names the place. Remarks do not make a library
-    fail: the tables of the thesis have rows whose signs follow no rule.
+    An invalid library gives exit code 2 and one line with the place of the error. Remarks do not change the
+    exit code: the tables of the thesis have rows with irregular signs.
 
     For example:
 
         maneuver library check my-library.json
 
     Args:
-        library: name or path.
-        json: print the verdict as JSON.
+        library: name or path of the library.
+        json: print the result as JSON.
     """
     found = find_library(library)
     said = remarks(found)
@@ -97,18 +98,18 @@ def check(library: str, /, *, json: Annotated[bool, Parameter(negative="")] = Fa
     for remark in said:
         print(f"remark: {remark}")
     sizes = f"{plural(len(found.trims), 'trim')}, {plural(len(found.maneuvers), 'maneuver')}"
-    print(f"{found.name}: {sizes}, holds together")
+    print(f"{found.name}: {sizes}, valid")
     return 0
 
 
 def remarks(library: Library) -> list[str]:
-    """Returns warnings: errors against the sign convention, trims without a way out."""
+    """Returns warnings: errors against the sign convention, trims without a maneuver."""
     said = []
     for trim in library.trims:
         if trim.error != signed_trim_error(trim.error, trim.velocity):
-            said.append(f"trim {trim.id}: an error has not the sign of its nominal value")
+            said.append(f"trim {trim.id}: an error does not have the sign of its nominal value")
         if not library.successors(trim.id):
-            said.append(f"trim {trim.id}: no maneuver leaves it")
+            said.append(f"trim {trim.id}: no maneuver starts from it")
     for row in library.maneuvers:
         expected = signed_maneuver_error(
             row.error,
@@ -117,9 +118,9 @@ def remarks(library: Library) -> list[str]:
         )
         for name in ("duration", "forward", "side", "heading_change"):
             if abs(getattr(row.error, name) - getattr(expected, name)) > SAME:
-                said.append(f"maneuver {row.id}: its {name} error breaks the sign rule")
+                said.append(f"maneuver {row.id}: its {name} error violates the sign convention")
         if row.duration + row.error.duration < 0 or row.duration - row.error.duration < 0:
-            said.append(f"maneuver {row.id}: at gamma 1 or -1 its duration would be negative")
+            said.append(f"maneuver {row.id}: negative duration at gamma 1 or -1")
     return said
 
 

@@ -35,8 +35,8 @@ def trends(
 ) -> int:
     """Shows errors and displacements against speed and yaw rate.
 
-    The library is one that was flown for this; campaign `trends` has straight flight in steps of 8 ft/s up to
-    80 ft/s, and turns in steps of 0.1 rad/s.
+    The library must be flown on a grid of speeds or yaw rates; campaign `trends` has straight flight in steps
+    of 8 ft/s up to 80 ft/s, and turns in steps of 0.1 rad/s.
 
     For example:
 
@@ -45,10 +45,10 @@ def trends(
         maneuver library trends trends-flown.json --out trends.png
 
     Args:
-        library: flown, name or path.
-        speed_step: size of the changes of speed that are shown, m/s.
-        rate_step: size of the changes of yaw rate that are shown, rad/s.
-        out: where the picture goes; none by default.
+        library: name or path of the flown library.
+        speed_step: size of the speed changes shown, m/s.
+        rate_step: size of the yaw-rate changes shown, rad/s.
+        out: picture to write; none by default.
         force: overwrite OUT.
         json: print the trends as JSON.
     """
@@ -123,7 +123,7 @@ def _tables(seen: Trends) -> Iterator[tuple[str, tuple[str, ...], list[tuple[str
     )
     yield (
         "Changes of speed (Figure 8)",
-        ("from ft/s", "to ft/s", "ahead, m", "off, m", "off, %", "takes, s", "off, %", "flights"),
+        ("from ft/s", "to ft/s", "forward, m", "error, m", "error, %", "duration, s", "error, %", "flights"),
         [
             (
                 _feet(row.entry_speed),

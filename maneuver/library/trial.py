@@ -1,4 +1,4 @@
-"""`maneuver library test`: new flights against what a library claims."""
+"""`maneuver library test`: test of a library's coverage claim on new flights."""
 
 import json as json_module
 import sys
@@ -27,23 +27,24 @@ from experiments.campaign.interpolation_flights import (
 from flight.automaton.library import Library
 from flight.automaton.library_file import library_hash
 from flight.errors import FlightError
-from flight.mission.campaign import Campaign
+from flight.mission.campaign import Campaign, VehiclePopulation
 from flight.plural import plural
 from identification.coverage_trial import CoverageTrial, NoClaimError, coverage_trials
 from identification.design.interpolation_schedule import PrimitiveSample
 from identification.segmentation.flight_evidence import FlightEvidence, StateJudged, extract_evidence
 from maneuver.options.domain_warnings import warn_of_flight, warn_of_logs
 from maneuver.options.numbers import Count, Seed
+from maneuver.options.population import library_population
 from runtime.executor import default_workers, worker_pool
 from runtime.progress import show_progress
 from scenarios.find import find_library
 from sim.campaign_flight import fly_specification
-from sim.loop.specification import DEFAULT_ALTITUDE, FlightSpecification
+from sim.loop.specification import DEFAULT_ALTITUDE, FlightOptions, FlightSpecification
 
 REFUTED = 1
 
 FLIGHTS = 100
-"""New flights where no other number is asked for."""
+"""New flights by default."""
 
 
 def run_trial(
@@ -54,19 +55,22 @@ def run_trial(
     sample: Count = SAMPLE,
     seed: Seed = 1,
     wind: str | None = None,
+    vehicles: VehiclePopulation | None = None,
+    airframe: Seed | None = None,
+    sensors: str | None = None,
     logs: Annotated[list[Path] | None, Parameter(consume_multiple=True, negative="")] = None,
     workers: Count | None = None,
     json: Annotated[bool, Parameter(negative="")] = False,
 ) -> int:
     """Tests a library's coverage claim on new flights.
 
-    A flight is inside the bounds of a primitive when all its numbers are, at once. The new flights have air
-    and schedules that no campaign has, whatever the seeds. For each primitive the share inside, its exact
-    95 % interval, and how improbable so few would be if the claim were true, corrected for the number of
-    primitives (Holm). The exit code is 1 where a claim is refuted at 5 %.
+    A flight is inside the bounds of a primitive if all its numbers are. Wind and schedules of the new flights
+    differ from those of every campaign, for any seed. The table lists for each primitive the share of flights
+    inside, its exact 95 % interval, and the p-value of the claim, corrected for the number of primitives
+    (Holm). The exit code is 1 if a claim is refuted at 5 %.
 
-    Of a grown library a random sample of its grown maneuvers, and of the trims that they lead to, is flown,
-    and the share of them that every flight keeps is held against what the library claims of each kind.
+    For an interpolated library, a random sample of interpolated maneuvers and of the trims that they lead to
+    is flown. The share of them with every flight inside is compared with the claim for each kind.
 
     For example:
 
@@ -74,16 +78,19 @@ def run_trial(
 
         maneuver library test mine.json --logs other-flights/ --json
 
-        maneuver library test grown.json --sample 60
+        maneuver library test interpolated.json --sample 60
 
     Args:
-        library: name or path.
-        flights: how many new ones; 100 by default, of a grown library as many as its claim is for.
-        sample: trims, and maneuvers, of a grown library that are drawn.
-        seed: of all their chance.
+        library: name or path of the library.
+        flights: number of new flights; 100 by default, for an interpolated library the number of its claim.
+        sample: number of trims, and of maneuvers, drawn from an interpolated library.
+        seed: seed of all random numbers.
         wind: wind class; the library's by default.
+        vehicles: vehicle flown: `nominal`, `one` drawn airframe or a `fleet`; the library's by default.
+        airframe: seed of the airframe of --vehicles one; the library's, or --seed, by default.
+        sensors: class of the sensors, rtk or gps; the library's by default.
         logs: existing logs, or folders of them, instead of new flights.
-        workers: processes; one for each processor by default.
+        workers: number of processes; one per processor by default.
         json: print the trials as JSON.
     """
     found = find_library(library)
@@ -102,7 +109,11 @@ def run_trial(
             drawn, specifications = _sample_and_flights(
                 found, sample=sample, seed=seed, flights=flights, wind=air
             )
-            flown = list(_fly(specifications, found, of, executor))
+            population = library_population(found, vehicles, airframe=airframe, seed=seed, sensors=sensors)
+            options = FlightOptions(**population)
+            flown = list(
+                _fly(tuple(one.with_options(options) for one in specifications), found, of, executor)
+            )
     if found.interpolated:
         return REFUTED if judge_interpolated(found, drawn, flown, json=json) else 0
     trials = coverage_trials(found, flown)
@@ -125,14 +136,14 @@ def run_trial(
 def _sample_and_flights(
     library: Library, *, sample: int, seed: int, flights: int | None, wind: str
 ) -> tuple[PrimitiveSample, tuple[FlightSpecification, ...]]:
-    """Returns what is drawn of a grown library, and new flights."""
+    """Returns the sample of an interpolated library, and new flights."""
     if not library.interpolated:
         return EMPTY_SAMPLE, new_flights(library, seed=seed, flights=flights or FLIGHTS, wind=wind)
     claimed = claimed_flight_count(library)
     count = flights or claimed
     if count > claimed:
         raise FlightError(
-            f"--flights: the claim of {library.name} is for {claimed} flights each, got {count}"
+            f"--flights: expected at most {claimed}, the number in the claim of {library.name}, got {count}"
         )
     ordered = _coasting_range(library)
     return sampled_flights(library, ordered, most=sample, seed=seed, flights=count, wind=wind)
@@ -168,8 +179,8 @@ def _coasting_range(library: Library) -> tuple[float, float]:
     ordered = library.provenance.get("coasting_times_ordered") or conditions.coasting_range
     if conditions.maneuver_end is None or ordered is None:
         raise FlightError(
-            f"library {library.name} states no maneuver-end rule or no coasting times: it was not identified "
-            "from flights of this program, so none can be flown like them; --logs tests it with other logs"
+            f"library {library.name}: expected a maneuver-end rule and a range of coasting times for new "
+            "flights, got none; give --logs with existing flights"
         )
     return ordered[0], ordered[1]
 
@@ -196,7 +207,7 @@ def _print_trials(library: Library, trials: tuple[CoverageTrial, ...], flights: 
         console = Console(highlight=False, width=110)
     table = Table(box=SIMPLE_HEAD, pad_edge=False, padding=(0, 1, 0, 0))
     table.add_column("primitive", no_wrap=True)
-    for name in ("flights", "inside", "unsettled", "share", "95 %", "claim", "p", ""):
+    for name in ("flights", "inside", "unsettled", "share inside", "95 %", "claim", "p", ""):
         table.add_column(name, justify="right", no_wrap=True)
     for trial in trials:
         share = f"{trial.inside / trial.flights:.3f}" if trial.flights else "-"

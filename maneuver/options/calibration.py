@@ -13,7 +13,7 @@ from flight.plan.time_bound import time_bounds_text
 from runtime.atomic_write import write_atomically
 
 BOUND_SHARE = 0.9
-"""Share of flights that a calibrated time is made for."""
+"""Share of flights that finish within a calibrated time."""
 
 
 def check_calibration(path: Path | None, suite: str, plant: str, *, plain: bool) -> None:
@@ -33,7 +33,7 @@ def check_calibration(path: Path | None, suite: str, plant: str, *, plain: bool)
     if (suite, plant) != ("random", "helicopter"):
         raise FlightError(f"--calibrate: expected --suite random and the helicopter, got {suite} and {plant}")
     if not plain:
-        raise FlightError("--calibrate: expected the default closed-loop settings, got others")
+        raise FlightError("--calibrate: expected default closed-loop settings, got others")
 
 
 def write_time_bounds(
@@ -52,7 +52,7 @@ def write_time_bounds(
         results: the flights.
         library: of their plans.
         seed: of the missions.
-        command: that flew them.
+        command: command line of the flights.
         force: overwrite the file.
     """
     if path is None:

@@ -12,7 +12,7 @@ def at_depth(mission: Mission, max_trims: int | None) -> Mission:
     Raises:
         FlightError: it is longer than can be searched.
     """
-    asked = mission if max_trims is None else replace(mission, max_trims=max_trims)
-    if asked.max_trims > MAX_TRIMS:
-        raise FlightError(f"--max-trims: expected at most {MAX_TRIMS}, got {asked.max_trims}")
-    return asked
+    changed = mission if max_trims is None else replace(mission, max_trims=max_trims)
+    if changed.max_trims > MAX_TRIMS:
+        raise FlightError(f"--max-trims: expected at most {MAX_TRIMS}, got {changed.max_trims}")
+    return changed

@@ -9,16 +9,16 @@ from flightlog.header import FlightHeader
 
 
 def warn_of_walk(library: Library, trims: Sequence[int], coasting_times: Sequence[float]) -> None:
-    """Warns where a walk leaves the domain of its library."""
+    """Warns if a walk leaves the domain of its library."""
     _print_warnings(library, walk_domain_warnings(library, trims, coasting_times))
 
 
 def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequence[float]]]) -> None:
-    """Warns where flights left the domain of their library.
+    """Warns if flights left the domain of their library.
 
     Args:
-        library: planned and flown with.
-        walks: trims of each flight, and the seconds that each was held.
+        library: of plans and flights.
+        walks: trims of each flight, and the coasting time of each in seconds.
     """
     found = [walk_domain_warnings(library, trims, held) for trims, held in walks]
     if len(found) == 1:
@@ -29,20 +29,22 @@ def warn_of_walks(library: Library, walks: Sequence[tuple[Sequence[int], Sequenc
 
 
 def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None) -> None:
-    """Warns by name where the simulated helicopter would leave a library's domain.
+    """Warns if the simulated helicopter would leave a library's domain.
 
     Args:
-        library: flown with.
-        wind: class flown in.
-        altitude: metres above ground; None where it is the library's.
+        library: of the flight.
+        wind: wind class of the flight.
+        altitude: metres above ground; None for the library's.
 
     Raises:
         UnknownWindError: there is no such wind.
+        UnflyableWindError: the vehicle cannot hold it.
     """
+    from sim.loop.specification import DEFAULT_ALTITUDE
     from sim.vehicle.parameters import model_hash
-    from sim.wind.wind import wind_class
+    from sim.wind.flyable import check_flyable
 
-    wind_class(wind)
+    check_flyable(wind, library, height=altitude or library.conditions.altitude or DEFAULT_ALTITUDE)
     said = vehicle_domain_warnings(library, vehicle_hash=model_hash())
     stronger = _is_stronger(wind, library.conditions.wind)
     _print_warnings(
@@ -51,7 +53,7 @@ def warn_of_flight(library: Library, *, wind: str, altitude: float | None = None
 
 
 def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
-    """Warns by name where flights left a library's domain."""
+    """Warns if flights left a library's domain."""
     said: dict[str, None] = {}
     for header in headers:
         stronger = _is_stronger(header.wind, library.conditions.wind)
@@ -61,10 +63,10 @@ def warn_of_logs(library: Library, headers: Sequence[FlightHeader]) -> None:
 
 
 def _is_stronger(wind: str, stated: str) -> bool:
-    """Returns True where one wind class is known to be stronger."""
-    from sim.wind.wind import WIND_CLASSES
+    """Returns True if one wind class is known to be stronger."""
+    from sim.wind.wind_class import known_wind_class
 
-    both = WIND_CLASSES.get(wind), WIND_CLASSES.get(stated)
+    both = known_wind_class(wind), known_wind_class(stated)
     return both[0] is not None and both[1] is not None and both[0].wind_at_20_ft > both[1].wind_at_20_ft
 
 

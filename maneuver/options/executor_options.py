@@ -19,11 +19,11 @@ class ExecutorOptions:
     """Executor that a command uses.
 
     Attributes:
-        workers: processes of this machine; one for each processor by default.
-        cluster: fly on the workers of a Dask scheduler instead: its address, such as tcp://host:8786, or its
-            scheduler file.
-        shared_folder: the cluster's workers see the same folders and write into them, instead of sending
-            files back.
+        workers: number of processes on this machine; one per processor by default.
+        cluster: address of a Dask scheduler, such as tcp://host:8786, or its scheduler file; flights then run
+            on its workers.
+        shared_folder: let the cluster's workers write the files, in folders shared with this machine; by
+            default they send the files back.
     """
 
     workers: Count | None = None
@@ -34,24 +34,24 @@ class ExecutorOptions:
         """Refuses options that contradict each other.
 
         Raises:
-            FlightError: says which.
+            FlightError: they do.
         """
         if self.cluster is None and self.shared_folder:
-            raise FlightError("--shared-folder is for a cluster: give --cluster with it")
+            raise FlightError("--shared-folder: expected --cluster, got none")
         if self.cluster is not None and self.workers is not None:
-            raise FlightError("--workers are processes of this machine: a cluster has its own")
+            raise FlightError("--workers: expected no --cluster, got one; a cluster has its own workers")
 
 
 THIS_MACHINE = ExecutorOptions()
-"""This machine, all of it."""
+"""All processors of this machine."""
 
 ExecutorArgument = Annotated[ExecutorOptions, Parameter(name="*")]
-"""The options as a verb's own."""
+"""Options without a prefix."""
 
 
 @contextmanager
 def open_executor(options: ExecutorOptions) -> Iterator[JobExecutor]:
-    """Lends processes of this machine or, by its address, a cluster.
+    """Opens an executor: processes of this machine, or a cluster.
 
     Raises:
         FlightError: the cluster does not answer.

@@ -1,4 +1,4 @@
-"""Films and stills of logged flights: what `fly` and `review` share."""
+"""Films and stills of logged flights, for `fly` and `review`."""
 
 from pathlib import Path
 
@@ -10,10 +10,10 @@ FILM_ENDING, STILL_ENDING = ".mp4", ".png"
 
 
 def check_film_target(path: Path, *, force: bool) -> None:
-    """Refuses, before any flying, a film that could not be made.
+    """Checks before a flight that its film can be made.
 
     Raises:
-        FlightError: the file's name is no film's, the file exists, or nothing here can draw.
+        FlightError: the name does not end with .mp4, the file exists, or there is no OpenGL.
     """
     from review.film.canvas import check_canvas
 

@@ -12,14 +12,14 @@ _NAMED = 5
 
 
 def print_status(seen: JobStoreStatus[Result], *, as_json: bool) -> int:
-    """Prints a folder's status; returns 0 where nothing is missing."""
+    """Prints a folder's status; returns 0 if nothing is missing."""
     listed = {
-        "whole": seen.paths(JobState.WHOLE),
+        "complete": seen.paths(JobState.WHOLE),
         "missing": seen.paths(JobState.MISSING),
         "damaged": seen.paths(JobState.DAMAGED),
-        "of another flight": seen.paths(JobState.ANOTHER),
-        "not of this command": seen.foreign_files,
-        "left half-written": seen.partial_files,
+        "other flights": seen.paths(JobState.ANOTHER),
+        "unrelated files": seen.foreign_files,
+        "partial files": seen.partial_files,
     }
     if as_json:
         names = {key.replace(" ", "_"): [path.name for path in paths] for key, paths in listed.items()}
@@ -28,7 +28,7 @@ def print_status(seen: JobStoreStatus[Result], *, as_json: bool) -> int:
         print(f"{'folder':<20} {seen.folder}")
         print(f"{'flights':<20} {len(seen.jobs)}")
         for words, paths in listed.items():
-            named = "" if words == "whole" else _list_names([path.name for path in paths])
+            named = "" if words == "complete" else _list_names([path.name for path in paths])
             print(f"{words:<20} {len(paths)}{named}")
         for found in seen.status:
             if found.reason:

@@ -41,6 +41,11 @@ ACCEPTED: Mapping[Kind, tuple[str, ...]] = {
 }
 """Options of each kind of file."""
 
+_KINDS: Mapping[Kind, str] = {
+    **{"ULog": "a .ulg file", "DataFlash log": "a .bin file", "MCAP": "an .mcap file"},
+    **{"ROS 1 bag": "a .bag file", "ROS 2 bag": "a ROS 2 bag", "table": "a table"},
+}
+
 
 @Parameter(name="*")
 @dataclass(frozen=True, slots=True)
@@ -107,7 +112,7 @@ class ImportOptions:
         wrong = [name for name in given if name not in ACCEPTED[kind]]
         if wrong:
             raise FlightError(
-                f"{', '.join(map(_option, wrong))} cannot be given here: the options of a {kind} are "
+                f"{', '.join(map(_option, wrong))}: not valid for {_KINDS[kind]}; its options are "
                 f"{', '.join(map(_option, ACCEPTED[kind]))}"
             )
         if self.rate is not None and not 0.0 < self.rate < 1e5:

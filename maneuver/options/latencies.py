@@ -1,4 +1,4 @@
-"""Planning latency: seconds, measured, or those of a recorded flight."""
+"""Planning latency: seconds, measured, or from a recorded flight."""
 
 from pathlib import Path
 
@@ -11,13 +11,13 @@ MEASURED = "measured"
 
 
 def latency_of(text: str) -> Latency:
-    """Returns what is charged for each planning.
+    """Returns the planning latency of an option's text.
 
     Args:
-        text: seconds, `measured`, or the path of a flight log, whose latencies are charged again.
+        text: seconds, `measured`, or the path of a flight log, whose latencies are repeated.
 
     Raises:
-        FlightError: it is none of these, or the log says nothing of latencies.
+        FlightError: it is none of these, or the log has no latencies.
     """
     if text == MEASURED:
         return Latency(measured=True)
@@ -29,5 +29,5 @@ def latency_of(text: str) -> Latency:
     except ValueError as error:
         problem = str(error) if str(error).startswith("latency") else f"got {text!r}"
         raise FlightError(
-            f"--latency: expected seconds, {MEASURED!r} or the log of a flight to be repeated: {problem}"
+            f"--latency: expected seconds, {MEASURED!r} or a flight log (.mcap): {problem}"
         ) from None

@@ -17,10 +17,10 @@ def _parse_whole_number(_: type, tokens: Sequence[Token]) -> int:
 
 
 Count = Annotated[int, Parameter(converter=_parse_whole_number, validator=Number(gte=1, lte=1_000_000))]
-"""A number of things: at least one."""
+"""Whole number, at least one."""
 
 Seed = Annotated[int, Parameter(converter=_parse_whole_number, validator=Number(gte=0, lt=2**63))]
-"""Of all chance."""
+"""Seed of random numbers."""
 
 
 def _parse_positive_number(_: type, tokens: Sequence[Token]) -> float:
@@ -35,4 +35,4 @@ def _parse_positive_number(_: type, tokens: Sequence[Token]) -> float:
 
 
 Seconds = Annotated[float, Parameter(converter=_parse_positive_number)]
-"""A time: above 0."""
+"""Time in seconds, above 0."""

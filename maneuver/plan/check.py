@@ -31,16 +31,16 @@ def check(
 ) -> int:
     """Checks a plan against its library and mission, without the search.
 
-    A plan file carries its mission and the name and hash of its library, so nothing else need be given where
-    that name finds the library.
+    A plan file holds its mission and the name and hash of its library, so the other options are only needed
+    if that name does not find the library.
 
-    The walk must exist, no time be negative, every scenario end at the goal and take the time it says, and
-    the library be the one planned with. A committed plan must stay within its tolerance at every gamma, not
-    only at those shown. A certificate is verified box by box in interval arithmetic: then no
-    plan is faster by more than a millisecond, or there is none. What the plan claims beside that is named as
-    not proved. A time that most flights keep is compared with what stands beside the library, and with what
-    the loop must need at least, for which alone something is searched. The exit code is 1 where the plan
-    fails, or where there is none and no certificate that proves it.
+    The walk must exist, times must not be negative, every scenario must end at the goal in the stated time,
+    and the library must be the one planned with. A committed plan must stay within its tolerance at every
+    gamma of its range. A certificate is verified box by box in interval arithmetic: it proves that no plan is
+    faster by more than a millisecond, or that there is no plan. Other claims are listed as not proved. A time
+    bound is compared with the file beside the library, and with the least time of the closed loop, the only
+    part that needs a search. The exit code is 1 if the plan is invalid, or if there is no plan and no
+    certificate of that.
 
     For example:
 
@@ -51,11 +51,11 @@ def check(
         maneuver plan check plan.json --library my-library.json --mission my-mission.toml
 
     Args:
-        file: the plan, as `maneuver plan --out` writes it.
-        library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
-        max_trims: longest sequence that was asked for; the mission's by default.
-        json: print the verdict as JSON.
+        file: plan file of `maneuver plan --out`.
+        library: name or path of the library; by default the name in the plan.
+        mission: name or path of the mission; by default the mission in the plan, or else its name there.
+        max_trims: number of trims in the longest sequence searched; the mission's by default.
+        json: print the result as JSON.
     """
     try:
         answer = read_plan(file)
@@ -66,7 +66,10 @@ def check(
     )
     wrong = plan_problems(answer, primitives, task)
     if not answer.found and answer.certificate is None:
-        wrong = (*wrong, f"it holds no plan, only the word that there is none ({answer.status})")
+        wrong = (
+            *wrong,
+            f"expected a plan or a certificate, got status {answer.status} without a certificate",
+        )
     if not wrong and answer.time_promise is not None:
         wrong = time_bound_problems(
             answer, task, primitives, stated_time_bounds(library or answer.library, primitives)

@@ -19,15 +19,15 @@ from .prices import SCHEMA as PRICES
 def library_and_mission(
     file: Path, plan: Plan, *, library: str | None, mission: str | None, max_trims: int | None = None
 ) -> tuple[Library, Mission]:
-    """Returns what a plan is to be judged with.
+    """Returns library and mission of a plan.
 
     Args:
         file: the plan's.
-        plan: what is in it.
-        library: name or path; None for the name that the plan gives.
-        mission: name or path; None for the mission that the plan carries, or else names.
-        max_trims: longest sequence that was asked for; None for that of the mission that the plan carries, or
-            else the mission's, or the plan's if longer.
+        plan: content of the file.
+        library: name or path; None for the name in the plan.
+        mission: name or path; None for the mission in the plan, or else its name there.
+        max_trims: longest sequence searched; None for that of the mission in the plan, or else the mission's,
+            or the plan's if longer.
 
     Raises:
         FlightError: there is no such library or mission, or it is broken.
@@ -52,14 +52,14 @@ def check_plan_origin(file: Path, plan: Plan, library: Library, mission: Mission
     """Checks that a plan belongs to a library and a mission.
 
     Raises:
-        BadFileError: says which.
+        BadFileError: it does not.
     """
     for problem in identity_problems(plan, library_hash(library), library.name, mission):
         raise BadFileError(file, problem)
 
 
 def holds_no_plan(path: Path | None) -> bool:
-    """Returns True where a file holds an answer without a plan."""
+    """Returns True if a file holds a result without a plan."""
     if path is None or not path.is_file():
         return False
     try:
@@ -74,4 +74,4 @@ def holds_no_plan(path: Path | None) -> bool:
 
 
 def _made_from(file: Path, kind: str, example: str, error: NoSuchFileError) -> BadFileError:
-    return BadFileError(file, f"{error}; where the {kind} is in a file, give --{kind} {example}")
+    return BadFileError(file, f"{error}; for a {kind} in a file give --{kind} {example}")

@@ -1,4 +1,4 @@
-"""`maneuver plan`: a mission in, a plan out."""
+"""`maneuver plan`: plan of a mission."""
 
 import sys
 from math import inf
@@ -55,15 +55,14 @@ def plan(
 ) -> int:
     """Plans a mission: trims and coasting times of least total time.
 
-    The nominal policy uses the values without errors. The worst-case policy plans for the errors, scaled by
-    0, -gamma and +gamma at once, and takes the sequence whose worst case is best; the coasting times shown
-    are those of the deciding gamma. The price-of-robustness policy takes the largest gamma whose worst-case
-    time stays, at it and at every smaller one, within alpha times the nominal optimum; --pareto shows the
-    whole curve. The committed policy fixes the coasting times before gamma is known: they end within the
-    tolerance at every gamma from -gamma to gamma, and where none do, the smallest tolerance for which some do
-    is shown. Every plan is flown again by code that shares nothing with the search. The exit code is 1 where
-    there is no plan; where longer sequences have one, and that is soon found, the answer names the
-    --max-trims.
+    The nominal policy ignores the errors. The worst-case policy plans for errors scaled by -gamma, 0 and
+    +gamma and minimises the largest of the three times; the printed coasting times are those of the deciding
+    gamma. The price-of-robustness policy finds the largest gamma such that the worst-case time at every
+    smaller one stays within alpha times the nominal optimum; --pareto shows the whole curve. The committed
+    policy fixes the coasting times before gamma is known: they end within the tolerance at every gamma from
+    -gamma to gamma; if that is impossible, the smallest feasible tolerance is printed. Every plan is verified
+    by code that is independent of the search. The exit code is 1 if there is no plan; if longer sequences
+    have one that is found quickly, the message gives the --max-trims to use.
 
     For example:
 
@@ -82,32 +81,32 @@ def plan(
         maneuver plan gtmax-1 --pareto --picture price.png
 
     Args:
-        mission: name or path.
-        library: name or path.
-        policy: which planner; the worst-case one by default.
-        gamma: uncertainty level of the worst-case and the committed planner, 0 to 1; 1 by default.
-        alpha: worst-case time that the price-of-robustness planner accepts, in nominal optima, at least 1;
+        mission: name or path of the mission.
+        library: name or path of the library.
+        policy: planning policy; worst-case by default.
+        gamma: uncertainty level of the worst-case and committed policies, 0 to 1; 1 by default.
+        alpha: worst-case time over nominal optimum accepted by the price-of-robustness policy, at least 1;
             1.2 by default.
-        pareto: show the price of robustness, from gamma 0 to 1, instead of a plan.
-        max_nodes: sequences at one gamma that may be solved, or boxes of coasting times that the committed
-            planner may examine, before the best plan so far is given.
-        deadline: seconds after which the best plan so far is given, with a bound.
-        horizon: seconds that a committed plan may take, and beyond which nothing is claimed where there is
-            none; by default 120, or twice the nominal plan's where that is more.
-        max_trims: longest sequence; the mission's by default.
-        certify: prove that no plan is faster by more than a millisecond, or that there is none, and leave
-            the proof in the plan for `maneuver plan check`.
-        out: file for the plan with its mission, as JSON. A file that says no more than that there is no plan
-            is replaced, even without --force.
-        picture: file for a picture of the plan, as PNG.
-        force: overwrite these files.
+        pareto: print the price of robustness from gamma 0 to 1 instead of a plan.
+        max_nodes: limit of the search: sequences solved at one gamma, or boxes of coasting times of the
+            committed policy; at the limit the best plan so far is returned.
+        deadline: time limit in seconds, after which the best plan so far is returned with a bound.
+        horizon: longest time of a committed plan in seconds; longer plans are not searched; by default 120,
+            or twice the nominal plan's time if that is more.
+        max_trims: number of trims in the longest sequence; the mission's by default.
+        certify: prove optimality within a millisecond, or that there is no plan; the certificate is stored in
+            the plan for `maneuver plan check`.
+        out: plan file to write, with its mission, as JSON. A file without a plan is replaced even without
+            --force.
+        picture: picture of the plan to write, as PNG.
+        force: overwrite OUT and PICTURE.
         json: print the plan as JSON.
     """
     given = {"--gamma": gamma, "--alpha": alpha, "--certify": certify}
     given |= {"--max-nodes": max_nodes, "--deadline": deadline, "--horizon": horizon}
     check_policy_options(policy, given, pareto=pareto)
     if horizon is not None and gamma == 0:
-        raise FlightError("expected --horizon with a gamma above 0, got gamma 0")
+        raise FlightError("--horizon: expected --gamma above 0, got 0")
     read = [mission_path(mission), library_path(library), time_bounds_path(library_path(library))]
     replace_out = force or holds_no_plan(out)
     check_output_files(out, picture, force=True, inputs=read)

@@ -31,7 +31,7 @@ def check_policy_options(policy: Policy | None, options: Mapping[str, object], *
     given = [option for option, value in options.items() if value is not None and value is not False]
     if pareto and (policy or given):
         first = given[0] if given else "--policy"
-        raise FlightError(f"--pareto plans the worst case from gamma 0 to 1: expected no {first}, got one")
+        raise FlightError(f"--pareto: expected no {first}, got one; it covers gamma 0 to 1 in the worst case")
     chosen = policy or DEFAULT_POLICY
     for option in given:
         if chosen not in OPTION_POLICIES[option]:

@@ -60,7 +60,7 @@ def print_prices(
     elif curve:
         Console(highlight=False).print(_table(curve))
     else:
-        print(f"{mission.name}: no nominal plan, so robustness has no price")
+        print(f"{mission.name}: no price of robustness: there is no nominal plan")
     return 0 if curve else NO_PLAN
 
 

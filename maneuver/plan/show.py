@@ -16,17 +16,20 @@ def print_plan(answer: Plan, library: Library) -> None:
         console.print(f"{answer.mission}: {answer.status}: {answer.reason}", soft_wrap=True)
         if answer.at_smallest_tolerance is not None:
             wider = answer.at_smallest_tolerance
-            console.print(f"the smallest tolerance for which there is a plan: {wider.tolerance:.4f} m")
+            console.print(f"smallest feasible tolerance: {wider.tolerance:.4f} m")
             print_plan(wider, library)
         return
     level = "" if answer.policy == "nominal" else f", gamma {answer.gamma:g}"
-    console.print(f"{answer.mission} on {answer.library}: {answer.policy}{level}, {answer.cost:.6f} s")
+    console.print(
+        f"{answer.mission}, library {answer.library}: {answer.policy}{level}, {answer.cost:.6f} s",
+        soft_wrap=True,
+    )
     console.print(_walk(answer, library))
     if len(answer.scenarios) > 1:
         console.print(_scenarios(answer))
     bound = f"; no plan {describe_lower_bound(answer)}" if (answer.lower_bound or 0.0) > 0 else ""
     if answer.miss is not None:
-        words = f"the same times end within {answer.miss:.4f} m of the goal"
+        words = f"these coasting times end within {answer.miss:.4f} m of the goal"
         console.print(f"{words} {describe_gamma_range(answer)}", soft_wrap=True)
     verdict = "verified" if answer.verified else "not verified"
     if answer.certificate is not None:
@@ -41,8 +44,8 @@ def print_plan(answer: Plan, library: Library) -> None:
 
 def _walk(answer: Plan, library: Library) -> Table:
     table = Table(box=SIMPLE_HEAD, pad_edge=False)
-    for heading in ("hold trim", "", "for, s", "then maneuver", "to trim"):
-        table.add_column(heading, justify="right" if heading == "for, s" else "left")
+    for heading in ("trim", "", "coast, s", "maneuver", "to trim"):
+        table.add_column(heading, justify="right" if heading == "coast, s" else "left")
     steps = [*(str(maneuver) for maneuver in answer.maneuvers), ""]
     onward = [*(str(trim) for trim in answer.sequence[1:]), ""]
     for trim, time, step, to in zip(answer.sequence, answer.coasting_times, steps, onward, strict=True):

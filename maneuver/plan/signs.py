@@ -1,4 +1,4 @@
-"""`maneuver plan signs`: how far a plan's single gamma can be trusted."""
+"""`maneuver plan signs`: time and miss of a plan under independent errors."""
 
 import json as json_module
 import sys
@@ -26,7 +26,7 @@ WHOLE = 1.0
 """Gamma of plans that have none."""
 
 LOOSE = 1.02
-"""Above the slowest found by more than this share a bound could be closer."""
+"""Ratio of bound and slowest time found above which the bound is called loose."""
 
 OPTIMISTIC = 1
 
@@ -46,11 +46,11 @@ def signs(
 ) -> int:
     """Bounds time and miss of a plan under independent errors.
 
-    Side by side: the worst with one gamma for all; the worst corner, where each trim and maneuver (or each of
-    their scalars) errs -gamma, 0 or +gamma times; and what nothing between these corners exceeds, by branch
-    and bound over enclosures. The times are those of coasting times chosen when the errors are known, the
-    misses those of the plan's. A plan without a gamma is looked at to gamma 1. The exit code is 1 where a
-    corner is slower than every single gamma: the plan's cost is optimistic.
+    The table compares the worst case with one gamma for all errors, the worst corner, where the error of each
+    trim and maneuver (or of each of their scalars) is -gamma, 0 or +gamma times its bound, and an upper bound
+    over all errors between the corners (branch and bound). Times assume coasting times chosen with known
+    errors; misses use the plan's coasting times. For a plan without a gamma, gamma is 1. The exit code is 1
+    if a corner is slower than the worst single gamma: the plan's cost is then optimistic.
 
     For example:
 
@@ -59,16 +59,16 @@ def signs(
         maneuver plan signs plan.json --each scalar --boxes 5000
 
     Args:
-        file: the plan, as `maneuver plan --out` writes it.
-        library: name or path; by default the name that the plan gives.
-        mission: name or path; by default the mission that the plan carries, or else the name that it gives.
-        each: what errs on its own.
-        boxes: of errors, that the bound of the time may look at; more make it closer.
-        json: print the figures as JSON.
+        file: plan file of `maneuver plan --out`.
+        library: name or path of the library; by default the name in the plan.
+        mission: name or path of the mission; by default the mission in the plan, or else its name there.
+        each: unit with independent errors: primitive or scalar.
+        boxes: largest number of boxes of errors for the bound of the time; more give a tighter bound.
+        json: print the result as JSON.
     """
     plan = read_plan(file)
     if not plan.found:
-        raise FlightError(f"expected a plan with a sequence, {file} is {plan.status}")
+        raise FlightError(f"{file}: expected a plan with a sequence, got status {plan.status}")
     primitives, task = library_and_mission(file, plan, library=library, mission=mission)
     check_plan_origin(file, plan, primitives, task)
     for problem in plan_problems(plan, primitives, task):
@@ -87,7 +87,7 @@ def signs(
         figures = {"gamma": gamma, **asdict(found)}
         sys.stdout.write(json_module.dumps(_json_value(figures), indent=2) + "\n")
     else:
-        print(f"{plan.mission} on {plan.library}: independent errors of every {each}, gamma {gamma:g}")
+        print(f"{plan.mission}, library {plan.library}: independent errors of every {each}, gamma {gamma:g}")
         _print_bounds(found)
     return OPTIMISTIC if found.slowest.value > found.slowest_single.value + RESOLUTION else 0
 
@@ -100,11 +100,11 @@ def _print_bounds(found: IndependentErrorBounds) -> None:
     rows = {
         "one gamma for all": (found.slowest_single.value, found.furthest_single.value),
         f"{corners} {found.scenarios:,} corners": (found.slowest.value, found.furthest.value),
-        "anything between, found": (found.slowest_bound.found, found.furthest_bound.found),
-        "anything between, at most": (found.slowest_bound.bound, found.furthest_bound.bound),
+        "between the corners, found": (found.slowest_bound.found, found.furthest_bound.found),
+        "between the corners, upper bound": (found.slowest_bound.bound, found.furthest_bound.bound),
     }
     for name, (seconds, metres) in rows.items():
-        unproved = "most" in name and isfinite(found.slowest_bound.found)
+        unproved = "upper bound" in name and isfinite(found.slowest_bound.found)
         shown = f"{seconds:.4f}" if isfinite(seconds) else "no bound" if unproved else "no arrival"
         table.add_row(name, shown, f"{metres:.3f}")
     console = Console(highlight=False)
@@ -117,14 +117,14 @@ def _print_bounds(found: IndependentErrorBounds) -> None:
         console.print(f"infeasible: with errors {lost} the goal is unreachable", soft_wrap=True)
     elif not isfinite(worst.bound):
         console.print(
-            f"no bound of the time after {worst.boxes:,} boxes: slower errors may exist; raise --boxes"
+            f"no bound of the time after {worst.boxes:,} boxes; raise --boxes: slower cases may exist"
         )
     elif worst.bound > worst.found * LOOSE + RESOLUTION:
         console.print(f"bound of the time after {worst.boxes:,} boxes; raise --boxes to tighten it")
 
 
 def _describe_errors(names: tuple[str, ...], errors: tuple[float, ...]) -> str:
-    """Returns errors in shares of the largest where they are no corners."""
+    """Returns errors in words, as shares of the largest."""
     parts = (
         f"{name} {'-' if error < 0 else '+'}{'' if abs(error) == 1 else f'{abs(error):.3g}'}"
         for name, error in zip(names, errors, strict=True)

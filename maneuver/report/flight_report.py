@@ -19,8 +19,8 @@ from review.summary.bound_check import IDENTIFICATION_KINDS, BoundCheck
 from review.summary.summary import PrimitiveCount, Summary
 from review.summary.tiles import NO_BOUNDS
 
-# Departures from bounds, and flights of a campaign, that are listed; the rest is counted.
-MOST_DEPARTURES, MOST_FLIGHTS = 8, 12
+# Violations of bounds, and flights of a campaign, that are listed; the rest is counted.
+MOST_VIOLATIONS, MOST_FLIGHTS = 8, 12
 
 
 def summary_content(summary: Summary) -> dict[str, Any]:
@@ -33,7 +33,7 @@ def summary_content(summary: Summary) -> dict[str, Any]:
 
 
 def flight_report(summary: Summary) -> Group:
-    """Returns the summary for people."""
+    """Returns the summary as text."""
     parts: list[Table | Padding | Text] = [_facts(summary)]
     if summary.trims or summary.maneuvers:
         parts += [_heading("Flown"), _primitives(summary)]
@@ -41,8 +41,8 @@ def flight_report(summary: Summary) -> Group:
         parts += [_heading("Truth minus command"), _tracking(summary)]
     if summary.bounds is not None and summary.bounds.violations:
         parts += [
-            _heading(f"Furthest out of the bounds of library {summary.bounds.library}"),
-            _departures(summary.bounds),
+            _heading(f"Largest deviations outside the bounds of library {summary.bounds.library}"),
+            _violations(summary.bounds),
         ]
     return Group(*parts)
 
@@ -56,22 +56,22 @@ def side_by_side(labels: Sequence[str], summaries: Sequence[Summary]) -> Table:
 
 
 def campaign_report(rows: Sequence[FlightRow]) -> Group:
-    """Returns a campaign's flights, those that stand out first."""
+    """Returns a campaign's flights, outliers first."""
     failed = [row for row in rows if not row.good]
     hours = sum(row.duration for row in rows) / 3600.0
     facts = Table.grid(padding=(0, 2))
     facts.add_column(style="bold")
     facts.add_row("flights", f"{len(rows)}, {hours:.2f} flight hours")
-    facts.add_row("as wanted", f"{len(rows) - len(failed)} of {len(rows)}")
+    facts.add_row("successful", f"{len(rows) - len(failed)} of {len(rows)}")
     facts.add_row("time-outs", str(sum(row.timeouts for row in rows)))
-    table = _columns("", "outcome", "sigma", "stands out by", "left bounds", right=("sigma", "left bounds"))
+    table = _columns("", "outcome", "score", "outlier in", "out of bounds", right=("score", "out of bounds"))
     for row in rows[:MOST_FLIGHTS]:
         left = "-" if row.left is None else f"{row.left} of {row.primitives}"
         score = f"{row.score:.1f}" if isfinite(row.score) else "-"
         table.add_row(row.path.name, row.problem or row.outcome, score, row.reason, left)
     if len(rows) > MOST_FLIGHTS:
         table.add_row(f"and {len(rows) - MOST_FLIGHTS} more")
-    return Group(facts, _heading("Those that stand out first"), table)
+    return Group(facts, _heading("Flights, outliers first"), table)
 
 
 def _heading(text: str) -> Padding:
@@ -85,8 +85,8 @@ def _facts(summary: Summary) -> Table:
     table.add_row(summary.kind, summary.name)
     flown = "" if summary.kind == "import" else f", wind class {summary.wind}, seed {summary.seed}"
     table.add_row("vehicle", f"{summary.vehicle}{flown}")
-    way = "positions not known" if summary.distance is None else f"{summary.distance:.1f} m over the ground"
-    table.add_row("flight", f"{summary.duration:.2f} s, {way}")
+    track = "positions unknown" if summary.distance is None else f"{summary.distance:.1f} m over the ground"
+    table.add_row("flight", f"{summary.duration:.2f} s, {track}")
     table.add_row("outcome", summary.outcome)
     if summary.arrival is not None:
         table.add_row("goal", _arrival(summary.arrival))
@@ -102,7 +102,7 @@ def _facts(summary: Summary) -> Table:
     if summary.bounds is not None:
         table.add_row("out of bounds", _bounds(summary.bounds))
     elif summary.kind in IDENTIFICATION_KINDS:
-        table.add_row("out of bounds", f"not judged: {NO_BOUNDS}")
+        table.add_row("out of bounds", f"not compared: {NO_BOUNDS}")
     if summary.navigation is not None:
         error = summary.navigation
         table.add_row(
@@ -132,7 +132,7 @@ def _bounds(bounds: BoundCheck) -> str:
 
 
 def _primitives(summary: Summary) -> Table:
-    table = _columns("", "id", "", "times", "seconds", right=("id", "times", "seconds"))
+    table = _columns("", "id", "", "count", "total, s", right=("id", "count", "total, s"))
     for kind, counts in (("trim", summary.trims), ("maneuver", summary.maneuvers)):
         for count in counts:
             table.add_row(kind, *_cells(count))
@@ -144,19 +144,19 @@ def _cells(count: PrimitiveCount) -> tuple[str, ...]:
 
 
 def _tracking(summary: Summary) -> Table:
-    table = _columns("", "worst", "at", "rms", "", right=("worst", "at", "rms"))
+    table = _columns("", "largest", "at", "rms", "unit", right=("largest", "at", "rms"))
     for error in summary.tracking or ():
         name = error.field.replace("_", " ")
         table.add_row(name, f"{error.worst:+.3f}", f"{error.time:.2f} s", f"{error.rms:.3f}", error.unit)
     return table
 
 
-def _departures(bounds: BoundCheck) -> Table:
+def _violations(bounds: BoundCheck) -> Table:
     table = _columns(
-        "", "id", "from", "number", "deviation", "bound", right=("id", "from", "deviation", "bound")
+        "", "id", "start", "number", "deviation", "bound", right=("id", "start", "deviation", "bound")
     )
     furthest = sorted(bounds.violations, key=lambda d: -abs(d.deviation) / max(d.bound, 1e-9))
-    for violation in furthest[:MOST_DEPARTURES]:
+    for violation in furthest[:MOST_VIOLATIONS]:
         table.add_row(
             violation.kind.name.lower(),
             str(violation.id),
@@ -165,8 +165,8 @@ def _departures(bounds: BoundCheck) -> Table:
             f"{violation.deviation:+.3f}",
             f"{violation.bound:.3f}",
         )
-    if len(furthest) > MOST_DEPARTURES:
-        table.add_row(f"and {len(furthest) - MOST_DEPARTURES} more")
+    if len(furthest) > MOST_VIOLATIONS:
+        table.add_row(f"and {len(furthest) - MOST_VIOLATIONS} more")
     return table
 
 

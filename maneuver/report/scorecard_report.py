@@ -1,4 +1,4 @@
-"""The scorecard on the console."""
+"""Text report of a scorecard."""
 
 from collections.abc import Sequence
 
@@ -11,10 +11,10 @@ from experiments.validation.scorecard_files import Scorecard, format_number
 from flight.plural import plural
 
 WIDEST = 400
-"""Characters of a line; no table comes near."""
+"""Characters of a line, more than any table needs."""
 
 MOST_ROWS = 24
-"""Cells that are shown one by one; where there are more, all missions together stand for them."""
+"""Largest number of cells printed one by one; more are printed as totals over all missions."""
 
 
 def print_scorecard(card: Scorecard) -> None:
@@ -23,7 +23,7 @@ def print_scorecard(card: Scorecard) -> None:
     cells = card.cells if len(card.cells) <= MOST_ROWS else card.totals
     console.print(f"{_where(cells)}; medians of flown and planned time", soft_wrap=True)
     table = _table(cells)
-    # Numbers are for reading, wherever they are written to: a narrow terminal wraps, nothing is cut.
+    # A narrow terminal wraps lines; no number is cut.
     wide = console.measure(table, options=console.options.update(max_width=WIDEST))
     console.width = max(console.width, wide.maximum)
     console.print(table)
@@ -32,26 +32,27 @@ def print_scorecard(card: Scorecard) -> None:
         console.print(f"{cell.mission}, {cell.policy}: not reached: {reason}", soft_wrap=True)
     if len(shown) > MOST_ROWS:
         console.print(f"and {len(shown) - MOST_ROWS} more; --out keeps them all", soft_wrap=True)
-    for promise in card.time_bounds:
-        if promise.flights >= MOST_ROWS and promise.factor is not None:
+    for bound in card.time_bounds:
+        if bound.flights >= MOST_ROWS and bound.factor is not None:
+            source = f"95 % confidence, {plural(bound.flights, 'flight')}"
             console.print(
-                f"{promise.policy}, {promise.plant}, {promise.wind}: {promise.share:.0%} of flights finish "
-                f"within {promise.factor:.2f} × predicted ({plural(promise.flights, 'flight')}); "
-                f"on other missions {promise.kept.count} of {promise.kept.of} did",
+                f"{bound.policy}, {bound.plant}, {bound.wind}: {100 * bound.share:.0f} % of flights finish "
+                f"within {bound.factor:.2f} × predicted ({source}); "
+                f"here {bound.kept.count} of {bound.kept.of} did",
                 soft_wrap=True,
             )
     for tube in card.tubes:
-        verdict = "refutes" if tube.refuted else "does not refute"
+        result = "REFUTED" if tube.refuted else "not refuted"
         console.print(
             f"{tube.policy}, {tube.wind}: {tube.left} of {tube.flights} flights left the tube of "
-            f"{tube.share:g} times the errors, which {verdict} them (at most {tube.allowed:.0%} allowed)",
+            f"{tube.share:g} × the errors, at most {100 * tube.allowed:.0f} % allowed: {result}",
             soft_wrap=True,
         )
 
 
 def _where(cells: Sequence[ScorecardCell]) -> str:
     winds = dict.fromkeys(cell.wind for cell in cells)
-    return f"wind class {', '.join(winds)}" if list(winds) != ["none"] else "the automaton, in no wind"
+    return f"wind class {', '.join(winds)}" if list(winds) != ["none"] else "automaton, no wind"
 
 
 def _table(cells: Sequence[ScorecardCell]) -> Table:
@@ -68,11 +69,11 @@ def _table(cells: Sequence[ScorecardCell]) -> Table:
         "95 %": lambda cell: f"{cell.reached.low:.2f}-{cell.reached.high:.2f}",
         "flown, s": lambda cell: format_number(cell.flown_time),
         "plan, s": lambda cell: format_number(cell.planned_time),
-        "inside": lambda cell: f"{cell.inside.count}/{cell.flights}",
+        "within predicted": lambda cell: f"{cell.inside.count}/{cell.flights}",
         "miss, m": lambda cell: format_number(cell.miss),
         "no plan": lambda cell: str(cell.failures),
     }
-    kept = {"mission", "policy", "reached", "95 %", "flown, s", "plan, s", "inside"}
+    kept = {"mission", "policy", "reached", "95 %", "flown, s", "plan, s", "within predicted"}
     kept |= {name for name in ("plant", "wind") if len({getattr(cell, name) for cell in cells}) > 1}
     kept |= {"gamma"} if len({cell.gamma for cell in cells if cell.policy != "nominal"}) > 1 else set()
     kept |= {"miss, m"} if any(cell.miss is not None for cell in cells) else set()

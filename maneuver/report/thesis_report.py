@@ -9,9 +9,9 @@ from rich.table import Table
 from experiments.thesis.closed_loop_tables import NOT_REPRODUCED, ClosedLoopComparison, count_arrivals
 from experiments.thesis.cost_tables import PrintedComparison
 
-FIGURES = ("table", "what", "printed", "computed", "trims", "")
+FIGURES = ("table", "figure", "printed", "computed", "trims", "")
 
-FLIGHTS = ("table", "mission", "gamma", "policy", "printed, s", "ours at -gamma, s", "ours at +gamma, s")
+FLIGHTS = ("table", "mission", "gamma", "policy", "printed, s", "flown at -gamma, s", "flown at +gamma, s")
 
 TO_THE_RIGHT = {"table", "printed", "computed", "gamma", *FLIGHTS[4:]}
 
@@ -57,8 +57,8 @@ def _tables(
                 row.mission,
                 f"{row.gamma:g}",
                 row.policy,
-                f"{row.printed:.2f}" + ("" if row.printed_reached else ", given up"),
-                *("given up" if time is None else f"{time:.2f}" for time in (row.minus, row.plus)),
+                f"{row.printed:.2f}" + ("" if row.printed_reached else ", aborted"),
+                *("aborted" if time is None else f"{time:.2f}" for time in (row.minus, row.plus)),
             )
             for row in flights
         ]

@@ -6,7 +6,9 @@ from the library as intervals, the boxes cut as in the tree, and each bound eval
 """
 
 from collections import Counter
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from itertools import pairwise
 from math import inf, pi
 
 import numpy as np
@@ -43,14 +45,13 @@ def certificate_problems(
     if certificate.max_trims != mission.max_trims:
         depth = f"at most {certificate.max_trims} trims, the mission allows {mission.max_trims}"
         return (f"certificate: covers walks of {depth}",)
-    expected = set(_walks(library, mission))
     listed = Counter(refutation.sequence for refutation in certificate.refutations)
-    missing = expected - set(listed)
-    if missing:
-        covered = len(expected) - len(missing)
-        return (f"certificate: covers {covered} of {len(expected)} walks, not {min(missing)}",)
+    count, covered = _count_walks(library, mission), _allowed(listed, library, mission)
+    if len(covered) < count:
+        missing = next(walk for walk in _walks(library, mission) if walk not in covered)
+        return (f"certificate: covers {len(covered)} of {count} walks, not {missing}",)
     for walk, times in listed.items():
-        if walk not in expected:
+        if walk not in covered:
             return (f"certificate: there is no walk {walk}",)
         if times > 1:
             return (f"certificate: walk {walk} occurs {times} times, expected once",)
@@ -70,19 +71,42 @@ def certificate_problems(
     return tuple(found)
 
 
-def _walks(library: Library, mission: Mission) -> list[tuple[int, ...]]:
-    """Returns every walk that the mission allows, by following the maneuvers."""
-    longest: list[tuple[int, ...]] = [(mission.start_trim,)]
-    every = list(longest)
-    for _ in range(mission.max_trims - 1):
-        longest = [
-            (*walk, maneuver.to_trim)
-            for walk in longest
-            for maneuver in library.maneuvers
-            if maneuver.from_trim == walk[-1]
-        ]
-        every += longest
-    return [walk for walk in every if mission.goal_trim in (None, walk[-1])]
+def _walks(library: Library, mission: Mission) -> Iterator[tuple[int, ...]]:
+    """Yields every walk that the mission allows, by trim ids."""
+    open_: list[tuple[int, ...]] = [(mission.start_trim,)]
+    while open_:
+        walk = open_.pop()
+        if mission.goal_trim in (None, walk[-1]):
+            yield walk
+        if len(walk) < mission.max_trims:
+            after = sorted(one.to_trim for one in library.maneuvers if one.from_trim == walk[-1])
+            open_ += [(*walk, trim) for trim in reversed(after)]
+
+
+def _count_walks(library: Library, mission: Mission) -> int:
+    """Returns how many walks the mission allows, without listing them."""
+    ending = Counter({mission.start_trim: 1})
+    count = 0
+    for _ in range(mission.max_trims):
+        count += ending.total() if mission.goal_trim is None else ending[mission.goal_trim]
+        longer: Counter[int] = Counter()
+        for maneuver in library.maneuvers:
+            longer[maneuver.to_trim] += ending[maneuver.from_trim]
+        ending = longer
+    return count
+
+
+def _allowed(listed: Iterable[tuple[int, ...]], library: Library, mission: Mission) -> set[tuple[int, ...]]:
+    """Returns those of some sequences that are walks which the mission allows."""
+    joined = {(maneuver.from_trim, maneuver.to_trim) for maneuver in library.maneuvers}
+    return {
+        walk
+        for walk in listed
+        if walk[:1] == (mission.start_trim,)
+        and len(walk) <= mission.max_trims
+        and mission.goal_trim in (None, walk[-1])
+        and all(pair in joined for pair in pairwise(walk))
+    }
 
 
 def _count_open_leaves(

@@ -117,7 +117,7 @@ def _least_wave(slope: Interval, wave: Complex, span: Interval) -> Interval:
 
     The least is at an end, or where the wave's slope is the line's, rising: psi = arg((-d + i slope) / wave)
     with d = sqrt(|wave|^2 - slope^2), and is slope * psi - d there. Of slow turns d is the root of what
-    cancels; then the value anywhere near says more: it exceeds the least by |wave| / 2 times the distance
+    cancels; a value nearby then bounds better: it exceeds the least by |wave| / 2 times the distance
     squared at most.
     """
     a, x, y = slope.middle, wave.real.middle, wave.imag.middle

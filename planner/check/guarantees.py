@@ -27,22 +27,22 @@ def guarantees_of(plan: Plan) -> Guarantees:
     proved, unproved = [], []
     if plan.found:
         levels = ", ".join(f"{scenario.gamma:g}" for scenario in plan.scenarios)
-        exactly = "" if plan.certificate is None else ", in interval arithmetic too"
-        proved.append(f"the sequence ends at the goal at gamma {levels}, in the times stated{exactly}")
+        exactly = "" if plan.certificate is None else ", also in interval arithmetic"
+        proved.append(f"the sequence ends at the goal at gamma {levels}, in the stated times{exactly}")
     if plan.miss is not None:
         proved.append(
-            f"the same coasting times end within {plan.miss:.4f} m of the goal {describe_gamma_range(plan)}"
+            f"these coasting times end within {plan.miss:.4f} m of the goal {describe_gamma_range(plan)}"
         )
     if plan.certificate is not None:
         depth = f"of at most {plan.certificate.max_trims} trims"
         rest = "leads to the goal" if plan.lower_bound is None else describe_lower_bound(plan)
-        proved.append(f"no plan {depth} {rest} (the certificate holds)")
+        proved.append(f"no plan {depth} {rest} (certificate verified)")
     else:
         unproved += _lower_bound_sentences(plan)
     if plan.policy == "price-of-robustness" and plan.found:
         unproved += _price_sentences(plan)
     if plan.time_promise is not None:
-        unproved.append(f"time_promise: {plan.time_promise.sentence}; the flights are not repeated here")
+        unproved.append(f"time bound: {plan.time_promise.sentence}; the flights are not repeated here")
     return Guarantees(tuple(proved), tuple(unproved))
 
 
@@ -59,10 +59,10 @@ def describe_gamma_range(plan: Plan) -> str:
 def _lower_bound_sentences(plan: Plan) -> list[str]:
     """Returns the unproved lower-bound claims of a plan without a certificate."""
     if plan.status == "optimal":
-        none = "committed plans have none" if plan.policy == "committed" else "there is no certificate"
+        none = "no certificate for committed plans" if plan.policy == "committed" else "no certificate"
         return [f"optimal: no plan {describe_lower_bound(plan)} ({none})"] if plan.cost else []
     if plan.lower_bound is not None and plan.lower_bound > 0:
-        return [f"lower_bound: no plan {describe_lower_bound(plan)} (there is no certificate)"]
+        return [f"lower_bound: no plan {describe_lower_bound(plan)} (no certificate)"]
     return []
 
 
@@ -71,5 +71,5 @@ def _price_sentences(plan: Plan) -> list[str]:
     assert plan.alpha is not None
     return [
         f"alpha: no plan takes less than {plan.cost / plan.alpha:.3f} s at gamma 0",
-        f"gamma: every level below {plan.gamma:g} meets alpha {plan.alpha:g}, and none above it does",
+        f"gamma: every gamma below {plan.gamma:g} meets alpha {plan.alpha:g}, and none above it does",
     ]

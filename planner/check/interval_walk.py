@@ -5,6 +5,7 @@ is folded into its vectors, so that headings are those that coasting alone makes
 """
 
 from dataclasses import dataclass, replace
+from fractions import Fraction
 from math import inf
 
 import numpy as np
@@ -180,7 +181,9 @@ def value_at_gamma(value: float, error: float, gamma: float) -> Interval:
     """Returns value + gamma * error."""
     if gamma == 0 or error == 0:
         return as_interval(value)
-    # 0 + gamma * error is as exact as gamma * error; a sum that is exactly 0 stays 0.
+    # 0 + gamma * error is as exact as gamma * error; a sum that is exactly 0 stays 0: a turn made straight.
+    if value + gamma * error == 0 and Fraction(value) + Fraction(gamma) * Fraction(error) == 0:
+        return as_interval(0.0)
     product = as_interval(gamma) * error
     return product if value == 0 else product + value
 

@@ -24,7 +24,7 @@ def judge_plan(plan: Plan, library: Library, asked: Mission, *, late: bool) -> A
         plan: of the planner.
         library: flown with.
         asked: the mission that was planned.
-        late: whether the vehicle had already passed the plan's start.
+        late: True if the vehicle had already passed the plan's start.
     """
     if not plan.found:
         return Acceptance(DecisionKind.FAILED, plan.reason)

@@ -85,8 +85,9 @@ class AutomatonVehicle:
             FlightError: the maneuver leaves another trim than the one held now.
         """
         if maneuver.from_trim != self._trim:
-            held = f"the vehicle holds trim {self._trim}"
-            raise FlightError(f"maneuver {maneuver.id} leaves trim {maneuver.from_trim}; {held}")
+            raise FlightError(
+                f"maneuver {maneuver.id}: expected trim {maneuver.from_trim} at its start, got {self._trim}"
+            )
         outcome = maneuver.at(self._next_gamma())
         moved = outcome.displacement
         shares = (

@@ -1,12 +1,11 @@
 """Record of a closed-loop flight."""
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 
 from flight.automaton.vehicle import Leg
 from flight.errors import FlightLostError
-from flight.mission.arrival import ArrivalVerdict, TrackSegment, judge_arrival
-from flight.mission.destination import first_arrival
+from flight.mission.arrival import ArrivalVerdict, TrackSegment, claims_arrival, judge_arrival
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flightlog.decision import Decision, DecisionKind
@@ -33,7 +32,7 @@ class FlightRecord:
         times: seconds since the start at which each planning began.
         latencies: seconds charged for each.
         missions: mission of each planning: start and tolerance.
-        decisions: what was decided, in the order of time.
+        decisions: decisions in the order of time.
         legs: flown legs, in order.
         steps: the intended primitive of each leg.
         reason: reason for the end, one sentence.
@@ -76,13 +75,13 @@ class FlightRecorder:
 
     Attributes:
         goal: as it is judged.
-        certainty: standard deviations of the estimated position that must be inside the goal's tolerance.
+        arrival_probability: of being inside the goal, at which arrival is declared.
         predicted_time: seconds predicted at the start.
-        claimed: whether the vehicle declared arrival, on a plan and in the trim wanted at the goal.
+        claimed: True if the vehicle declared arrival, on a plan and in the trim wanted at the goal.
     """
 
     goal: Mission
-    certainty: float = 0.0
+    arrival_probability: float = 0.0
     predicted_time: float = inf
     plans: list[Plan] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
@@ -108,15 +107,18 @@ class FlightRecorder:
         self.legs.append(leg)
         self.on_plan.append(on_a_plan)
         counts = on_a_plan and self.goal.goal_trim in {None, held}
-        if counts and not self.claimed and not leg.alarm and self._believes_arrival(leg):
+        if counts and not self.claimed and not leg.alarm and self._estimates_arrival(leg):
             self.claimed = True
             self.decide(float(leg.track[-1, 0]), DecisionKind.ARRIVED, cost=0.0, level=self._level)
 
-    def _believes_arrival(self, leg: Leg) -> bool:
-        sure = self.goal.tolerance - self.certainty * leg.standard_deviation
-        estimated = leg.track if leg.estimated_track is None else leg.estimated_track
-        goal = replace(self.goal.destination, tolerance=sure)
-        return sure > 0 and first_arrival([estimated], goal).time is not None
+    def _estimates_arrival(self, leg: Leg) -> bool:
+        return claims_arrival(
+            leg.track if leg.estimated_track is None else leg.estimated_track,
+            self.goal.destination,
+            position_sigma=leg.standard_deviation,
+            heading_sigma=leg.heading_deviation,
+            probability=self.arrival_probability,
+        )
 
     @property
     def _level(self) -> float:

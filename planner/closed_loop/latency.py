@@ -10,7 +10,7 @@ class LatencyRecordError(FlightError):
     """A flight is repeated with fewer measured latencies than it has plannings."""
 
     def __init__(self, known: int) -> None:
-        super().__init__(f"expected a latency for every planning, got {known}")
+        super().__init__(f"expected a recorded latency for every replan, got only {known}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,7 +22,7 @@ class Latency:
 
     Attributes:
         configured: seconds charged for every planning.
-        measured: whether the clock decides; a plan that took longer than configured is late.
+        measured: True if the clock decides; a plan that took longer than configured is late.
         recorded: seconds of each planning, in order, instead of the clock's; None measures them.
     """
 

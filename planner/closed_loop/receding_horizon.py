@@ -25,7 +25,7 @@ class NoToleranceError(FlightError):
     """A mission to be flown has no goal tolerance."""
 
     def __init__(self, mission: str) -> None:
-        super().__init__(f"mission {mission}: a flight needs a goal tolerance > 0 m, got 0 m; give one")
+        super().__init__(f"mission {mission}: expected a goal tolerance > 0 m for a flight, got 0 m")
 
 
 def fly_closed_loop(
@@ -76,7 +76,7 @@ class _Loop:
     ) -> None:
         self._vehicle, self._goal, self._planner = vehicle, goal, planner
         self._library, self._settings, self._on_leg = library, settings, on_leg
-        self._record = FlightRecorder(goal, settings.certainty)
+        self._record = FlightRecorder(goal, settings.arrival_probability)
         self._left = RemainingPlan(vehicle.trim, tail=safe_stop_path(library, vehicle.trim))
         self._levels = GammaEstimator(library, goal.goal)
         self._level = 0.0

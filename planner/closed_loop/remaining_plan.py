@@ -46,8 +46,8 @@ class RemainingPlan:
         trim: id of the trim held now.
         coasts: seconds in that trim, and in each of those to come; empty where the plan is flown.
         trims: ids of the trims to come.
-        tail: ids of the trims that lead to rest from where the plan ends.
-        is_safe_stop: whether only the safe-stop path remains.
+        tail: trim ids of the safe-stop path from the plan's end.
+        is_safe_stop: True if only the safe-stop path remains.
     """
 
     trim: int

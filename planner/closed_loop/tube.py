@@ -73,8 +73,8 @@ class ReachableSet:
         Args:
             displacement: forward + i right, metres.
             turn: heading change, radians.
-            moves: what its errors add to the displacement, a variable each.
-            turns: what they add to the turn.
+            moves: contributions of its errors to the displacement, a variable each.
+            turns: contributions to the turn.
             bent: metres by which the displacement may be off that sum.
             due: seconds that a maneuver takes.
             late: its error, seconds.
@@ -114,7 +114,7 @@ def propagate_coast(where: ReachableSet, trim: Trim, duration: float, *, share: 
 
     Args:
         where: it begins.
-        trim: that is held.
+        trim: trim held.
         duration: seconds.
         share: factor on the library's errors.
     """

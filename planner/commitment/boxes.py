@@ -30,9 +30,9 @@ class TimeBoxes(Boxes):
     """Boxes of coasting times in seconds.
 
     Attributes:
-        rows: which walk each belongs to.
+        rows: index of each box's walk.
         turns: full turns with which its times meet the wanted heading; of no meaning where none is wanted.
-        seconds: that all times in the box take together, at least.
+        seconds: lower bound of the sum of the times in the box.
         miss: lower bound in metres of the largest miss over the box.
         near: largest miss in metres of the middle times at the computed levels.
         widest: the place of the best split.

@@ -52,7 +52,7 @@ class Incumbent:
         found: its coasting times; None where none were found.
         value: seconds or metres; infinite without times.
         bound: lower bound in seconds or metres.
-        complete: whether the bound is proved to the gap.
+        complete: True if the bound is proved to the gap.
         nodes: boxes examined.
     """
 
@@ -127,9 +127,9 @@ class BranchAndBound:
     def descend(
         self, row: int, start: Float[np.ndarray, "trims"], limit: float, *, minimise_time: bool
     ) -> Incumbent | None:
-        """Returns local optimum times of a walk from a start, or None."""
+        """Returns local optimum times of a walk, or None, also when late."""
         descent, budget = self._descents(row), limit - float(self.fixed[row])
-        if budget < 0:
+        if budget < 0 or perf_counter() > self._until:
             return None
         found = (descent.minimise_time if minimise_time else descent.minimise_miss)(start, budget)
         if found is None:

@@ -1,7 +1,7 @@
 """Committed policy: coasting times chosen before gamma is known (thesis, 8.1).
 
-The same times must end within the tolerance at every level between -gamma and gamma, ends and interior alike,
-with the heading wanted there; of all that do, the ones whose slowest level is fastest are taken.
+The same times must end within the tolerance, with the heading wanted, at every level from -gamma to gamma; of
+all that do, the ones whose slowest level is fastest are taken.
 """
 
 from collections.abc import Iterable
@@ -17,15 +17,17 @@ from flight.automaton.library_file import library_hash
 from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Scenario
 from planner.check.plan_check import plan_problems
+from planner.kernel.automaton import Automaton
 from planner.kernel.exact import least_costs
-from planner.kernel.tables import tables
+from planner.kernel.tables import tables_of_walks
 from planner.policies.nominal import nominal_planner
 from planner.policies.worst_case import worst_case_planner
 from planner.walks.kinematics import check_durations, check_gamma, walk_motion
-from planner.walks.walk import Walk, walks
+from planner.walks.walk import Walk
 
 from .branch_and_bound_times import BranchAndBound, Incumbent
 from .committed_task import CommittedTask
+from .walk_choice import choose_walks
 from .whole_interval import ROUNDING
 
 GAP = 5e-4
@@ -43,6 +45,9 @@ HORIZON = 120.0
 WALKS_AT_ONCE = 64
 """Walks solved between two checks of the deadline."""
 
+SHARE = 0.25
+"""Of the time left: for planning without errors, and again for the worst case."""
+
 NOTHING = Incumbent((), None, inf, 0.0, False, 0)
 
 UNFINISHED = "not proved optimal: the search stopped before every box of coasting times was excluded"
@@ -50,14 +55,20 @@ UNFINISHED = "not proved optimal: the search stopped before every box of coastin
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _PreparedMission:
-    """Walks of a mission, with fixed and least times."""
+    """Walks of a mission with fixed and least times.
+
+    Attributes:
+        left_out: seconds that every walk takes at least that is not among them; infinite if all are.
+    """
 
     mission: Mission
     walks: tuple[Walk, ...]
+    left_out: float
     fixed: Float[np.ndarray, "walks"]
     bounds: Float[np.ndarray, "walks"]
     search: BranchAndBound
     horizon: float
+    worst_case: Plan
 
 
 class CommittedPlanner:
@@ -89,11 +100,10 @@ class CommittedPlanner:
         for level in (-gamma, gamma):
             check_durations(library, level)
         self._library, self._gamma = library, gamma
+        self._levels = tuple(np.linspace(-gamma, gamma, LEVELS).tolist())
         self._hash = library_hash(library)
         self._deadline, self._horizon = deadline, horizon
         self._max_nodes = MOST_NODES if max_nodes is None else max_nodes
-        self._nominal = nominal_planner(library, deadline=deadline)
-        self._worst_case = worst_case_planner(library, gamma, deadline=deadline)
 
     def plan(self, mission: Mission) -> Plan:
         """Returns the fastest committed plan, or the smallest feasible tolerance.
@@ -103,44 +113,55 @@ class CommittedPlanner:
         """
         began = perf_counter()
         if self._gamma == 0:
-            return _as_committed(self._nominal.plan(mission), mission)
+            nominal = nominal_planner(self._library, deadline=self._deadline)
+            return _as_committed(nominal.plan(mission), mission)
         case = self._prepare(mission, began + self._deadline)
         search, horizon = case.search, case.horizon
         starts = self._starts(case)
-        fast = self._refine_starts(case, starts, minimise_time=True)
-        fast = search.minimise_time(case.bounds, fast, GAP, limit=horizon)
+        fast = self._fastest(case, self._refine_starts(case, starts, minimise_time=True))
         near = NOTHING
         if fast.found is None:
             near = self._refine_starts(case, starts, minimise_time=False)
             enough = search.task.tolerance
             near = search.minimise_miss(near, GAP, limit=horizon, enough=0.0 if fast.complete else enough)
+            if case.left_out < horizon:
+                near = replace(near, bound=0.0, complete=False)
             if near.value <= enough and near.found is not None:
                 seconds = sum(near.found.times) + float(case.fixed[case.walks.index(near.walk)])
-                fast = search.minimise_time(case.bounds, replace(near, value=seconds), GAP, limit=horizon)
-        plan = (
-            self._infeasible_plan(case, near, fast) if fast.found is None else self._optimal_plan(case, fast)
-        )
+                fast = self._fastest(case, replace(near, value=seconds))
+        found = fast.found is not None
+        plan = self._optimal_plan(case, fast) if found else self._infeasible_plan(case, near, fast)
         return replace(plan, solve_time=perf_counter() - began)
 
-    def horizon(self, mission: Mission) -> float:
+    def _fastest(self, case: _PreparedMission, best: Incumbent) -> Incumbent:
+        """Returns the fastest times, with a bound of all walks."""
+        fast = case.search.minimise_time(case.bounds, best, GAP, limit=case.horizon)
+        enough = min(fast.value - GAP, case.horizon)
+        complete = fast.complete and case.left_out >= enough
+        return replace(fast, bound=min(fast.bound, case.left_out), complete=complete)
+
+    def horizon(self, mission: Mission, *, deadline: float = inf) -> float:
         """Returns the planning horizon in seconds."""
         if self._horizon is not None:
             return self._horizon
-        nominal = self._nominal.plan(mission)
+        nominal = nominal_planner(self._library, deadline=deadline).plan(mission)
         return max(HORIZON, 2 * nominal.cost) if nominal.found else HORIZON
 
     def _prepare(self, mission: Mission, until: float) -> _PreparedMission:
-        every = walks(
-            self._library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim
+        horizon = self.horizon(mission, deadline=SHARE * (until - perf_counter()))
+        deadline = SHARE * (until - perf_counter())
+        known = worst_case_planner(self._library, self._gamma, deadline=deadline).plan(mission)
+        every, left_out = choose_walks(
+            self._library, self._levels, mission, horizon=horizon, known=known, until=until
         )
         paths = [self._library.maneuvers_along(walk) for walk in every]
-        nominal_fixed = np.array([sum(step.duration for step in path) for path in paths])
-        slope = np.array([sum(step.error.duration for step in path) for path in paths])
+        nominal_fixed = np.array([sum(step.duration for step in path) for path in paths], dtype=float)
+        slope = np.array([sum(step.error.duration for step in path) for path in paths], dtype=float)
         fixed = nominal_fixed + self._gamma * np.abs(slope)
         task = CommittedTask.of(mission, self._gamma)
         search = BranchAndBound(self._library, every, fixed, task, most_nodes=self._max_nodes, until=until)
         coasting = self._least_coasting_times(mission, every, nominal_fixed, slope, until)
-        return _PreparedMission(mission, every, fixed, fixed + coasting, search, self.horizon(mission))
+        return _PreparedMission(mission, every, left_out, fixed, fixed + coasting, search, horizon, known)
 
     def _least_coasting_times(
         self,
@@ -153,10 +174,8 @@ class CommittedPlanner:
         """Returns lower bounds of each walk's coasting time, within a deadline."""
         least = np.zeros(len(every))
         row_of = {walk: row for row, walk in enumerate(every)}
-        for gamma in np.linspace(-self._gamma, self._gamma, LEVELS).tolist():
-            for table in tables(
-                self._library, (gamma,), mission.start_trim, mission.max_trims, mission.goal_trim
-            ):
+        for gamma in self._levels:
+            for table in tables_of_walks(Automaton.of(self._library, (gamma,)), every):
                 for part in table.parts(WALKS_AT_ONCE):
                     if perf_counter() > until:
                         return least
@@ -167,12 +186,11 @@ class CommittedPlanner:
 
     def _starts(self, case: _PreparedMission) -> tuple[tuple[Walk, tuple[float, ...]], ...]:
         """Returns starting times: the worst-case plan's at each level, and mean."""
-        known = self._worst_case.plan(case.mission)
-        if not known.found:
+        if not case.worst_case.found:
             return ()
-        each = [scenario.coasting_times for scenario in known.scenarios]
+        each = [scenario.coasting_times for scenario in case.worst_case.scenarios]
         each.append(tuple(np.mean(each, axis=0).tolist()))
-        return tuple((known.sequence, times) for times in each)
+        return tuple((case.worst_case.sequence, times) for times in each)
 
     def _refine_starts(
         self, case: _PreparedMission, starts: Iterable[tuple[Walk, tuple[float, ...]]], *, minimise_time: bool
@@ -201,9 +219,9 @@ class CommittedPlanner:
         mission = case.mission
         plan = self._empty_plan(mission)
         depth = f"of at most {mission.max_trims} trims from trim {mission.start_trim}"
-        alone = not np.isfinite(case.bounds).any()
+        alone = not np.isfinite(case.bounds).any() and case.left_out == inf
         tolerance = case.search.task.tolerance
-        proved = fast.complete or nearest.bound > tolerance
+        proved = fast.complete or (nearest.bound > tolerance and case.left_out >= case.horizon)
         bound = max(nearest.bound, tolerance if proved else 0.0)
         headless = nearest.complete and nearest.found is None and (case.fixed <= case.horizon).any()
         kept = "have the wanted heading" if headless else "stay within the tolerance"

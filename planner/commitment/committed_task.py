@@ -14,7 +14,7 @@ class CommittedTask:
         goal: north + i east in metres.
         tolerance: radius around it in metres.
         gamma: the largest level.
-        wants_heading: whether the heading at the goal is constrained.
+        wants_heading: True if the heading at the goal is constrained.
         heading: wanted there, radians.
         heading_tolerance: half width around the heading, radians.
     """

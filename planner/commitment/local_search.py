@@ -49,7 +49,7 @@ class LocalOptimum:
     Attributes:
         times: seconds, one for each trim.
         worst: the largest miss.
-        levels: where the miss is among the largest.
+        levels: levels with the largest misses.
         position_weights: for each of these, direction and weight of its constraint in the KKT condition.
         heading_weights: weights there of the heading at the smallest and the largest level, signed.
     """

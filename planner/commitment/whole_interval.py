@@ -27,7 +27,7 @@ class WorstMiss:
 
     Attributes:
         gamma: the level at which the largest miss was found.
-        found: that miss in metres.
+        found: largest miss found, in metres.
         bound: metres that no level of the interval exceeds.
     """
 
@@ -69,7 +69,7 @@ class LinearWalk:
         turns = [[one.displacement.heading for one in steps], [one.error.heading_change for one in steps]]
         return cls(
             velocity=np.array([[complex(one.forward, one.side) for one in row] for row in speeds]),
-            rate=np.array([[one.yaw_rate for one in row] for row in speeds]),
+            rate=np.array([[one.yaw_rate for one in row] for row in speeds], dtype=float),
             displacement=np.array([[0j, *row] for row in moves]),
             turn=np.array([[0.0, *row] for row in turns]),
         )

@@ -12,7 +12,7 @@ def worst_levels(
     Args:
         levels: evenly spaced, the ends of the interval among them.
         off: from the goal to each end at these levels, metres.
-        count: how many to return; where the misses have fewer peaks, others fill up.
+        count: number of levels to return; filled up if the misses have fewer peaks.
     """
     miss = off.real**2 + off.imag**2
     before, here, after = miss[:, :-2], miss[:, 1:-1], miss[:, 2:]

@@ -23,7 +23,7 @@ class BoundedMaximum:
     Attributes:
         found: the worst that was found, seconds or metres.
         errors: the error variables there, each between -1 and 1.
-        bound: what no errors of the box exceed; infinite where none was proved.
+        bound: upper bound over all errors of the box; infinite if none was proved.
         boxes: number of boxes evaluated.
     """
 
@@ -38,7 +38,7 @@ class BoundedBoxes(Boxes):
     """Boxes of error variables.
 
     Attributes:
-        bound: what no errors of each exceed, seconds or metres; infinite where none is known.
+        bound: upper bounds over all errors of each, seconds or metres; infinite if unknown.
     """
 
     bound: Float[np.ndarray, "n"]

@@ -47,7 +47,7 @@ class ClosureTimes:
     """Coasting times as functions of the errors of boxes.
 
     Attributes:
-        holds: whether they close the walk for all errors of a box; times may be negative.
+        holds: True if they close the walk for all errors of a box; times may be negative.
         times: seconds, by place.
         seconds: coasting and maneuvers.
         heading: at the end, radians from that at the start.
@@ -97,7 +97,7 @@ def close_chain(
         errors: middles of the boxes.
         width: their half widths.
         times: coasting times in seconds, which lead the middles where they are to be led.
-        goal: where the end is to be, north + i east in metres; for one coast alone, the middle of the disc.
+        goal: wanted end, north + i east in metres; for one coast alone, the middle of the disc.
         tolerance: radius of that disc in metres.
         closure: the adjusted places; the others keep their times.
     """

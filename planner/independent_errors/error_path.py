@@ -131,7 +131,7 @@ def error_path(library: Library, walk: Walk, gamma: float, each: ErrorGranularit
     Args:
         library: the primitives.
         walk: trim ids.
-        gamma: what the variables, from -1 to 1, scale.
+        gamma: scale of the error variables from -1 to 1.
         each: granularity of the variables. A primitive flown twice has independent errors.
 
     Raises:

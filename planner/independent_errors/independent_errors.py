@@ -37,8 +37,7 @@ class TooManyScenariosError(FlightError):
 
     def __init__(self, primitives: int) -> None:
         super().__init__(
-            f"expected at most {MOST_PRIMITIVES} trims and maneuvers in a walk whose signs are all tried, "
-            f"got {primitives}"
+            f"expected at most {MOST_PRIMITIVES} trims and maneuvers to enumerate all signs, got {primitives}"
         )
 
 
@@ -91,7 +90,7 @@ def enumerate_signs(
         mission: from where to where.
         sequence: trims of the walk.
         coasting_times: seconds, committed before the signs are known.
-        gamma: what the signs scale.
+        gamma: scale of the signed errors.
 
     Raises:
         TooManyScenariosError: the walk is too long.
@@ -101,8 +100,9 @@ def enumerate_signs(
     if len(path.names) > MOST_PRIMITIVES:
         raise TooManyScenariosError(len(path.names))
     signs = np.array(list(product((-1, 0, 1), repeat=len(path.names))))
-    costs = least_costs(path.table(signs), mission)
-    misses = _misses(path, mission, coasting_times, signs)
+    errors = signs.astype(float)
+    costs = least_costs(path.table(errors), mission)
+    misses = _misses(path, mission, coasting_times, errors)
     scenarios = tuple(
         SignScenario(tuple(row), cost, miss)
         for row, cost, miss in zip(signs.tolist(), costs.tolist(), misses.tolist(), strict=True)
@@ -132,7 +132,7 @@ class IndependentErrorBounds:
     Attributes:
         names: of the error variables.
         scenarios: corners that there are.
-        all_tried: whether every corner was evaluated, or those of a local search.
+        all_tried: True if every corner was evaluated; False for a local search.
         slowest_single: the slowest with one value -1, 0 or 1 for all, coasting times chosen for it; seconds.
         furthest_single: with the plan's coasting times, the furthest from the goal; metres.
         slowest: the slowest corner found.
@@ -169,8 +169,8 @@ def bound_independent_errors(
         mission: from where to where.
         sequence: trims of the walk.
         coasting_times: seconds, committed before the errors are known.
-        gamma: what the error variables, from -1 to 1, scale.
-        each: what has an error variable of its own.
+        gamma: scale of the error variables from -1 to 1.
+        each: unit with an error variable of its own.
         most_boxes: boxes of errors that the bound of the time may use.
 
     Raises:

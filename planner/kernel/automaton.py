@@ -71,7 +71,7 @@ class Automaton:
             first=np.searchsorted(leaves[order], np.arange(len(place) + 1)).astype(np.intc),
             to=np.array([place[step.to_trim] for step in steps], dtype=np.intc),
             velocity=np.array([[complex(one.forward, one.side) for one in level] for level in twists]),
-            rate=np.array([[one.yaw_rate for one in level] for level in twists]),
+            rate=np.array([[one.yaw_rate for one in level] for level in twists], dtype=float),
             displacement=np.array(
                 [[complex(one.x, one.y) for one in level] for level in moved], dtype=complex
             ),

@@ -17,12 +17,14 @@ COASTING = (
     "closed_forms",
     "bounds",
     "dual_bound",
+    "set_cache",
+    "similar_sets",
     "active_sets",
     "units",
 )
 """Units that solve one walk at one level."""
 
-WALKS = ("automaton", "remaining", "frontier", "each", "search")
+WALKS = ("automaton", "remaining", "frontier", "branching", "levels", "each", "list", "search")
 """Units that search over walks."""
 
 SOURCES = (

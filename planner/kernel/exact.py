@@ -11,6 +11,7 @@ from flight.mission.destination import SLACK
 from flight.mission.mission import Mission
 from planner.walks.goal_condition import goal_from_start, wants_heading
 from planner.walks.search_result import SearchResult
+from planner.walks.walk import Walk
 
 from .automaton import Automaton
 from .build import load_kernel
@@ -21,8 +22,8 @@ MOST_TRIMS = 12
 
 NO_LIMIT = 2**62
 
-FORGIVEN = 0.99
-"""Of the slack for rounding: what the kernel forgives; the check rounds otherwise."""
+SHARE_OF_SLACK = 0.99
+"""Share of the slack for rounding that the kernel uses; the check rounds otherwise."""
 
 
 _NUMBERS = (
@@ -51,7 +52,6 @@ class _Answer(ctypes.Structure):
     _fields_ = (
         ("cost", ctypes.c_double),
         ("bound", ctypes.c_double),
-        ("least", ctypes.c_double),
         ("times", ctypes.c_double * (MOST_TRIMS * MOST_TRIMS)),
         ("costs", ctypes.c_double * MOST_TRIMS),
         ("trims", ctypes.c_long),
@@ -91,16 +91,50 @@ class ExactSearch:
             NoMachineCodeError: there is no C compiler that works.
             UnknownTrimError: the library lacks the start or goal trim.
         """
+        found = _Answer()
+        task = self._task(mission, max_nodes=max_nodes, deadline=deadline)
+        if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
+            raise MemoryError("the search for walks")
+        return self._read(found)
+
+    def promising_walks(
+        self, mission: Mission, *, limit: float, most: int, deadline: float = inf
+    ) -> tuple[tuple[Walk, ...], float]:
+        """Returns walks of least bound, and a bound of the others.
+
+        Args:
+            mission: from where to where.
+            limit: seconds; walks that take longer are of no interest.
+            most: walks to return.
+            deadline: seconds after which the walks so far are returned.
+
+        Raises:
+            UnknownTrimError: the library lacks the start or goal trim.
+        """
+        task = self._task(mission, max_nodes=None, deadline=deadline)
+        trims, lengths = np.empty((most, MOST_TRIMS), dtype=np.int_), np.empty(most, dtype=np.int_)
+        rest = ctypes.c_double()
+        count = load_kernel().list_walks(
+            ctypes.byref(task),
+            ctypes.byref(self._structure),
+            ctypes.c_double(limit),
+            ctypes.c_long(most),
+            ctypes.c_void_p(trims.ctypes.data),
+            ctypes.c_void_p(lengths.ctypes.data),
+            ctypes.byref(rest),
+        )
+        if count < 0:
+            raise MemoryError("the search for walks")
+        found = zip(trims[:count], lengths[:count].tolist(), strict=True)
+        return tuple(tuple(self._automaton.ids[row[:length]].tolist()) for row, length in found), rest.value
+
+    def _task(self, mission: Mission, *, max_nodes: int | None, deadline: float) -> _Task:
         if mission.max_trims > MOST_TRIMS:
             raise ValueError(f"max_trims must be <= {MOST_TRIMS}, got {mission.max_trims}")
         self._library.trim(mission.start_trim)
         if mission.goal_trim is not None:
             self._library.trim(mission.goal_trim)
-        found = _Answer()
-        task = _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
-        if load_kernel().search(ctypes.byref(task), ctypes.byref(self._structure), ctypes.byref(found)):
-            raise MemoryError("the search for walks")
-        return self._read(found)
+        return _task(mission, max_nodes=max_nodes, seconds=deadline, automaton=self._automaton)
 
     def _read(self, found: _Answer) -> SearchResult:
         exhausted = bool(found.complete)
@@ -167,10 +201,10 @@ def _task(
         goal.real,
         goal.imag,
         mission.tolerance,
-        FORGIVEN * mission.destination.slack,
+        SHARE_OF_SLACK * mission.destination.slack,
         (mission.goal_heading or 0.0) - start.heading,
         mission.heading_tolerance,
-        FORGIVEN * SLACK,
+        SHARE_OF_SLACK * SLACK,
         seconds,
         int(wants_heading(mission)),
         automaton.place(mission.start_trim) if automaton else 0,

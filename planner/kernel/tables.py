@@ -1,17 +1,21 @@
 """Walks from a trim as kernel arrays, one table per length."""
 
 import ctypes
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from jaxtyping import Complex, Float, Int
 
 from flight.automaton.library import Library
+from planner.walks.walk import Walk, walks
+
+from .automaton import Automaton
 
 
 class CTable(ctypes.Structure):
-    """`KernelTable` of search.c."""
+    """`Table` of walks/each.c."""
 
     _fields_ = (
         *(
@@ -43,7 +47,7 @@ class KernelTable:
 
     Attributes:
         walks: trim ids.
-        arrays: what the kernel reads, in the order of its structure; kept alive here.
+        arrays: arrays read by the kernel, in the order of its structure; kept alive here.
     """
 
     walks: Int[np.ndarray, "walks trims"]
@@ -65,74 +69,39 @@ class KernelTable:
 def tables(
     library: Library, gammas: tuple[float, ...], start_trim: int, max_trims: int, goal_trim: int | None
 ) -> tuple[KernelTable, ...]:
-    """Returns tables of walks from a trim with coefficients by level.
+    """Returns tables of all walks from a trim with coefficients by level.
 
     Raises:
         UnknownTrimError: the library has no such start or goal trim.
     """
-    place = {trim.id: index for index, trim in enumerate(library.trims)}
-    library.trim(start_trim)
-    if goal_trim is not None:
-        library.trim(goal_trim)
-    ids = np.array([trim.id for trim in library.trims])
-    onward = [
-        [index for index, one in enumerate(library.maneuvers) if place[one.from_trim] == trim]
-        for trim in range(len(ids))
-    ]
-    to = np.array([place[one.to_trim] for one in library.maneuvers], dtype=int)
-    numbers = _Numbers.of(library, gammas)
-    trims, steps = np.array([[place[start_trim]]]), np.zeros((1, 0), dtype=int)
+    every = walks(library, start_trim, max_trims=max_trims, goal_trim=goal_trim)
+    return tables_of_walks(Automaton.of(library, gammas), every)
+
+
+def tables_of_walks(automaton: Automaton, chosen: Sequence[Walk]) -> tuple[KernelTable, ...]:
+    """Returns tables of some walks with the coefficients of an automaton."""
+    place = {trim: index for index, trim in enumerate(automaton.ids.tolist())}
+    leaves = np.repeat(np.arange(len(place)), np.diff(automaton.first)).tolist()
+    step = {pair: index for index, pair in enumerate(zip(leaves, automaton.to.tolist(), strict=True))}
+    by_length: dict[int, list[Walk]] = {}
+    for walk in chosen:
+        by_length.setdefault(len(walk), []).append(walk)
     found = []
-    for length in range(1, max_trims + 1):
-        if length > 1:
-            fan = [onward[last] for last in trims[:, -1].tolist()]
-            many = np.repeat(np.arange(len(trims)), [len(one) for one in fan])
-            step = np.array([index for one in fan for index in one], dtype=int)
-            steps = np.column_stack([steps[many], step])
-            trims = np.column_stack([trims[many], to[step]])
-        wanted = slice(None) if goal_trim is None else trims[:, -1] == place[goal_trim]
-        if len(trims[wanted]):
-            found.append(numbers.table(ids, trims[wanted], steps[wanted]))
+    for length, group in sorted(by_length.items()):
+        trims = np.array([[place[trim] for trim in walk] for walk in group])
+        steps = np.array([[step[pair] for pair in pairwise(row)] for row in trims.tolist()], dtype=int)
+        steps = steps.reshape(len(group), length - 1)
+        found.append(
+            kernel_table(
+                automaton.ids[trims],
+                velocity=_rows_along_walks(automaton.velocity, trims),
+                rate=_rows_along_walks(automaton.rate, trims),
+                displacement=_rows_along_walks(automaton.displacement, steps),
+                turn=_rows_along_walks(automaton.turn, steps),
+                fixed=_rows_along_walks(automaton.duration, steps).sum(axis=1),
+            )
+        )
     return tuple(found)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Numbers:
-    """Coefficients of the library at every level."""
-
-    velocity: Complex[np.ndarray, "levels trims"]
-    rate: Float[np.ndarray, "levels trims"]
-    displacement: Complex[np.ndarray, "levels maneuvers"]
-    turn: Float[np.ndarray, "levels maneuvers"]
-    duration: Float[np.ndarray, "levels maneuvers"]
-
-    @classmethod
-    def of(cls, library: Library, gammas: tuple[float, ...]) -> "_Numbers":
-        twists = [[trim.at(gamma) for trim in library.trims] for gamma in gammas]
-        outcomes = [[maneuver.at(gamma) for maneuver in library.maneuvers] for gamma in gammas]
-        moved = [[one.displacement for one in level] for level in outcomes]
-        return cls(
-            velocity=np.array([[complex(one.forward, one.side) for one in level] for level in twists]),
-            rate=np.array([[one.yaw_rate for one in level] for level in twists]),
-            displacement=np.array([[complex(one.x, one.y) for one in level] for level in moved]),
-            turn=np.array([[one.heading for one in level] for level in moved]),
-            duration=np.array([[one.duration for one in level] for level in outcomes]),
-        )
-
-    def table(
-        self,
-        ids: Int[np.ndarray, "all"],
-        trims: Int[np.ndarray, "walks trims"],
-        steps: Int[np.ndarray, "walks steps"],
-    ) -> KernelTable:
-        return kernel_table(
-            ids[trims],
-            velocity=_rows_along_walks(self.velocity, trims),
-            rate=_rows_along_walks(self.rate, trims),
-            displacement=_rows_along_walks(self.displacement, steps),
-            turn=_rows_along_walks(self.turn, steps),
-            fixed=_rows_along_walks(self.duration, steps).sum(axis=1),
-        )
 
 
 def kernel_table(

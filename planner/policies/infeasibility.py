@@ -14,10 +14,10 @@ PATIENCE = 0.3
 """Seconds for the look at longer walks."""
 
 MOST_HEADINGS = 10_000
-"""Headings without a turn that are told apart; where there are more, none is called impossible."""
+"""Largest number of distinct headings without a turn; beyond, none is called impossible."""
 
 ROUNDING = 1e-9
-"""Radians by which two sums of turns are told apart."""
+"""Least difference between two distinct sums of turns, rad."""
 
 
 def unreachable_end(library: Library, mission: Mission) -> str:

@@ -98,7 +98,7 @@ class BranchingTrees:
         high: PerTrim,
         place: Int[np.ndarray, "boxes"],
         time: Float[np.ndarray, "boxes"],
-    ) -> tuple[Int[np.ndarray, "twice"], PerTrim, PerTrim]:
+    ) -> tuple[Int[np.ndarray, "twice"], Float[np.ndarray, "twice trims"], Float[np.ndarray, "twice trims"]]:
         count, base = len(node), len(self._nodes)
         for index, (one, axis, cut) in enumerate(
             zip(node.tolist(), place.tolist(), time.tolist(), strict=True)

@@ -15,7 +15,7 @@ from flight.automaton.library import Library
 from flight.mission.mission import Mission
 from flight.plan.certificate import Certificate, InfeasibilityCertificate
 from planner.walks.kinematics import walk_motion
-from planner.walks.walk import Walk, walks
+from planner.walks.walk import Walk, count_walks, walks
 
 from .branching_trees import BranchingTrees, root_boxes
 from .dual_bound import WalkProblems
@@ -23,6 +23,9 @@ from .multipliers import MultiplierSearch
 
 GAP = 9e-4
 """Seconds between a plan's cost and the lower bound that is proved."""
+
+MOST_WALKS = 10_000
+"""Walks that a certificate covers."""
 
 EFFORTS = (300, 3000, 30000)
 """Boxes that a walk at one level may take, in the rounds of trying its levels."""
@@ -33,12 +36,14 @@ class ProofFailure:
     """Reason for a missing certificate.
 
     Attributes:
-        walk: the one that was not refuted.
-        reached: whether it reaches the goal in less time at every level; if not, the effort was exhausted.
+        walk: the one that was not refuted; empty where there are too many walks.
+        reached: True if it reaches the goal in less time at every level; if not, the effort was exhausted.
+        walks: number of walks.
     """
 
     walk: Walk
     reached: bool = False
+    walks: int = 0
 
 
 def certify(
@@ -58,7 +63,11 @@ def certify(
     Raises:
         UnknownTrimError: the library lacks the start or goal trim.
     """
-    every = walks(library, mission.start_trim, max_trims=mission.max_trims, goal_trim=mission.goal_trim)
+    start, depth, goal_trim = mission.start_trim, mission.max_trims, mission.goal_trim
+    count = count_walks(library, start, max_trims=depth, goal_trim=goal_trim)
+    if count > MOST_WALKS:
+        return ProofFailure((), walks=count)
+    every = walks(library, start, max_trims=depth, goal_trim=goal_trim)
     if not every:
         return Certificate(mission.max_trims, ())
     levels = [

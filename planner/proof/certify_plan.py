@@ -10,7 +10,7 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan, Status
 from planner.check.plan_check import plan_problems
 
-from .certify import ProofFailure, certify, provable_bound
+from .certify import MOST_WALKS, ProofFailure, certify, provable_bound
 
 PROVABLE = ("nominal", "worst-case")
 """Policies whose plans are minima over coasting times at levels known beforehand."""
@@ -67,6 +67,10 @@ def _explain_failure(plan: Plan, failure: ProofFailure) -> Plan:
     if failure.reached:
         return _without_certificate(
             plan, f"walk {failure.walk} may {'be faster' if plan.found else 'lead to the goal'}"
+        )
+    if not failure.walk:
+        return _without_certificate(
+            plan, f"there are {failure.walks} walks, and a certificate covers at most {MOST_WALKS}"
         )
     return _without_certificate(plan, f"walk {failure.walk} was not refuted with the boxes allowed")
 

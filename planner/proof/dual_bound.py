@@ -48,12 +48,12 @@ class WalkProblems:
 
     Attributes:
         rate: yaw rates in radians per second.
-        velocity: what a trim moves by in a second, maneuvers' turning folded in, metres per second.
+        velocity: velocity of a trim in m/s, rotated by the maneuvers' turns.
         displacement: of the maneuver before each trim, likewise, metres.
         centre: of each turn; 0 for a straight trim.
         longest: seconds after which a turn repeats itself; infinite for a straight trim, 0 for one at rest.
         fixed: seconds in maneuvers.
-        turned: what the maneuvers turn, radians.
+        turned: heading change of the maneuvers, radians.
         goal: north + i east.
         tolerance: radius around it in metres, with the slack for rounding.
         heading: wanted at the goal, from the start's; None for any.
@@ -91,7 +91,7 @@ class WalkProblems:
             displacement,
             centre,
             longest,
-            np.array([motion.fixed_time for motion in motions]),
+            np.array([motion.fixed_time for motion in motions], dtype=float),
             np.array([row[3] for row in rows]),
             goal_from_start(mission),
             mission.destination.reach,

@@ -58,7 +58,9 @@ class MultiplierSearch:
             if len(rows):
                 self._at_corners(rows)
 
-    def _trials(self, velocity: PerTrim, end: BoxVectors, hint: BoxVectors) -> Iterator[MultiplierTrial]:
+    def _trials(
+        self, velocity: Complex[np.ndarray, "boxes trims"], end: BoxVectors, hint: BoxVectors
+    ) -> Iterator[MultiplierTrial]:
         problems, none = self._problems, np.zeros(len(end))
         bounded = np.isfinite(self._target)
         off = end - problems.goal

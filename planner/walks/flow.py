@@ -38,14 +38,15 @@ class WalkFlow:
 
 
 def fly_walks(
-    velocity: Complex[np.ndarray, "*walks trims"],
-    rate: Float[np.ndarray, "*walks trims"],
-    displacement: Complex[np.ndarray, "*walks trims"],
-    times: Float[np.ndarray, "*walks trims"],
+    velocity: Complex[np.ndarray, "*#walks trims"],
+    rate: Float[np.ndarray, "*#walks trims"],
+    displacement: Complex[np.ndarray, "*#walks trims"],
+    times: Float[np.ndarray, "*#walks trims"],
 ) -> WalkFlow:
     """Returns the flow along walks (thesis, eq. 8, 17-18).
 
     Coasting longer in a trim carries the rest of the walk along, and turns it about the end of the coast.
+    Arrays are broadcast.
 
     Args:
         velocity: folded, metres per second.

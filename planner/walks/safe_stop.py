@@ -18,9 +18,9 @@ def rest_trim(library: Library) -> int:
 
 
 def safe_stop_path(library: Library, trim: int) -> Walk:
-    """Returns the least-time trims from one, itself excluded, to rest.
+    """Returns the least-time safe-stop path from a trim, without that trim.
 
-    Empty where the vehicle rests already, or where no maneuvers lead to rest.
+    Empty if the trim is a rest trim, or if no maneuvers lead to one.
 
     Args:
         library: the automaton.

@@ -17,7 +17,7 @@ class SearchResult:
         times: seconds, one tuple for each level.
         costs: seconds, one for each level.
         lower_bound: seconds, of every plan; infinite where it is proved that there is none.
-        exhausted: whether every walk was searched exactly, or excluded by a bound.
+        exhausted: True if every walk was searched exactly, or excluded by a bound.
     """
 
     walk: Walk

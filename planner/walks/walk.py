@@ -33,6 +33,26 @@ def walks(
     return tuple(walk for walk in found if goal_trim in (None, walk[-1]))
 
 
+def count_walks(library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None) -> int:
+    """Returns the number of walks without listing them.
+
+    Raises:
+        UnknownTrimError: the library has no such start or goal trim.
+    """
+    library.trim(start_trim)
+    if goal_trim is not None:
+        library.trim(goal_trim)
+    ending, count = {start_trim: 1}, int(goal_trim in (None, start_trim))
+    for _ in range(max_trims - 1):
+        longer: dict[int, int] = {}
+        for trim, number in ending.items():
+            for after in library.successors(trim):
+                longer[after] = longer.get(after, 0) + number
+        ending = longer
+        count += sum(ending.values()) if goal_trim is None else ending.get(goal_trim, 0)
+    return count
+
+
 def trims_of_walks(
     library: Library, start_trim: int, *, max_trims: int, goal_trim: int | None = None
 ) -> frozenset[int]:

@@ -15,7 +15,7 @@ from flightlog.log import FlightLog
 from flightlog.mission_attachments import logged_goal, logged_plans, logged_sequence
 from flightlog.topics import ESTIMATE
 
-Points = Float[np.ndarray, "n 3"]
+Points = Float[np.ndarray, "_ 3"]
 FLOWN, PLANNED, GOAL = (0.90, 0.36, 0.05, 1.0), (0.10, 0.27, 0.62, 0.9), (0.0, 0.62, 0.45, 0.45)
 """Red, green, blue and opacity."""
 
@@ -67,7 +67,7 @@ def _estimated_pose(log: FlightLog, time: float) -> tuple[SE2, float]:
 
 
 def _lines_at_height(
-    walk: tuple[tuple[Float[np.ndarray, "n 2"], ...], ...], height: float
+    walk: tuple[tuple[Float[np.ndarray, "_ 2"], ...], ...], height: float
 ) -> tuple[Points, ...]:
     """Returns coasts and maneuvers as lines in MuJoCo's north-west-up world."""
     flip = np.array([1.0, -1.0])

@@ -14,6 +14,7 @@ from .columns import pack_floats
 
 Content = dict[str, object]
 Column = Float[np.ndarray, "n"]
+Frequencies = Float[np.ndarray, "frequencies"]
 
 LONGEST_WINDOW = 20.0
 """Window length in seconds; the lowest frequency shown is its inverse."""
@@ -47,7 +48,7 @@ def spectra(logs: Sequence[FlightLog]) -> list[Content]:
     return [{"title": title, "unit": unit, "curves": curves} for (title, unit), curves in panels.items()]
 
 
-def amplitude_density(time: Column, values: Column) -> tuple[Column, Column] | None:
+def amplitude_density(time: Column, values: Column) -> tuple[Frequencies, Frequencies] | None:
     """Returns frequencies > 0 in Hz and amplitude densities, values' unit/√Hz.
 
     Welch's method with Hann windows of half overlap; mean and slope of each window are removed; uneven

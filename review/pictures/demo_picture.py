@@ -113,18 +113,18 @@ def _draw_outcome(axes: Axes, library: Library, mission: Mission, outcome: Flown
 
 
 def outcome_caption(plan: Plan, flights: Sequence[FlightLog], arrivals: Sequence[float | None]) -> str:
-    """Returns prediction and results of a plan in two lines."""
+    """Returns planned time and results of a plan in two lines."""
     if not plan.found:
         return f"no plan: {plan.status}\n{plan.reason}"
-    predicted = f"predicted {plan.cost:.1f} s"
+    planned = f"planned {plan.cost:.1f} s"
     if len(plan.scenarios) > 1:
-        predicted += f", maximum over gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
+        planned += f", maximum over gamma 0 and \N{PLUS-MINUS SIGN}{plan.gamma:g}"
     if not flights:
-        return f"{predicted}\nnot flown"
+        return f"{planned}\nnot flown"
     times = sorted(time for time in arrivals if time is not None)
     reached = f"goal reached in {len(times)} of {_plural(len(flights), 'flight')}"
     span = dict.fromkeys(f"{time:.1f} s" for time in (*times[:1], *times[-1:]))
-    return f"{predicted}\n{reached}{', in ' if span else ''}{' to '.join(span)}"
+    return f"{planned}\n{reached}{', in ' if span else ''}{' to '.join(span)}"
 
 
 def _draw_scenario(axes: Axes, library: Library, mission: Mission, plan: Plan, scenario: Scenario) -> None:
@@ -150,10 +150,10 @@ def _entries(plan: Plan, arrivals: Sequence[float | None]) -> list[Line2D]:
     if plan.found:
         entries.append(PLANNED.entry("planned" if len(plan.scenarios) == 1 else "planned, slowest scenario"))
     if len(plan.scenarios) > 1:
-        entries.append(OTHER_SCENARIO.entry("planned, the other cases"))
+        entries.append(OTHER_SCENARIO.entry("planned, other scenarios"))
     if any(time is not None for time in arrivals):
         entries.append(FLOWN.entry("flown, goal reached"))
-        entries.append(FLOWN_AFTER_GOAL.entry("after the goal, a maneuver begun is finished"))
+        entries.append(FLOWN_AFTER_GOAL.entry("flown, after reaching the goal"))
     if None in arrivals:
         entries.append(MISSED.entry("flown, goal missed"))
     return entries

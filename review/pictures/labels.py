@@ -13,7 +13,7 @@ from flight.se2 import SE2
 
 from . import palette
 
-Points = Float[np.ndarray, "n 2"]
+Points = Float[np.ndarray, "_ 2"]
 
 # Candidate distances of a label from its place, in points of type.
 _DISTANCES = (15.0, 24.0, 34.0)

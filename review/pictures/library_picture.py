@@ -131,7 +131,7 @@ def _draw_intervals(axes: Axes, intervals: Sequence[Interval], colors: Sequence[
     palette.format_axes(axes)
     axes.axvline(0.0, color=palette.FAINT, linewidth=0.8, zorder=1)
     for row, ((nominal, error), color) in enumerate(zip(intervals, colors, strict=True)):
-        rows = np.array([row, row])
+        rows = np.array([row, row], dtype=float)
         Stroke(color, BAR, opacity=LIGHT_OPACITY).draw(axes, np.array([nominal, nominal - error]), rows)
         Stroke(color, BAR).draw(axes, np.array([nominal, nominal + error]), rows)
         axes.plot(nominal, row, "|", color=palette.INK, markersize=9, markeredgewidth=1.4, zorder=5)

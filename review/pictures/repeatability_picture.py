@@ -39,8 +39,8 @@ _MANEUVER_NUMBERS = (
 
 Numbers = Float[np.ndarray, "scalars"]
 
-Tracks = Mapping[int, Sequence[Float[np.ndarray, "n 2"]]]
-Rows = Mapping[int, Float[np.ndarray, "n k"]]
+Tracks = Mapping[int, Sequence[Float[np.ndarray, "_ 2"]]]
+Rows = Mapping[int, Float[np.ndarray, "_ k"]]
 
 
 def repeatability_picture(library: Library, tracks: Tracks) -> Figure:
@@ -125,7 +125,7 @@ def _maneuver_bounds(row: Maneuver) -> Numbers:
 def _histograms(
     panels: Sequence[Axes],
     numbers: Sequence[tuple[str, float, str]],
-    lines: Sequence[tuple[str, Float[np.ndarray, "n k"], Numbers]],
+    lines: Sequence[tuple[str, Float[np.ndarray, "_ scalars"], Numbers]],
 ) -> None:
     """Draws a panel per value with a histogram per primitive."""
     for panel in panels[len(numbers) :]:

@@ -28,7 +28,7 @@ def summary_tiles(summary: Summary) -> list[Content]:
     """
     tiles = [_outcome(summary)]
     if summary.planned_time is not None:
-        tiles.append(_tile("planned time", f"{summary.planned_time:.2f} s", "for the mission as stated"))
+        tiles.append(_tile("planned time", f"{summary.planned_time:.2f} s", "mission as stated"))
     if summary.bounds is not None:
         left, checked = len(summary.bounds.violations), summary.bounds.coasts + summary.bounds.maneuvers
         coasts = summary.bounds.count_violations(PrimitiveKind.COAST)

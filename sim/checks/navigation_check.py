@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, replace
 from itertools import repeat
-from math import exp, hypot, pi
+from math import hypot, log, pi, sqrt
 
 import numpy as np
 from jaxtyping import Float
@@ -18,6 +18,7 @@ from sim.loop.motion import Motion
 from sim.loop.specification import CONTROL_RATE, FlightSpecification, specified_pose
 from sim.navigation.filter import ESTIMATED
 from sim.navigation.navigation import Navigation
+from sim.navigation.sensor_errors import sensor_errors
 from sim.simulated_helicopter import SimulatedHelicopter
 
 from .check_result import CheckResult
@@ -26,8 +27,11 @@ FLIGHTS = 50
 SECONDS = 200.0
 SAMPLE_INTERVAL = 20.0
 """Seconds between two samples of the filter's error, long enough to be uncorrelated."""
-# Errors with a correlation below this count as independent.
-_CORRELATION_LIMIT = exp(-1.0)
+NEES_LIMITS = (0.3, 1.5)
+"""Mean normalised squared error over its number of entries; 1 for a filter with the true model."""
+CLASSES = ("rtk", "gps")
+"""Sensor classes checked, with vehicles of a fleet."""
+_POSITION = 3
 # One foot: a third of the tolerance of the thesis's missions, m and m/s.
 POSITION_LIMIT = FOOT
 _BEFORE, _LOSS, _AFTER = 10.0, 2.0, 15.0
@@ -44,11 +48,13 @@ class FilterErrors:
 
     Attributes:
         normalised: normalised squared errors (NEES), every `SAMPLE_INTERVAL` seconds.
+        normalised_position: those of the position alone.
         position: largest horizontal position error, m.
         velocity: largest error of the forward velocity, m/s.
     """
 
     normalised: Float[np.ndarray, "n"]
+    normalised_position: Float[np.ndarray, "n"]
     position: float
     velocity: float
 
@@ -62,6 +68,7 @@ class _FilterMonitor:
         self._periods = 0
         self._position = self._velocity = 0.0
         self._normalised: list[float] = []
+        self._normalised_position: list[float] = []
 
     def run(self) -> None:
         """Runs the navigation and compares estimate and truth."""
@@ -73,6 +80,7 @@ class _FilterMonitor:
         if self._periods % self._every == 0:
             truth = Motion._make(self._truth.tolist())
             self._normalised.append(self._navigation.normalised_error(truth))
+            self._normalised_position.append(self._navigation.normalised_position_error(truth))
 
     def standard_deviation(self) -> tuple[float, ...]:
         """Returns the standard deviations that the filter claims."""
@@ -84,7 +92,8 @@ class _FilterMonitor:
 
     def filter_errors(self) -> FilterErrors:
         """Returns the errors so far."""
-        return FilterErrors(np.array(self._normalised), self._position, self._velocity)
+        normalised = (np.array(self._normalised), np.array(self._normalised_position))
+        return FilterErrors(*normalised, self._position, self._velocity)
 
 
 def check_navigation(library: Library, *, executor: Executor) -> Iterator[CheckResult]:
@@ -94,31 +103,28 @@ def check_navigation(library: Library, *, executor: Executor) -> Iterator[CheckR
         library: trims, maneuvers and the maneuver-end rule.
         executor: executor of the flights.
     """
-    yield from check_filter_consistency(list(executor.map(_fly_random_walk, repeat(library), range(FLIGHTS))))
+    for sensors in CLASSES:
+        yield from check_filter_consistency(
+            fly_random_walks(library, sensors, flights=FLIGHTS, seconds=SECONDS, executor=executor), sensors
+        )
     yield from check_gps_outages(
         fly_gps_outages(library, _LOSS, executor=executor), f"{_LOSS:g} s without GPS"
     )
 
 
-def check_filter_consistency(flights: Sequence[FilterErrors]) -> Iterator[CheckResult]:
-    """Yields consistency of the claimed errors at uncorrelated times."""
-    normalised = np.array([flight.normalised for flight in flights])
-    number, times = normalised.shape
-    mean = normalised.mean(axis=0)
-    low, high = (chi2.ppf(share, ESTIMATED * number) / number for share in (0.025, 0.975))
-    inside = float(((mean >= low) & (mean <= high)).mean())
-    beside = f"{number} flights, {times} samples every {SAMPLE_INTERVAL:g} s, band {low:.2f} to {high:.2f}"
-    yield CheckResult(
-        "navigation", "share of samples with mean NEES in its 95 % band", inside, "-", 0.9, None, beside
-    )
-    yield CheckResult("navigation", "mean NEES", float(mean.mean()), "-", beside=f"{ESTIMATED} expected")
-    excess = normalised - ESTIMATED
-    correlation = float((excess[:, 1:] * excess[:, :-1]).mean() / (excess**2).mean())
-    beside = f"of consecutive samples, {SAMPLE_INTERVAL:g} s apart"
-    yield CheckResult("navigation", "NEES, correlation", correlation, "-", None, _CORRELATION_LIMIT, beside)
-    position = max(flight.position for flight in flights)
-    beside = f"{number} flights of {times * SAMPLE_INTERVAL:g} s"
-    yield CheckResult("navigation", "largest position error", position, "m", None, POSITION_LIMIT, beside)
+def check_filter_consistency(flights: Sequence[FilterErrors], sensors: str) -> Iterator[CheckResult]:
+    """Yields the consistency of the claimed errors of a sensor class."""
+    number, times = len(flights), len(flights[0].normalised)
+    beside = f"{number} flights of a fleet, {times} samples every {SAMPLE_INTERVAL:g} s"
+    position = float(np.mean([flight.normalised_position for flight in flights])) / _POSITION
+    yield CheckResult("navigation", f"{sensors}: position NEES / 3", position, "-", *NEES_LIMITS, beside)
+    whole = float(np.mean([flight.normalised for flight in flights])) / ESTIMATED
+    yield CheckResult("navigation", f"{sensors}: NEES / {ESTIMATED}", whole, "-", *NEES_LIMITS, beside)
+    errors, _ = sensor_errors(sensors)
+    worst = max(flight.position for flight in flights)
+    # Of a Rayleigh distribution once in a million samples, as many as there are times.
+    limit = sqrt(2.0 * log(1e6)) * errors.position_sigma
+    yield CheckResult("navigation", f"{sensors}: largest position error", worst, "m", None, limit, beside)
 
 
 def check_gps_outages(flights: Sequence[FilterErrors], what: str) -> Iterator[CheckResult]:
@@ -154,7 +160,15 @@ def _fly_gps_outage(library: Library, place: int, seconds: float) -> FilterError
     return monitor.filter_errors()
 
 
-def _fly_random_walk(library: Library, number: int) -> FilterErrors:
+def fly_random_walks(
+    library: Library, sensors: str, *, flights: int, seconds: float, executor: Executor
+) -> list[FilterErrors]:
+    """Flies random walks of a fleet with a sensor class."""
+    places = range(flights)
+    return list(executor.map(_fly_random_walk, repeat(library), places, repeat(sensors), repeat(seconds)))
+
+
+def _fly_random_walk(library: Library, number: int, sensors: str, seconds: float) -> FilterErrors:
     """Flies one random walk along the maneuvers."""
     rng = np.random.default_rng([number, _WALK_STREAM])
     flight = FlightSpecification(
@@ -163,14 +177,20 @@ def _fly_random_walk(library: Library, number: int) -> FilterErrors:
         wind=_WINDS[number % len(_WINDS)],
         altitude=float(rng.uniform(20.0, 60.0)),
         start=specified_pose(SE2(0.0, 0.0, float(rng.uniform(-pi, pi)))),
+        vehicles="fleet",
+        sensors=sensors,
     )
     helicopter, monitor = _monitored_helicopter(flight, library, interval=SAMPLE_INTERVAL)
-    while helicopter.time < SECONDS:
+    while helicopter.time < seconds:
         helicopter.coast(float(rng.uniform(*_COASTS)))
         onward = [maneuver for maneuver in library.maneuvers if maneuver.from_trim == helicopter.trim]
         helicopter.perform(onward[rng.integers(len(onward))])
-    errors = monitor.filter_errors()
-    return replace(errors, normalised=errors.normalised[: round(SECONDS / SAMPLE_INTERVAL)])
+    errors, kept = monitor.filter_errors(), round(seconds / SAMPLE_INTERVAL)
+    return replace(
+        errors,
+        normalised=errors.normalised[:kept],
+        normalised_position=errors.normalised_position[:kept],
+    )
 
 
 def _monitored_helicopter(

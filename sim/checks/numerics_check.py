@@ -10,7 +10,8 @@ import numpy as np
 from flight.se2 import Twist
 from flight.units import FOOT
 from sim.loop.motion import Motion
-from sim.vehicle.helicopter import DEFAULT_STEP, load_model
+from sim.vehicle.helicopter import DEFAULT_STEP
+from sim.vehicle.mujoco_model import load_model
 from sim.vehicle.parameters import Parameters
 
 from .check_result import CheckResult

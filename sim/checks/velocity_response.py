@@ -16,7 +16,8 @@ from sim.loop.motion import Motion
 from sim.vehicle.equilibrium import find_equilibrium
 from sim.vehicle.helicopter import DEFAULT_STEP, Helicopter
 from sim.vehicle.parameters import Parameters
-from sim.wind.wind import DrydenWind, wind_class
+from sim.wind.wind import DrydenWind
+from sim.wind.wind_class import wind_class
 
 _STEP = 0.01
 _HEIGHT = 30.0

@@ -1,24 +1,25 @@
 """Checks of the Dryden turbulence: covariance, ensembles and spectra."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 import casadi as ca
 import numpy as np
-from jaxtyping import Float
 from scipy.linalg import solve_discrete_lyapunov
-from scipy.signal import welch
 
-from sim.wind.dryden import AIRSPEED_FLOOR, Dryden, LateralGust, dryden, step_longitudinal
-from sim.wind.wind import DrydenWind, WindClass
+from sim.wind.dryden import LateralGust, dryden, step_longitudinal
+from sim.wind.wind import DrydenWind
+from sim.wind.wind_class import WindClass
 
 from .check_result import CheckResult
+from .gust_spectra import COURSES, HEIGHT, SPAN, fly_course, rate_slopes, spectrum_ratios
 
 FIXED_POINT_LIMIT = 1e-9
 # Step over the filter's time constant, from 0.1 ms in a slow gust to many time constants.
 RATIOS = (1e-4, 1e-3, 1e-2, 0.1, 1.0, 10.0)
-_HEIGHT, _SPAN, _SPEED = 30.0, 3.0, 10.0
-_TEST = WindClass("test", 10.0, 0.0)
+_TEST = WindClass("test", 10.0)
 _SOURCES = 800
+SPECTRUM_LIMITS = (0.9, 1.1)
+RATE_LIMITS = (0.99, 1.01)
 
 
 def check_wind() -> Iterator[CheckResult]:
@@ -37,8 +38,20 @@ def check_wind() -> Iterator[CheckResult]:
                 beside,
             )
     yield from _check_ensembles()
-    for name, ratio in spectrum_ratios().items():
-        yield CheckResult("wind", f"spectrum of {name}, measured / analytic, mean", ratio, "-", 0.9, 1.1)
+    yield from _check_courses()
+
+
+def _check_courses() -> Iterator[CheckResult]:
+    """Yields spectra and gust rates of flights upwind, crosswind and downwind."""
+    for course in COURSES:
+        flight = fly_course(course)
+        beside = f"airspeed {flight.airspeed:.1f} m/s"
+        for name, ratio in spectrum_ratios(flight).items():
+            label = f"{course}, {name} spectrum, measured / analytic, mean"
+            yield CheckResult("wind", label, ratio, "-", *SPECTRUM_LIMITS, beside)
+        for name, slope in rate_slopes(flight).items():
+            label = f"{course}, gust {name} rate, slope over the standard's"
+            yield CheckResult("wind", label, slope, "-", *RATE_LIMITS, beside)
 
 
 def lateral_variance(ratio: float) -> float:
@@ -66,7 +79,7 @@ def _longitudinal_variance(ratio: float) -> float:
 
 def _check_ensembles() -> Iterator[CheckResult]:
     """Yields errors of ensemble standard deviations, in standard errors."""
-    model = dryden(_TEST.wind_at_20_ft, height=_HEIGHT, span=_SPAN)
+    model = dryden(_TEST.wind_at_20_ft, height=HEIGHT, span=SPAN)
     sigmas = (model.sigma_horizontal, model.sigma_horizontal, model.sigma_vertical, model.sigma_roll_rate)
     for step in (0.01, 1.0):
         last = np.array([list(_gust_samples(seed, step=step, periods=10)) for seed in range(_SOURCES)])
@@ -85,52 +98,4 @@ def _gust_samples(seed: int, *, step: float, periods: int) -> tuple[float, ...]:
 
 def _source(seed: int, step: float) -> DrydenWind:
     rng = np.random.default_rng(seed)
-    return DrydenWind(_TEST, height=_HEIGHT, span=_SPAN, direction=0.0, step=step, rng=rng)
-
-
-def gust_spectra() -> tuple[Float[np.ndarray, "n"], dict[str, tuple[np.ndarray, np.ndarray]]]:
-    """Returns frequencies in rad/s, and measured and analytic gust spectra."""
-    step, periods = 0.05, 100_000
-    source = _source(7, step)
-    blown = np.array([source.step(velocity_north=_SPEED, velocity_east=0.0)[:3] for _ in range(periods)])
-    hertz, power = welch(blown, fs=1.0 / step, nperseg=4096, axis=0)
-    frequency, power = 2.0 * np.pi * hertz[1:], power[1:] / (2.0 * np.pi)
-    model = dryden(_TEST.wind_at_20_ft, height=_HEIGHT, span=_SPAN)
-    analytic = _analytic_spectra(model, max(_SPEED, AIRSPEED_FLOOR))
-    return frequency, {
-        name: (power[:, place], analytic[place](frequency)) for place, name in enumerate(("u", "v", "w"))
-    }
-
-
-def _analytic_spectra(model: Dryden, speed: float) -> tuple[Callable[[np.ndarray], np.ndarray], ...]:
-    """Returns the one-sided spectra of MIL-F-8785C, 3.7.1.2, over rad/s."""
-
-    def longitudinal(frequency: np.ndarray) -> np.ndarray:
-        tau = model.length_horizontal / speed
-        return np.asarray(2.0 * model.sigma_horizontal**2 * tau / np.pi / (1.0 + (tau * frequency) ** 2))
-
-    def lateral(sigma: float, length: float) -> Callable[[np.ndarray], np.ndarray]:
-        tau = length / speed
-        return lambda frequency: np.asarray(
-            sigma**2
-            * tau
-            / np.pi
-            * (1.0 + 3.0 * (tau * frequency) ** 2)
-            / (1.0 + (tau * frequency) ** 2) ** 2
-        )
-
-    return (
-        longitudinal,
-        lateral(model.sigma_horizontal, model.length_horizontal),
-        lateral(model.sigma_vertical, model.length_vertical),
-    )
-
-
-def spectrum_ratios() -> dict[str, float]:
-    """Returns the mean ratio of measured and analytic spectrum.
-
-    Frequencies are those below a fifth of the sampling frequency.
-    """
-    frequency, found = gust_spectra()
-    low = frequency < 0.2 * 2.0 * np.pi / 0.05
-    return {name: float(np.mean(power[low] / analytic[low])) for name, (power, analytic) in found.items()}
+    return DrydenWind(_TEST, height=HEIGHT, span=SPAN, direction=0.0, step=step, rng=rng)

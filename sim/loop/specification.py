@@ -7,6 +7,7 @@ from itertools import pairwise
 from pydantic import Field, FiniteFloat, model_validator
 
 from flight.errors import FlightError
+from flight.mission.campaign import DEFAULT_SENSORS, VehiclePopulation
 from flight.mission.fault import SENSORS, Fault
 from flight.mission.sequence import Sequence
 from flight.mission.wind_change import WindChange
@@ -34,7 +35,14 @@ class NoSensorsError(FlightError):
     """Sensor fault in a flight with ideal navigation."""
 
     def __init__(self, fault: str) -> None:
-        super().__init__(f"fault {fault!r} needs sensors: expected sensor models, got ideal navigation")
+        super().__init__(f"fault {fault!r}: expected sensor models, got ideal navigation")
+
+
+class NoAirframeError(FlightError):
+    """Flight of one airframe without the seed that draws it."""
+
+    def __init__(self) -> None:
+        super().__init__("expected the seed of the airframe with vehicles 'one', got none")
 
 
 class WindOrderError(FlightError):
@@ -56,15 +64,25 @@ class FlightOptions:
     faults: tuple[Fault, ...] = ()
     supervised: bool = False
     wind_changes: tuple[WindChange, ...] = ()
+    vehicles: VehiclePopulation = "nominal"
+    airframe_seed: int | None = None
+    sensors: str = DEFAULT_SENSORS
 
     def __post_init__(self) -> None:
-        """Refuses sensor faults without sensors, and overlapping wind changes."""
+        """Refuses what does not go together."""
+        if self.vehicles == "one" and self.airframe_seed is None:
+            raise NoAirframeError
         failing = [fault.words for fault in self.faults if fault.where in SENSORS]
         if self.ideal_navigation and failing:
             raise NoSensorsError(failing[0])
         times = [change.time for change in self.wind_changes]
         if any(later < before + WIND_FADE_TIME for before, later in pairwise(times)):
             raise WindOrderError(times)
+
+    @property
+    def population(self) -> str:
+        """Population flown, with the airframe's seed: such as `airframe 1`."""
+        return f"airframe {self.airframe_seed}" if self.vehicles == "one" else self.vehicles
 
 
 DEFAULT_OPTIONS = FlightOptions()
@@ -87,6 +105,9 @@ class FlightSpecification(FileModel):
         faults: injected faults, with times from time 0.
         wind_changes: later wind classes in the order of their times.
         supervised: whether the vehicle is supervised; its first alarm ends the current primitive.
+        vehicles: population of the vehicle flown; the nominal one is believed.
+        airframe_seed: seed of the airframe; None but for `one`.
+        sensors: class of the sensors.
         start: true pose at time 0.
         start_trim: id of the trim held at time 0 and during settling.
         settling_time: time of settling before time 0, s.
@@ -106,6 +127,9 @@ class FlightSpecification(FileModel):
     faults: tuple[Fault, ...] = ()
     supervised: bool = Field(default=False, exclude_if=operator.not_)
     wind_changes: tuple[WindChange, ...] = Field(default=(), exclude_if=operator.not_)
+    vehicles: VehiclePopulation = "nominal"
+    airframe_seed: int | None = Field(default=None, ge=0)
+    sensors: str = DEFAULT_SENSORS
     start: _Pose = _Pose()
     start_trim: int
     settling_time: FiniteFloat = Field(default=10.0, ge=0.0)
@@ -124,7 +148,7 @@ class FlightSpecification(FileModel):
     def _check_options(self) -> "FlightSpecification":
         try:
             _ = self.flight_options
-        except (NoSensorsError, WindOrderError) as error:
+        except (NoAirframeError, NoSensorsError, WindOrderError) as error:
             raise ValueError(str(error)) from None
         return self
 

@@ -10,6 +10,9 @@ class Stream(IntEnum):
 
     WIND = 0
     NAVIGATION = 1
+    AIRFRAME = 2
+    LOADING = 3
+    INSTALLATION = 4
 
 
 def random_stream(seed: int, stream: Stream, number: int = 0) -> np.random.Generator:

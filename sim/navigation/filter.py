@@ -207,16 +207,20 @@ def _estimate_and_state(nominal: ca.SX, covariance: ca.SX, before: ca.SX, readin
     return [motion, ca.vertcat(nominal, upper, motion[OUTPUTS - 1])]
 
 
-def standard_deviation_function() -> ca.Function:
+def standard_deviation_function(misalignment: float) -> ca.Function:
     """Returns state -> standard deviations of the estimate.
 
     The first nine entries of the motion, to first order about zero error.
+
+    Args:
+        misalignment: standard deviation of the inertial unit's angles in the vehicle, rad.
     """
     state, error = ca.SX.sym("state", STATE), ca.SX.sym("error", ESTIMATED)
     nominal, covariance, heading = split_filter_state(state)
     motion = estimated_motion(inject(nominal, error), ca.SX.zeros(3), heading)[:OUTPUTS]
     slopes = ca.substitute(ca.jacobian(motion, error), error, ca.SX.zeros(ESTIMATED))
     estimated = covariance[:ESTIMATED, :ESTIMATED]
+    estimated += ca.diag(ca.DM([*(0.0,) * 6, *(misalignment**2,) * 3, *(0.0,) * 6]))
     sigmas = ca.densify(ca.sqrt(ca.sum2((slopes @ estimated) * slopes)))
     return ca.Function("standard_deviation", [state], [ca.cse(sigmas)])
 

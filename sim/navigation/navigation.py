@@ -20,10 +20,11 @@ from sim.loop.signals import Signals
 
 from . import filter as equations
 from .filter import ERRORS, ESTIMATED, NOMINAL, OUTPUTS, STATE
-from .sensor_errors import SensorErrors
+from .installation import Installation
+from .sensor_errors import SensorErrors, sensor_classes
 from .sensors import SensorReadings, Sensors
 
-# Initial standard deviations: position (m), velocity (m/s), roll, pitch, heading (rad).
+# Initial standard deviations: position (m, or that of a fix), velocity (m/s), roll, pitch, heading (rad).
 _FIRST = (0.1,) * 3 + (0.05,) * 3 + (radians(0.5), radians(0.5), radians(2.0))
 # Entries of the error that are world vectors, by their first index.
 _WORLD_VECTORS = (0, 3, ESTIMATED)
@@ -78,8 +79,9 @@ class Navigation:
         step: control period, s.
         gravity: gravity, m/s2.
         rng: random generator.
-        errors: sensor errors assumed by the filter.
+        errors: sensor errors assumed by the filter; those of the class `rtk` if None.
         true_errors: actual sensor errors; those assumed if None.
+        installation: errors of the airframe's sensors; none if None.
         signals: input truth, output estimate; its own if None.
         backend: numeric back-end.
 
@@ -97,14 +99,21 @@ class Navigation:
         rng: np.random.Generator,
         errors: SensorErrors | None = None,
         true_errors: SensorErrors | None = None,
+        installation: Installation | None = None,
         signals: Signals | None = None,
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
-        errors = errors or SensorErrors()
+        self._assumed = errors = errors or sensor_classes()["rtk"]
         self.signals = signals = signals or Signals()
         signals.truth[:] = signals.estimate[:] = truth
         sensors = Sensors(
-            true_errors or errors, step=step, gravity=gravity, rng=rng, signals=signals, backend=backend
+            true_errors or errors,
+            step=step,
+            gravity=gravity,
+            rng=rng,
+            installation=installation,
+            signals=signals,
+            backend=backend,
         )
         self.sensors: SensorReadings = sensors
         """Sensors of the filter; a wrapper with the same arrays may replace them."""
@@ -133,9 +142,10 @@ class Navigation:
 
     def _initialise(self, truth: Motion, errors: SensorErrors, rng: np.random.Generator) -> None:
         """Draws the initial estimate."""
-        sigmas = np.array([*_FIRST, *(drift.sigma for drift in errors.drifts)])
+        first = np.array([*(max(_FIRST[0], errors.position_sigma),) * 3, *_FIRST[3:]])
+        sigmas = np.array([*first, *(drift.sigma for drift in errors.believed_drifts)])
         exact = np.array(equations.initial_nominal_function()(ca.DM(list(truth)))).ravel()
-        error = np.concatenate([np.array(_FIRST) * rng.standard_normal(9), np.zeros(6)])
+        error = np.concatenate([first * rng.standard_normal(9), np.zeros(6)])
         self._state[:NOMINAL] = np.array(equations.injection_function()(exact, error)).ravel()
         self._covariance = np.diag(sigmas**2)
         self._state[-1] = truth.heading
@@ -196,9 +206,19 @@ class Navigation:
 
     def normalised_error(self, truth: Motion) -> float:
         """Returns the normalised squared error (NEES)."""
-        error = self.error(truth)
-        covariance = self._covariance[:ESTIMATED, :ESTIMATED]
+        error, covariance = self.error(truth), self._claimed_covariance()
         return float(error @ np.linalg.solve(covariance, error))
+
+    def normalised_position_error(self, truth: Motion) -> float:
+        """Returns the normalised squared error of the position alone."""
+        error, covariance = self.error(truth)[:3], self._claimed_covariance()[:3, :3]
+        return float(error @ np.linalg.solve(covariance, error))
+
+    def _claimed_covariance(self) -> Float[np.ndarray, "15 15"]:
+        """Returns the covariance of the vehicle's motion, not of its inertial unit's."""
+        covariance = self._covariance[:ESTIMATED, :ESTIMATED]
+        covariance[range(6, 9), range(6, 9)] += self._assumed.misalignment**2
+        return covariance
 
 
 @cache
@@ -206,10 +226,10 @@ def _functions(errors: SensorErrors, step: float, gravity: float) -> tuple[ca.Fu
     """Builds prediction, corrections and standard deviations of a filter."""
     age = errors.fix_latency * step
     return (
-        equations.prediction_function(step, gravity, errors.inertial_noise, errors.drifts),
+        equations.prediction_function(step, gravity, errors.inertial_noise, errors.believed_drifts),
         equations.fix_correction_function(errors.antenna, age, errors.fix_noise),
         equations.heading_height_correction_function(errors.heading_noise, errors.height_sigma),
-        equations.standard_deviation_function(),
+        equations.standard_deviation_function(errors.misalignment),
     )
 
 

@@ -1,11 +1,11 @@
 """Sensors: inertial unit, GPS with boom antenna, magnetometer and altimeter.
 
-Every reading is the truth with white noise and, for some, a Gauss-Markov error. The inertial unit gives the
-mean over a control period.
+Every reading is the truth with white noise and, for some, a Gauss-Markov error and errors of the
+installation. The inertial unit gives the mean over a control period.
 """
 
 from functools import cache
-from math import exp
+from math import exp, pi
 from typing import Protocol
 
 import casadi as ca
@@ -29,12 +29,16 @@ from .filter import (
     rotation_vector,
     world_velocity,
 )
+from .installation import SIZE, Installation
 from .sensor_errors import SensorErrors
 
 _MOTION, _DRIFTS, _WHITE_NOISES = len(Motion._fields), 10, 14
 # Stored motion of the previous period: velocity and attitude.
 _BEFORE = 7
-_NOISE, _STATE = _DRIFTS + _WHITE_NOISES, _BEFORE + _DRIFTS
+# The last entry of the state is the phase of the vibration.
+_NOISE, _STATE = _DRIFTS + _WHITE_NOISES, _BEFORE + _DRIFTS + 1
+# Phases of the vibration of the three axes, rad: a hub that shakes in a circle, and up and down.
+_PHASES = (0.0, pi / 2.0, pi / 4.0)
 
 
 Values = Float[np.ndarray, "n"]
@@ -65,13 +69,17 @@ def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Fun
     """Builds the sensor readings of a motion, without latency.
 
     Returns:
-        (motion now, noise, state) -> (inertial reading, antenna position and velocity, heading and height,
-        state). The noise drives the Gauss-Markov errors and adds white noise, in the units of the readings
-        except for the height; the state is velocity (world) and attitude quaternion of the previous period,
-        and the Gauss-Markov errors.
+        (motion now, noise, installation, state) -> (inertial reading, antenna position and velocity,
+        heading and height, state). The noise drives the Gauss-Markov errors and adds white noise, in the
+        units of the readings except for the height; the state is velocity (world) and attitude quaternion of
+        the previous period, the Gauss-Markov errors, and the phase of the vibration.
     """
     now, noise, state = ca.SX.sym("now", _MOTION), ca.SX.sym("noise", _NOISE), ca.SX.sym("state", _STATE)
-    velocity_before, first, drifts = ca.vertsplit(state, (0, 3, _BEFORE, _BEFORE + _DRIFTS))
+    built = ca.SX.sym("installation", SIZE)
+    scale, misalignment, deviation, arm, vibration, phase_step = ca.vertsplit(
+        built, (0, 3, 6, 10, 13, 14, 15)
+    )
+    velocity_before, first, drifts, phase = ca.vertsplit(state, (0, 3, _BEFORE, _STATE - 1, _STATE))
     keep = ca.DM([exp(-step / drift.time) for drift in errors.drifts])
     drifts, white = keep * drifts + noise[:_DRIFTS], noise[_DRIFTS:]
     velocity, last = world_velocity(now), euler_quaternion(now[6:9])
@@ -80,16 +88,20 @@ def sensor_function(errors: SensorErrors, step: float, gravity: float) -> ca.Fun
     middle = rotation(product(first, rotation_vector(rates * step / 2.0)))
     acceleration = (velocity - velocity_before) / step
     force = middle.T @ (acceleration - ca.DM([0, 0, gravity]))
-    turn, arm = rotation(last), ca.DM(errors.antenna)
+    seen = rotation(rotation_vector(misalignment)).T
+    phase = ca.remainder(phase + phase_step, 2.0 * pi)
+    shaken = seen @ force + vibration * ca.sin(phase + ca.DM(_PHASES))
+    turn = rotation(last)
     antenna = ca.vertcat(now[:3] + turn @ arm, velocity + turn @ ca.cross(now[9:12], arm))
-    heading, height = now[8] + (drifts[9] + white[12]), -now[2]
+    circle = ca.vertcat(ca.sin(now[8]), ca.cos(now[8]), ca.sin(2.0 * now[8]), ca.cos(2.0 * now[8]))
+    heading, height = now[8] + (drifts[9] + white[12] + ca.dot(deviation, circle)), -now[2]
     results = [
-        ca.vertcat(force, rates) + drifts[:6] + white[:6],
+        ca.vertcat(shaken, (1.0 + scale) * (seen @ rates)) + drifts[:6] + white[:6],
         antenna + white[6:12],
         ca.vertcat(heading, height + errors.height_sigma(height) * white[13]),
-        ca.vertcat(velocity, last, drifts),
+        ca.vertcat(velocity, last, drifts, phase),
     ]
-    return ca.Function("sense", [now, noise, state], ca.cse(results))
+    return ca.Function("sense", [now, noise, built, state], ca.cse(results))
 
 
 class Sensors:
@@ -100,6 +112,7 @@ class Sensors:
         step: control period, s.
         gravity: gravity, m/s2.
         rng: random generator.
+        installation: errors of the airframe's sensors; none but the antenna's place if None.
         signals: input truth, already set to the start.
         backend: numeric back-end.
 
@@ -118,6 +131,7 @@ class Sensors:
         step: float,
         gravity: float,
         rng: np.random.Generator,
+        installation: Installation | None = None,
         signals: Signals,
         backend: Backend = Backend.INTERPRETED,
     ) -> None:
@@ -126,15 +140,18 @@ class Sensors:
         keep = np.array([exp(-step / drift.time) for drift in errors.drifts])
         self._drive = sigma * np.sqrt(1.0 - keep**2)
         self._white = np.array([*errors.inertial_noise, *errors.fix_noise, errors.heading_noise, 1.0])
-        self._state = np.concatenate([np.zeros(_BEFORE), sigma * rng.standard_normal(_DRIFTS)])
-        self._drift = self._state[_BEFORE:]
+        drawn = sigma * rng.standard_normal(_DRIFTS)
+        self._state = np.concatenate([np.zeros(_BEFORE), drawn, [0.0]])
+        self._drift = self._state[_BEFORE:-1]
+        built = installation or Installation((0.0,) * 3, (0.0,) * 3, (0.0,) * 4, errors.antenna, 0.0, 0.0)
+        self._installation = built.values()
         self._remember()
         self.inertial, self.fix, self.heading_and_height = np.zeros(6), np.zeros(6), np.zeros(2)
         self.has_fix = self.has_heading_and_height = False
         antenna, noise = np.zeros(6), np.zeros(_NOISE)
         self._sense = Recursion(
             sensor_function(errors, step, gravity),
-            (signals.truth, noise, self._state),
+            (signals.truth, noise, self._installation, self._state),
             (self.inertial, antenna, self.heading_and_height),
             backend=backend,
         )

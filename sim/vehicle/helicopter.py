@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cache
 from itertools import chain
 from math import cos, isfinite, sin
 
@@ -11,7 +10,6 @@ import casadi as ca
 import mujoco
 import numpy as np
 
-import models
 from flight.errors import FlightLostError
 from flight.se2 import SE2
 from sim.loop.backend import Backend
@@ -20,9 +18,17 @@ from sim.loop.motion import Controls, Motion, Wind
 from sim.loop.signals import Signals
 
 from .equilibrium import Equilibrium
+from .mujoco_model import shared_model
 from .parameters import Parameters
-from .plant import ROTOR_STATES, delay_steps, observation_function, plant_function
+from .plant import (
+    ROTOR_STATES,
+    delay_steps,
+    drawn_plant_function,
+    observation_function,
+    plant_function,
+)
 from .rotor_step import AllServoDynamics, nominal_servo_dynamics
+from .uncertainty import DELAY, VARIED, value_of, with_values
 
 DEFAULT_STEP = 0.005
 # Height of the centre of mass above the skids, m.
@@ -63,6 +69,7 @@ class Helicopter:
         step: plant step, s.
         signals: inputs controls and wind, outputs truth and servos; its own if None.
         backend: numeric back-end.
+        nominal: vehicle around which this one was drawn; None for a vehicle of its own kind.
     """
 
     def __init__(
@@ -72,10 +79,11 @@ class Helicopter:
         step: float = DEFAULT_STEP,
         signals: Signals | None = None,
         backend: Backend = Backend.INTERPRETED,
+        nominal: Parameters | None = None,
     ) -> None:
         self.step_length = step
         self.signals = signals = signals or Signals()
-        self._model = _shared_model(parameters, step)
+        self._model = shared_model(parameters, step)
         self._data = data = mujoco.MjData(self._model)
         self._height, self._velocity = memoryview(data.qpos)[2:3], memoryview(data.qvel)
         self._warnings = memoryview(data.warning.number)[_DIVERGED]
@@ -87,12 +95,28 @@ class Helicopter:
         self.lacking = np.zeros(4)
         """Servo rate lost to faults in the last plant step, rad/s."""
         self._sound, self._backend = parameters, backend
-        self._plant = self._bind(plant_function(parameters, step), backend)
+        self._plant = self._sound_plant = self._bind_sound(nominal or parameters)
         self._observe = Recursion(
             observation_function(),
             (data.qpos, data.qvel, self._heading),
             (signals.truth,),
             backend=backend,
+        )
+
+    def _bind_sound(self, nominal: Parameters) -> Recursion:
+        """Binds the plant without faults; drawn vehicles share a function."""
+        sound, data, signals = self._sound, self._data, self.signals
+        if sound == nominal:
+            return self._bind(plant_function(sound, self.step_length), self._backend)
+        delay = self._delay * self.step_length
+        shared = drawn_plant_function(with_values(nominal, {DELAY: delay}), self.step_length)
+        # Bound by its memory, so kept alive here.
+        self._values = values = np.array([value_of(sound, name) for name in VARIED])
+        return Recursion(
+            shared,
+            (data.qpos, data.qvel, signals.controls, signals.wind, values, self._memory),
+            (data.xfrc_applied[_BODY], signals.servos),
+            backend=self._backend,
         )
 
     def _bind(self, plant: ca.Function, backend: Backend, *results: np.ndarray) -> Recursion:
@@ -112,7 +136,7 @@ class Helicopter:
         sound = parameters == self._sound and servo_dynamics == nominal_servo_dynamics(parameters.servos)
         self.lacking[:] = 0.0
         self._plant = (
-            self._bind(plant_function(parameters, self.step_length), self._backend)
+            self._sound_plant
             if sound
             # Same bits as machine code, without seconds of compilation.
             else self._bind(
@@ -247,36 +271,6 @@ def move_in_plane(state: HelicopterState, displacement: SE2) -> HelicopterState:
         heading=state.heading + turn,
         pending=state.pending,
     )
-
-
-def load_model(parameters: Parameters, step: float) -> mujoco.MjModel:
-    """Returns the MuJoCo model with the parameters' mass, inertia and gravity.
-
-    Args:
-        parameters: vehicle.
-        step: plant step, s.
-    """
-    spec = mujoco.MjSpec.from_file(str(models.FOLDER / "gtmax.xml"))
-    body, numbers = spec.body("helicopter"), parameters.body
-    body.mass = numbers.mass
-    # A half turn about the first axis changes the sign of the product of inertia.
-    body.fullinertia = [
-        numbers.inertia_xx,
-        numbers.inertia_yy,
-        numbers.inertia_zz,
-        0.0,
-        numbers.inertia_xz,
-        0.0,
-    ]
-    spec.option.timestep = step
-    spec.option.gravity = [0.0, 0.0, -parameters.environment.gravity]
-    return spec.compile()
-
-
-@cache
-def _shared_model(parameters: Parameters, step: float) -> mujoco.MjModel:
-    """Returns the model of a vehicle, shared and unchanged by flights."""
-    return load_model(parameters, step)
 
 
 def _flip(vector: Sequence[float]) -> tuple[float, float, float]:

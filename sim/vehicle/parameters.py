@@ -9,7 +9,7 @@ from pathlib import Path
 from pydantic import NonNegativeFloat, PositiveFloat
 
 import models
-from flight.file_value import FileValue, Share
+from flight.file_value import FileValue, Omittable, Share
 from flight.schema import check_schema_name, parse_json, refusing, toml_table
 
 SCHEMA = "maneuver-vehicle/1"
@@ -54,6 +54,7 @@ class MainRotor(FileValue):
     flap_back: Share
     drag_forward: PositiveFloat
     drag_side: PositiveFloat
+    hub_right: Omittable[float] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,7 +100,7 @@ class Airframe(FileValue):
 
 @dataclass(frozen=True, slots=True)
 class Servos(FileValue):
-    """Servos: bandwidth, travel, rates, transport delay; rad and s."""
+    """Servos: bandwidth, travel, rates, delay, rigging errors; rad and s."""
 
     bandwidth: PositiveFloat
     cyclic_limit: PositiveFloat
@@ -110,6 +111,10 @@ class Servos(FileValue):
     rate: PositiveFloat
     pedal_rate: PositiveFloat
     delay: NonNegativeFloat
+    rigging_lateral: Omittable[float] = 0.0
+    rigging_longitudinal: Omittable[float] = 0.0
+    rigging_collective: Omittable[float] = 0.0
+    rigging_pedal: Omittable[float] = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,6 +172,9 @@ def read_parameters(path: Path | None = None) -> Parameters:
     content = toml_table(path)
     with refusing(path):
         check_schema_name(str(content.pop("schema", SCHEMA)), SCHEMA)
+    # Read by `uncertainty` and by `sensor_errors`.
+    content.pop("uncertainty", None)
+    content.pop("sensors", None)
     return parse_json(json.dumps(content), path, Parameters)
 
 

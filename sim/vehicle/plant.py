@@ -4,7 +4,7 @@ MuJoCo's axes are z-up: its world is north-west-up, its body forward-left-up. A 
 converts either to the project's axes and back, so the last two components of vectors change sign.
 """
 
-from functools import cache
+from functools import cache, lru_cache
 from math import pi
 
 import casadi as ca
@@ -13,6 +13,7 @@ from . import rotor
 from .parameters import Parameters
 from .rotor import Air, RotorState
 from .rotor_step import AllServoDynamics, advance, follow_commands, nominal_servo_dynamics
+from .uncertainty import VARIED, with_values
 
 ROTOR_STATES = len(RotorState._fields)
 # Relaxed iterations a step, warm started; enough to follow any gust.
@@ -25,7 +26,8 @@ def delay_steps(parameters: Parameters, step: float) -> int:
     return round(parameters.servos.delay / step)
 
 
-@cache
+# Faults of drawn vehicles make a function each.
+@lru_cache(maxsize=64)
 def plant_function(
     parameters: Parameters, step: float, servo_dynamics: AllServoDynamics | None = None
 ) -> ca.Function:
@@ -41,9 +43,45 @@ def plant_function(
         through the coming step. The memory is the rotor state and the delayed servo commands, oldest first.
         With `servo_dynamics` also, before the memory, the servo rates lost against nominal servos, rad/s.
     """
-    position, velocity = ca.SX.sym("qpos", 7), ca.SX.sym("qvel", 6)
-    controls, wind = ca.SX.sym("controls", 4), ca.SX.sym("wind", 6)
+    inputs = _plant_inputs(parameters, step)
+    results = _step_plant(parameters, step, servo_dynamics, inputs)
+    return ca.Function("plant", inputs, ca.cse(results))
+
+
+@cache
+def drawn_plant_function(parameters: Parameters, step: float) -> ca.Function:
+    """Builds the plant step of every vehicle with one transport delay.
+
+    One function for all of them, so that no flight of a drawn vehicle waits for a compiler.
+
+    Args:
+        parameters: vehicle whose delay and unvaried parameters hold.
+        step: plant step, s.
+
+    Returns:
+        (qpos, qvel, controls, wind, values of `uncertainty.VARIED`, memory) -> as `plant_function`.
+    """
+    *inputs, memory = _plant_inputs(parameters, step)
+    values = ca.SX.sym("values", len(VARIED))
+    varied = with_values(parameters, dict(zip(VARIED, ca.vertsplit(values), strict=True)))
+    results = _step_plant(varied, step, None, [*inputs, memory])
+    return ca.Function("drawn_plant", [*inputs, values, memory], ca.cse(results))
+
+
+def _plant_inputs(parameters: Parameters, step: float) -> list[ca.SX]:
+    names = (("qpos", 7), ("qvel", 6), ("controls", 4), ("wind", 6))
     memory = ca.SX.sym("memory", ROTOR_STATES + 4 * delay_steps(parameters, step))
+    return [*(ca.SX.sym(name, size) for name, size in names), memory]
+
+
+def _step_plant(
+    parameters: Parameters,
+    step: float,
+    servo_dynamics: AllServoDynamics | None,
+    inputs: list[ca.SX],
+) -> list[ca.SX]:
+    """Returns wrench, servo positions, rates lost and memory."""
+    position, velocity, controls, wind, memory = inputs
     rotation = _rotation_world_body(position[3:7])
     air_velocity = rotation.T @ (_FLIP @ velocity[:3] - wind[:3])
     rates = _FLIP @ velocity[3:]
@@ -73,7 +111,7 @@ def plant_function(
             servos, before, command, step=step, servo_dynamics=nominal_servo_dynamics(servos)
         )
         results.insert(2, (ca.vertcat(*nominal[:4]) - after[:4]) / step)
-    return ca.Function("plant", [position, velocity, controls, wind, memory], ca.cse(results))
+    return results
 
 
 @cache

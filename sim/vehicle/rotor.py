@@ -5,7 +5,7 @@ Minimum-complexity rotor after Heffley and Mnich (NASA CR 177476) for thrust and
 with stabiliser bar after Mettler, Tischler and Kanade (2000). The main rotor turns clockwise seen from above.
 """
 
-from math import pi, sqrt
+from math import pi
 from typing import NamedTuple
 
 import casadi as ca
@@ -221,7 +221,7 @@ def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Lo
     power = thrust * (inflow - axial) + _profile_power(rotor, density, air.u**2 + air.v**2)
     # The in-plane wake drag is proportional to the inflow; it was identified in hover.
     weight = parameters.body.mass * parameters.environment.gravity
-    hover_inflow = sqrt(weight / (2.0 * density * pi)) / rotor.radius
+    hover_inflow = ca.sqrt(weight / (2.0 * density * pi)) / rotor.radius
     fading = parameters.body.mass * state.inflow / hover_inflow
     in_plane_x = -fading * rotor.drag_forward * air.u
     in_plane_y = -fading * rotor.drag_side * air.v
@@ -230,9 +230,9 @@ def _main_rotor_loads(parameters: Parameters, state: RotorState, air: Air) -> Lo
         -thrust * state.disc_back + in_plane_x, thrust * state.disc_right + in_plane_y, -thrust
     )
     moment = ca.vertcat(
-        stiffness * state.disc_right,
+        stiffness * state.disc_right - rotor.hub_right * thrust,
         stiffness * state.disc_back + rotor.hub_forward * thrust,
-        rotor.hub_forward * force[1] - power / rotor.speed,
+        rotor.hub_forward * force[1] - rotor.hub_right * force[0] - power / rotor.speed,
     )
     return Loads(force, moment, power)
 

@@ -68,7 +68,7 @@ def follow_commands(
 ) -> RotorState:
     """Steps first-order servos within their rates and travels.
 
-    The gyro is subtracted from the pedal command.
+    The gyro is subtracted from the pedal command; a rigging error adds to the blade pitch of a command.
     """
 
     def follow(drive: ServoDynamics, position: ca.SX, wanted: ca.SX, low: float, high: float) -> ca.SX:
@@ -79,8 +79,13 @@ def follow_commands(
     lateral, longitudinal, collective, pedal = servo_dynamics
     cyclic, up = servos.cyclic_limit, (servos.collective_low, servos.collective_high)
     return state._replace(
-        lateral=follow(lateral, state.lateral, command[0], -cyclic, cyclic),
-        longitudinal=follow(longitudinal, state.longitudinal, command[1], -cyclic, cyclic),
-        collective=follow(collective, state.collective, command[2], *up),
-        pedal=follow(pedal, state.pedal, command[3] - state.gyro, servos.pedal_low, servos.pedal_high),
+        lateral=follow(lateral, state.lateral, command[0] + servos.rigging_lateral, -cyclic, cyclic),
+        longitudinal=follow(
+            longitudinal, state.longitudinal, command[1] + servos.rigging_longitudinal, -cyclic, cyclic
+        ),
+        collective=follow(collective, state.collective, command[2] + servos.rigging_collective, *up),
+        pedal=follow(
+            *(pedal, state.pedal, command[3] - state.gyro + servos.rigging_pedal),
+            *(servos.pedal_low, servos.pedal_high),
+        ),
     )

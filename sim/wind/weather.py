@@ -6,7 +6,8 @@ from sim.loop.specification import CONTROL_PERIOD, WIND_FADE_TIME, FlightSpecifi
 from sim.loop.streams import Stream, random_stream
 from sim.vehicle.parameters import Parameters
 
-from .wind import DrydenWind, wind_class
+from .wind import DrydenWind
+from .wind_class import wind_class
 
 
 class Weather:

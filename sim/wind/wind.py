@@ -1,74 +1,20 @@
-"""Wind classes, and mean wind with turbulence at the vehicle.
+"""Mean wind with turbulence at the vehicle, period by period."""
 
-Turbulence axes are fixed to the world: x into the wind (the direction of flight through the air in hover), y
-to the right of it, z down.
-"""
-
-from dataclasses import dataclass
 from math import cos, pi, sin
 
 import numpy as np
 
-from flight.errors import FlightError
-from flight.units import FOOT
 from sim.loop.backend import Backend
 from sim.loop.bound_function import Recursion
 from sim.loop.motion import Motion, Wind
 from sim.loop.noise import Noise
 from sim.loop.signals import Signals
 
-from .dryden import draw_turbulence, dryden, wind_function
+from .dryden import MeanWind, Turbulence, draw_turbulence, dryden, wind_function
+from .wind_class import WindClass
 
-_KNOT = 1852.0 / 3600.0
-
-
-@dataclass(frozen=True, slots=True)
-class WindClass:
-    """Wind class: turbulence and mean wind.
-
-    Attributes:
-        name: name in missions, sequences and libraries.
-        wind_at_20_ft: wind at 20 ft, the standard's measure of turbulence, m/s.
-        mean_wind: mean wind at the flight's height, m/s.
-    """
-
-    name: str
-    wind_at_20_ft: float
-    mean_wind: float
-
-
-# Turbulence depends on the wind at 20 ft: 15, 30, 45 kt are light, moderate, severe. The mean wind is chosen
-# as a third of it: at 30 m over open ground it would be 1.3 times, and a vehicle at ground speeds of 1 and
-# 3 m/s would mostly fly sideways through the air. `gtmax` corresponds to the thesis's Table 9.
-WIND_CLASSES = {
-    wind.name: wind
-    for wind in (
-        WindClass("calm", 0.0, 0.0),
-        WindClass("gtmax", 20.0 * FOOT, 20.0 * FOOT / 3.0),
-        WindClass("light", 15.0 * _KNOT, 5.0 * _KNOT),
-        WindClass("moderate", 30.0 * _KNOT, 10.0 * _KNOT),
-        WindClass("severe", 45.0 * _KNOT, 15.0 * _KNOT),
-    )
-}
-
-
-class UnknownWindError(FlightError):
-    """Name of a wind class that does not exist."""
-
-    def __init__(self, name: str) -> None:
-        super().__init__(f"no wind class {name!r}; there are {list(WIND_CLASSES)}")
-
-
-def wind_class(name: str) -> WindClass:
-    """Returns a wind class by name.
-
-    Raises:
-        UnknownWindError: it does not exist.
-    """
-    try:
-        return WIND_CLASSES[name]
-    except KeyError:
-        raise UnknownWindError(name) from None
+# Direction of the gusts' axes in the memory.
+_AXES = slice(Turbulence._fields.index("axis_north"), None)
 
 
 class DrydenWind:
@@ -76,7 +22,7 @@ class DrydenWind:
 
     Args:
         wind: wind class.
-        height: height above ground, m.
+        height: height above ground at the start, and in `step`, m.
         span: span of the vehicle, m.
         direction: direction of origin of the mean wind, rad clockwise from north; random if None.
         step: period, s.
@@ -101,13 +47,13 @@ class DrydenWind:
         model = dryden(wind.wind_at_20_ft, height=height, span=span)
         drawn = float(rng.uniform(-pi, pi))
         self._direction = drawn if direction is None else direction
-        self._speed = wind.mean_wind
+        self._height, self._wind_at_20_ft = height, wind.wind_at_20_ft
         self._still = wind.wind_at_20_ft == 0.0
-        self._mean, noise = np.zeros(4), np.zeros(6)
-        memory = draw_turbulence(model, rng.standard_normal(6).tolist())
+        self._mean, noise = np.zeros(len(MeanWind._fields)), np.zeros(6)
+        self._memory = draw_turbulence(model, rng.standard_normal(6).tolist(), direction=self._direction)
         self._gusts = Recursion(
-            wind_function(model, step),
-            (signals.truth, noise, self._mean, memory),
+            wind_function(span, step),
+            (signals.truth, noise, self._mean, self._memory),
             (signals.wind,),
             backend=backend,
         )
@@ -122,13 +68,16 @@ class DrydenWind:
     def rotate_world(self, angle: float) -> None:
         """Applies a rotation of the world about the vertical, in rad."""
         self._direction += angle
-        c, s = cos(self._direction), sin(self._direction)
-        self._mean[:] = (-c * self._speed, -s * self._speed, c, s)
+        self._mean[:] = (self._wind_at_20_ft, cos(self._direction), sin(self._direction))
+        if angle:
+            c, s = cos(angle), sin(angle)
+            north, east = self._memory[_AXES].tolist()
+            self._memory[_AXES] = (c * north - s * east, s * north + c * east)
 
     def run(self) -> None:
         """Advances the air by one period."""
         if self._still:
-            self.signals.wind[:] = (*self._mean[:2], 0.0, 0.0, 0.0, 0.0)
+            self.signals.wind[:] = 0.0
             return
         self._noise.next()
         self._gusts.step()
@@ -141,6 +90,6 @@ class DrydenWind:
             velocity_east: east velocity of the vehicle over the ground, m/s.
         """
         truth = Motion._make([0.0] * len(Motion._fields))
-        self.signals.truth[:] = truth._replace(forward=velocity_north, side=velocity_east)
+        self.signals.truth[:] = truth._replace(down=-self._height, forward=velocity_north, side=velocity_east)
         self.run()
         return Wind._make(self.signals.wind.tolist())

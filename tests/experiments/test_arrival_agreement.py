@@ -1,4 +1,4 @@
-"""Tests that flight, log, review, page and folder index give one arrival verdict."""
+"""Equality of the arrival in flight, log, review, page and index."""
 
 from dataclasses import replace
 from math import pi

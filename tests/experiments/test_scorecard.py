@@ -129,7 +129,7 @@ def test_the_time_bound_is_stored_with_the_plan(tmp_path: Path, capsys: pytest.C
     # The loop aims inside the tolerance and has planning latency, so the bound is a little longer.
     assert made.factor * plan.cost < bound.time < made.factor * (plan.cost + 1.0)
     output = capsys.readouterr().out.replace("\n", " ")
-    assert f"90% of flights finish within {bound.time:.1f} s" in output
+    assert f"90 % of flights finish within {bound.time:.1f} s" in output
     # There is no bound for the nominal policy.
     assert run(("plan", "gtmax-2", "--library", str(library), "--policy", "nominal")) == 0
     assert "of flights are there" not in capsys.readouterr().out

@@ -47,7 +47,7 @@ def test_a_library_states_its_conditions_and_its_provenance() -> None:
             parse_library(json.dumps(content | {"conditions": conditions}), "text")
 
 
-def test_null_says_the_same_as_nothing() -> None:
+def test_null_equals_a_missing_key() -> None:
     content = json.loads(library_text(LIBRARY))
     content["trims"][0] |= {"averaged": None, "statistics": None}
     content["maneuvers"][0] |= {"notes": None, "interpolated": None}

@@ -132,10 +132,10 @@ def _no_band(content: dict[str, Any]) -> None:
         (_infinite_error, r"maneuvers\[2\].error.side: .*finite"),
         (_missing_part, r"maneuvers\[1\].displacement: is missing"),
         (_unknown_part, r"trims\[0\].colour: Extra inputs are not permitted"),
-        (_newer, r"this program reads maneuver-library/1, the file is maneuver-library/2"),
+        (_newer, r"expected maneuver-library/1, got maneuver-library/2"),
         (_no_trims, r"trims: .*at least 1"),
         (_number_as_text, r"maneuvers\[0\].duration: .*valid number"),
-        (_no_band, r"conditions.maneuver_end.band: one band for each of the trims"),
+        (_no_band, r"conditions.maneuver_end.band: expected one for each of the trims"),
     ],
 )
 def test_a_library_that_contradicts_itself_is_refused_in_one_line(

@@ -64,7 +64,7 @@ def test_the_rate_of_the_samples_does_not_move_the_end() -> None:
 
 
 def test_a_rule_that_nothing_can_meet_is_refused() -> None:
-    with pytest.raises(ValueError, match="positive half widths"):
+    with pytest.raises(ValueError, match="half widths of a band must be > 0"):
         Band(0.0, 1.0, 1.0)
     with pytest.raises(ValueError, match="dwell < timeout"):
         ManeuverEnd({}, dwell=2.0, timeout=1.0)

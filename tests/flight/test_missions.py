@@ -109,7 +109,7 @@ def test_a_sequence_has_a_coasting_time_for_each_trim(tmp_path: Path) -> None:
 def test_a_heading_is_wanted_to_within_a_tolerance(tmp_path: Path) -> None:
     path = tmp_path / "heading.toml"
     path.write_text(MISSION.replace("[planner]", "heading = 1.0\n[planner]"))
-    with pytest.raises(BadFileError, match="heading and heading_tolerance go together"):
+    with pytest.raises(BadFileError, match="heading and heading_tolerance: expected both or none, got one"):
         read_mission(path)
     path.write_text(MISSION.replace("[planner]", "heading = 1.0\nheading_tolerance = 0.2\n[planner]"))
     assert (read_mission(path).goal_heading, read_mission(path).heading_tolerance) == (1.0, 0.2)

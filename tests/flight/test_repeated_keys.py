@@ -31,12 +31,12 @@ def test_a_library_with_two_durations_of_one_maneuver_is_refused(tmp_path: Path)
         read_library(path)
 
 
-def test_a_file_of_another_kind_is_told_from_a_newer_one(tmp_path: Path) -> None:
+def test_a_file_of_another_kind_is_distinguished_from_a_newer_version(tmp_path: Path) -> None:
     path = tmp_path / "library.json"
     path.write_text(library_text(synthetic_library()))
     with pytest.raises(
         BadFileError,
-        match=r"this program reads maneuver-plan/2 and maneuver-plan/1, the file is maneuver-library/1$",
+        match=r"expected maneuver-plan/2 or maneuver-plan/1, got maneuver-library/1$",
     ):
         read_plan(path)
     path.write_text("{}")

@@ -148,7 +148,7 @@ def test_where_there_is_nothing_to_save_nothing_is_written(
     damaged, out = tmp_path / "rubbish.mcap", tmp_path / "out.mcap"
     damaged.write_bytes(rubbish)
     assert run(["recover", str(damaged), "--out", str(out)]) == 1
-    assert "nothing to save" in capsys.readouterr().out
+    assert "nothing to recover" in capsys.readouterr().out
     assert not out.exists()
 
 

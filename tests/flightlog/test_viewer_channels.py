@@ -154,7 +154,7 @@ def test_events_tell_primitives_plannings_and_the_end(flight: FlightLog) -> None
     assert sum(source == "primitive" for _, source, _ in events) == 2 * len(WALK) - 1
 
 
-def test_a_broken_attachment_is_told_as_an_event_and_the_rest_is_drawn(flight: FlightLog) -> None:
+def test_a_broken_attachment_is_an_event_and_the_rest_is_drawn(flight: FlightLog) -> None:
     broken = replace(flight, attachments={**flight.attachments, PLANS_ATTACHMENT: b"[{]"})
     errors = [event.text for event in flight_events(broken) if event.level is Level.ERROR]
     assert errors == [text for text in errors if text.startswith("plans.json: is not JSON")]

@@ -1,4 +1,4 @@
-"""Bounds against laws whose coverage is known exactly: 95 % with 95 % confidence is what it says."""
+"""Coverage of bounds of known distributions: 95 % with 95 % confidence."""
 
 from itertools import islice
 from statistics import median

@@ -23,7 +23,8 @@ from identification.statistics.coverage import joint_coverage
 from scenarios.find import find_campaign
 from sim.campaign_flight import fly_specification
 from sim.loop.streams import Stream, random_stream
-from sim.wind.wind import DrydenWind, wind_class
+from sim.wind.wind import DrydenWind
+from sim.wind.wind_class import wind_class
 
 CAMPAIGN = find_campaign("gtmax")
 LIBRARY = campaign_library(CAMPAIGN, "gtmax")

@@ -166,7 +166,7 @@ def test_flights_that_gave_the_bounds_cannot_test_them(library: Library) -> None
 
 
 def test_a_library_from_a_book_claims_nothing(new: list[FlightEvidence]) -> None:
-    with pytest.raises(NoClaimError, match="no primitive has statistics"):
+    with pytest.raises(NoClaimError, match="expected primitives with statistics to test, got none"):
         coverage_trials(LIBRARY, new)
 
 
@@ -283,4 +283,4 @@ def test_the_command_tests_a_library_with_logs(
     assert run(("library", "test", str(path), "--logs", str(folders[0]))) == 2
     capsys.readouterr()
     assert run(("library", "test", "thesis-gtmax")) == 2
-    assert "thesis-gtmax: expected statistics to test" in capsys.readouterr().err
+    assert "thesis-gtmax: expected primitives with statistics" in capsys.readouterr().err

@@ -63,7 +63,7 @@ def test_a_maneuver_flown_twice_in_a_flight_is_one_sample() -> None:
             for seed, tour in enumerate(plan)
         ]
     )
-    assert {claim.samples for claim in claims(identify(flights, name="lacking"))} == {5}
+    assert {claim.samples for claim in claim_statistics(identify(flights, name="lacking"))} == {5}
 
 
 def test_bounds_contain_every_observation(logs: list[FlightLog], identified: Library) -> None:
@@ -154,13 +154,13 @@ def test_a_lost_flight_weakens_every_claim() -> None:
     lost = FlightLog(replace(logs[3].header, outcome="flight lost"), logs[3].series, logs[3].attachments)
     result = identify(gathered([*logs[:3], lost, *logs[4:]]), name="lost")
     assert result.provenance["lost"] == [logs[3].header.seed]
-    for statistics in claims(result):
+    for statistics in claim_statistics(result):
         assert (statistics.samples, statistics.discarded) == (12, 1)
         whole = joint_coverage(12, support=statistics.support or 0, confidence=0.95)
         assert statistics.coverage < whole
 
 
-def claims(library: Library) -> list[Statistics]:
+def claim_statistics(library: Library) -> list[Statistics]:
     found = [trim.statistics for trim in library.trims]
     found += [row.statistics for row in library.maneuvers]
     return [entry for entry in found if entry is not None]

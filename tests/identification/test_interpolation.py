@@ -129,7 +129,7 @@ def test_a_library_without_evidence_is_not_interpolated() -> None:
         )
 
 
-def left_out(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
+def removed_errors(points: Table, values: Column, rows: list[int], smoothing: float) -> Column:
     """Returns value minus prediction of scipy's spline fitted without the rows."""
     rest = [place for place in range(len(points)) if place not in rows]
     without = RBFInterpolator(points[rest], values[rest], kernel="linear", degree=1, smoothing=smoothing)
@@ -146,10 +146,10 @@ def test_the_spline_is_scipys_and_its_left_out_errors_are_true(seed: int, dimens
     smooth = spline.smoothing
     again = RBFInterpolator(points, values, kernel="linear", degree=1, smoothing=smooth)
     assert spline.at(at) == pytest.approx(again(at), abs=1e-8)
-    assert spline.left_out[3] == pytest.approx(left_out(points, values, [3], smooth)[0], abs=1e-8)
+    assert spline.left_out[3] == pytest.approx(removed_errors(points, values, [3], smooth)[0], abs=1e-8)
     groups = [sorted({place, (place + 1) % 25, (7 * place) % 25}) for place in range(25)]
     spline = Spline.fit(points, values, groups=groups)
-    errors = left_out(points, values, groups[4], spline.smoothing)
+    errors = removed_errors(points, values, groups[4], spline.smoothing)
     assert spline.left_out[4] == pytest.approx(errors[groups[4].index(4)], abs=1e-8)
 
 

@@ -86,11 +86,11 @@ def scattering(
     automaton = turns_automaton(wind="calm", altitude=30.0)
     rule = automaton.conditions.maneuver_end
     assert rule is not None
-    left = {trim.id: tail(rng) for trim in automaton.trims}
+    left = {trim.id: random_transient(rng) for trim in automaton.trims}
     flown = [flown_trim(trim, left[trim.id], rng) for trim in automaton.trims]
     new, _ = interpolate_trims(flown, rule, speed_step=4 * FOOT, yaw_rate_step=0.1)
     wanted = [*flown, *new]
-    longer = {trim.id: 1.5 * left.get(trim.id, tail(rng)) for trim in wanted}
+    longer = {trim.id: 1.5 * left.get(trim.id, random_transient(rng)) for trim in wanted}
     scatter = trim_scatter(
         flown,
         wanted,
@@ -102,7 +102,7 @@ def scattering(
     return wanted, scatter, longer
 
 
-def tail(rng: np.random.Generator) -> np.ndarray:
+def random_transient(rng: np.random.Generator) -> np.ndarray:
     return np.asarray(SCALES * (rng.uniform(0, 5), 0.0, rng.uniform(0, 5)))
 
 
@@ -270,11 +270,11 @@ def test_the_command_tests_an_interpolated_library_with_logs(
     path = tmp_path / "grown.json"
     path.write_text(library_text(library))
     assert run(("library", "test", str(path), "--flights", "13")) == 2
-    assert "the claim of grown is for 12 flights each, got 13" in capsys.readouterr().err
+    assert "expected at most 12, the number in the claim of grown, got 13" in capsys.readouterr().err
     assert run(("library", "test", str(path), "--logs", str(tmp_path), "--json")) == 0
     document = json.loads(capsys.readouterr().out)
     assert document["refuted"] is False
-    assert {trial["kind"] for trial in document["grown"]} == {"trim", "maneuver"}
+    assert {trial["kind"] for trial in document["interpolated"]} == {"trim", "maneuver"}
     content = json.loads(path.read_text())
     for row in content["maneuvers"]:
         row["displacement"]["forward"] += 2 * abs(row["error"]["forward"])

@@ -71,7 +71,7 @@ def test_every_automaton_that_hangs_together_has_a_tour_of_all_its_edges(trims: 
     assert len(toured) - len(edges) >= sum(count for count in surplus.values() if count > 0)
 
 
-def test_entry_headings_and_coasting_times_are_spread_evenly() -> None:
+def test_entry_headings_and_coasting_times_are_evenly_distributed() -> None:
     drawn = tours(300)
     headings = [tour.start.heading for tour in drawn]
     times = [time for tour in drawn for time in tour.coasting_times]

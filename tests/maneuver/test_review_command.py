@@ -56,7 +56,9 @@ def test_the_command_prints_one_document_and_overwrites_nothing(
     assert "give --force" in refusal.err
 
 
-def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_the_paths_of_its_pictures(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
     log = tmp_path / "flight.mcap"
     flight = bound_for(synthetic_log(LIBRARY, (1, 2), (2.0, 2.0), seed=1), (90.0, 0.0), 1.0)
     write_log(with_added_offset(flight, TRUTH, "forward", 1.0), log)
@@ -64,7 +66,7 @@ def test_the_command_says_where_to_look(tmp_path: Path, capsys: pytest.CaptureFi
     said = capsys.readouterr().out
     assert "not reached" in said
     assert "2 of 2 coasts" in said
-    assert f"Look at {tmp_path / 'pictures' / 'flight.png'}" in said.replace("\n", "")
+    assert f"files  {tmp_path / 'pictures' / 'flight.png'}" in said.replace("\n", "")
 
 
 def test_a_truncated_log_is_refused_in_one_line(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -16,7 +16,7 @@ from sim.vehicle.parameters import read_parameters
 PARAMETERS = read_parameters()
 
 
-def test_the_vehicle_holds_every_bar() -> None:
+def test_the_vehicle_is_inside_every_limit() -> None:
     assert [figure for figure in check_vehicle(PARAMETERS) if not figure.passed] == []
 
 
@@ -34,13 +34,13 @@ def test_a_figure_without_a_number_never_holds() -> None:
     assert CheckResult("trim", "slow mode", 0.3, "1/s").passed
 
 
-def test_the_command_says_each_figure_with_its_bar(capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_command_prints_each_check_with_its_limit(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(("verify", "--topics", "modes", "trim", "--json")) == 0
     figures = json.loads(capsys.readouterr().out)["figures"]
     assert {figure["topic"] for figure in figures} == {"modes", "trim"}
     assert all(figure["holds"] for figure in figures)
     assert run(("verify", "--topics", "modes")) == 0
-    assert "0 missed their bar" in capsys.readouterr().out
+    assert "0 outside the limit" in capsys.readouterr().out
 
 
 def test_the_ground_carries_a_part_of_the_rotor() -> None:
@@ -62,5 +62,5 @@ def test_the_spectra_are_drawn(tmp_path: Path) -> None:
 def test_a_topic_that_is_not_there_is_refused_by_name(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["verify", "--topics", "trim", "wnd"]) == 2
     said = capsys.readouterr().err
-    assert "no topic wnd; there are trim, power" in said
+    assert "no topic wnd; the topics are trim, power" in said
     assert said.count("\n") == 1

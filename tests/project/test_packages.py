@@ -1,4 +1,4 @@
-"""The list of packages: it stands in pyproject once, and its copies are the same."""
+"""Tests of the list of packages in pyproject and its copies."""
 
 import re
 from collections import Counter
@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from runtime.version import VERSION
 from tests.support.packages import PYPROJECT, ROOT, SHIPPED, UNSHIPPED
 
 TOOLS = PYPROJECT["tool"]
@@ -35,13 +36,27 @@ def test_every_copy_of_the_list_is_the_same(copy: list[str], expected: list[str]
     assert sorted(copy) == sorted(expected)
 
 
-def test_every_package_of_the_wheel_says_that_it_has_types() -> None:
+def test_every_package_of_the_wheel_has_a_type_marker() -> None:
     assert [name for name in SHIPPED if not (ROOT / name / "py.typed").is_file()] == []
+
+
+def test_the_citation_is_of_this_version_and_the_changelog_dates_it() -> None:
+    citation = (ROOT / "CITATION.cff").read_text(encoding="utf-8")
+    assert re.findall(r"^version: (.+)$", citation, flags=re.MULTILINE) == [VERSION]
+    changelog = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert re.search(rf"^## {re.escape(VERSION)} \(\d{{4}}-\d\d-\d\d\)$", changelog, flags=re.MULTILINE)
 
 
 def test_no_folder_of_tests_holds_more_than_seventeen_files() -> None:
     files = chain.from_iterable((ROOT / "tests").rglob(pattern) for pattern in ("*.py", "*.gz", "golden/*"))
     assert max(Counter(path.parent for path in set(files)).values()) <= 17
+
+
+def test_every_marker_is_used() -> None:
+    tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
+    markers = [line.split(":")[0] for line in TOOLS["pytest"]["ini_options"]["markers"]]
+    assert len(markers) == 4
+    assert [name for name in markers if f"pytest.mark.{name}\n" not in tests] == []
 
 
 def test_no_test_imports_another() -> None:

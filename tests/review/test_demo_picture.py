@@ -1,4 +1,4 @@
-"""The whole way in one picture: plans with their tracks, flights by what became of them."""
+"""Demo picture: plans with their tracks, flights by outcome."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -82,15 +82,15 @@ def test_the_whole_way_is_drawn_with_and_without_a_plan(tmp_path: Path) -> None:
     legends = [axes.get_legend() for axes in (without, planned)]
     assert [legend and legend.get_title().get_text().split("\n")[0] for legend in legends] == [
         "no plan: infeasible",
-        "predicted 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1",
+        "planned 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1",
     ]
 
 
-def test_the_caption_states_the_predicted_time_and_the_results() -> None:
+def test_the_caption_states_the_planned_time_and_the_results() -> None:
     plan = plan_at(0.0, -1.0)
     assert outcome_caption(plan, [FLIGHT], [None]).endswith("goal reached in 0 of 1 flight")
-    predicted, results = outcome_caption(plan, [FLIGHT, FLIGHT], [17.3, None]).split("\n")
-    assert predicted == "predicted 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1"
+    planned, results = outcome_caption(plan, [FLIGHT, FLIGHT], [17.3, None]).split("\n")
+    assert planned == "planned 21.0 s, maximum over gamma 0 and \N{PLUS-MINUS SIGN}1"
     assert results == "goal reached in 1 of 2 flights, in 17.3 s"
     nothing = replace(plan, status="unknown", scenarios=(), reason="no coasting times were found")
     assert outcome_caption(nothing, [], []) == "no plan: unknown\nno coasting times were found"

@@ -196,7 +196,7 @@ def test_without_opengl_there_is_one_line_and_no_flight(
             ["--sequence", "figure-eight", "--video", "eight.avi"],
             "ends with .mp4, got eight.avi",
         ),
-        (["--campaign", "gtmax", "--video", "all.mp4"], "--video belongs to one flight"),
+        (["--campaign", "gtmax", "--video", "all.mp4"], "--video: expected --sequence or --mission"),
     ],
 )
 def test_films_that_cannot_be_are_refused_before_flying(

@@ -1,4 +1,4 @@
-"""Pictures of a library: every trim, maneuver and error of it is there to be seen."""
+"""Pictures of a library: every trim, maneuver and error."""
 
 from dataclasses import replace
 from pathlib import Path

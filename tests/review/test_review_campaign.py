@@ -138,8 +138,8 @@ def test_a_comparison_leaves_out_values_that_no_flight_has() -> None:
 @pytest.mark.parametrize(
     ("order", "words"),
     [
-        (["--png"], "draw a single log"),
-        (["--out", "there"], "give one of them"),
+        (["--png"], "expected a single log, got several"),
+        (["--out", "there"], "expected --html or --png, got neither"),
         (["x.mcap"], "expected logs or one folder"),
     ],
 )
@@ -154,4 +154,4 @@ def test_invalid_options_are_refused_in_one_line(
 
 def test_a_folder_without_logs_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["review", str(tmp_path)]) == 2
-    assert "found none" in capsys.readouterr().err
+    assert "expected flight logs (*.mcap), got none" in capsys.readouterr().err

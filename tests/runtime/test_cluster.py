@@ -74,7 +74,7 @@ def test_without_the_extra_a_cluster_is_refused_by_name(monkeypatch: pytest.Monk
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--shared-folder"], "--shared-folder is for a cluster"),
+        (["--shared-folder"], "--shared-folder: expected --cluster, got none"),
         (["--cluster", "tcp://127.0.0.1:1", "--workers", "2"], "a cluster has its own"),
     ],
 )

@@ -27,7 +27,7 @@ def hangup_signal() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("stop", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
-def test_a_campaign_stopped_by_a_signal_says_so_and_resumes(tmp_path: Path, stop: signal.Signals) -> None:
+def test_a_campaign_stopped_by_a_signal_reports_it_and_resumes(tmp_path: Path, stop: signal.Signals) -> None:
     campaign = write_small_campaign(tmp_path, flights=12)
     words = ["fly", "--campaign", str(campaign), "--out", str(tmp_path / "flights"), "--workers", "2"]
     command = [sys.executable, "-m", "maneuver", *words]
@@ -66,7 +66,7 @@ def alive(process: int) -> bool:
         return False
 
 
-def test_status_says_what_is_there_and_flies_nothing(
+def test_status_lists_the_stored_flights_and_flies_nothing(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     campaign = write_small_campaign(tmp_path, flights=2)
@@ -74,7 +74,7 @@ def test_status_says_what_is_there_and_flies_nothing(
     fly = ["fly", *words, "--out", str(tmp_path / "flights")]
     assert run([*fly, "--status", "--json"]) == 1
     status = json.loads(capsys.readouterr().out)
-    assert (status["flights"], status["whole"], status["missing"]) == (
+    assert (status["flights"], status["complete"], status["missing"]) == (
         2,
         [],
         ["small-0000.mcap", "small-0001.mcap"],
@@ -115,7 +115,7 @@ def test_a_regeneration_that_was_finished_is_known_again_and_another_is_not(
     assert (out.read_bytes(), out.with_suffix(".md").read_bytes()) == (made, sheet)
 
 
-def test_the_status_of_a_validation_says_what_is_missing(
+def test_the_status_of_a_validation_lists_the_missing_flights(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     words = ["validate", "--missions", "gtmax-2", "--plant", "automaton", "--true-gamma", "minus", "plus"]
@@ -139,7 +139,7 @@ def test_the_status_of_a_validation_says_what_is_missing(
         (["regenerate"], True),
     ],
 )
-def test_only_a_command_that_resumes_says_so(
+def test_only_a_resumable_command_reports_that_it_resumes(
     words: list[str], resumes: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     def stop(**_: object) -> None:

@@ -68,7 +68,7 @@ def test_a_flight_has_the_same_bits_interpreted_and_compiled(ideal: bool) -> Non
     assert compiled.header.backend.endswith("compiled")
 
 
-def test_a_fingerprint_sees_every_other_change() -> None:
+def test_a_fingerprint_depends_on_every_other_change() -> None:
     log = fly(Backend.INTERPRETED, ideal=True)
     truth = log.series["/truth"]
     moved = truth.values.copy()

@@ -206,7 +206,7 @@ def test_without_a_hover_rest_is_the_slowest_straight_trim() -> None:
     assert safe_stop_path(thesis_kinematic(), 1) == ()
 
 
-def test_every_plan_says_how_it_comes_to_rest() -> None:
+def test_every_plan_has_a_safe_stop_path() -> None:
     plan = nominal_planner(LIBRARY).plan(shipped("gtmax-2"))
     assert plan.tail[-1] == 1
     LIBRARY.maneuvers_along((plan.sequence[-1], *plan.tail))

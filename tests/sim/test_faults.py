@@ -251,7 +251,7 @@ def test_words_come_back(kind: str) -> None:
     [
         ("", "no place ''; faults have \\['gyro'"),
         ("rudder jam 1 2", "no place 'rudder'"),
-        ("gps jam 1 2", "no 'jam' of gps; it knows \\['dropout', 'stuck', 'bias', 'delay'\\]"),
+        ("gps jam 1 2", "no 'jam' of gps; expected one of \\['dropout', 'stuck', 'bias', 'delay'\\]"),
         ("gps dropout", "expected 'gps dropout START DURATION' with numbers, got ''"),
         ("gps dropout one 2", "with numbers, got 'one 2'"),
         ("gps dropout 1 nan", "finite numbers"),
@@ -268,11 +268,11 @@ def test_words_that_are_no_fault_are_refused(words: str, message: str) -> None:
 
 
 def test_ideal_sensors_cannot_fail() -> None:
-    with pytest.raises(NoSensorsError, match="'gps dropout 1 2' needs sensors"):
+    with pytest.raises(NoSensorsError, match="'gps dropout 1 2': expected sensor models"):
         fly("gps dropout 1 2", ideal=True)
     plain = FlightSpecification(seed=1, start_trim=1, ideal_navigation=True).to_json().decode()
     fault = parse_fault("gps stuck 1 2").model_dump_json()
-    with pytest.raises(FlightError, match="needs sensors"):
+    with pytest.raises(FlightError, match="expected sensor models"):
         parse_specification(plain.replace('"faults": []', f'"faults": [{fault}]').encode(), "test")
 
 
@@ -291,4 +291,4 @@ def test_the_command_flies_with_faults(tmp_path: Path, capsys: pytest.CaptureFix
     assert run((*arguments, "--force", "--fault", "gps drop 5 2")) == 2
     assert capsys.readouterr().err.strip().count("\n") == 0
     assert run((*arguments, "--force", "--ideal-sensors", "--fault", "gps dropout 5 2")) == 2
-    assert "needs sensors" in capsys.readouterr().err
+    assert "expected sensor models" in capsys.readouterr().err

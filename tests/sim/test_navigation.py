@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from concurrent.futures import Executor
+from dataclasses import replace
 
 import casadi as ca
 import numpy as np
@@ -17,16 +18,23 @@ from sim.checks.navigation_check import (
     FilterErrors,
     check_filter_consistency,
     check_gps_outages,
-    check_navigation,
     fly_gps_outages,
+    fly_random_walks,
 )
 from sim.faults.sensor_faults import FaultySensors
 from sim.loop.motion import Motion
 from sim.loop.signals import Signals
 from sim.navigation import filter as equations
 from sim.navigation.filter import ESTIMATED
+from sim.navigation.installation import Installation
 from sim.navigation.navigation import IdealNavigation, Navigation
-from sim.navigation.sensor_errors import GaussMarkovError, SensorErrors
+from sim.navigation.sensor_errors import (
+    GaussMarkovError,
+    SensorErrors,
+    UnknownSensorsError,
+    sensor_classes,
+    sensor_errors,
+)
 from sim.vehicle.parameters import read_parameters
 
 PARAMETERS = read_parameters()
@@ -60,30 +68,80 @@ def pool() -> Iterator[Executor]:
         yield executor
 
 
-def test_the_filter_is_consistent_over_fifty_different_flights_and_survives_losing_its_gps(
-    pool: Executor,
-) -> None:
-    figures = list(check_navigation(LIBRARY, executor=pool))
-    assert len(figures) == 7
+@pytest.mark.parametrize("sensors", ["rtk", "gps"])
+def test_the_filter_of_a_fleet_knows_its_class_of_sensors(pool: Executor, sensors: str) -> None:
+    """The whole check, of fifty flights, is a topic of `maneuver verify`."""
+    flights = fly_random_walks(LIBRARY, sensors, flights=12, seconds=100.0, executor=pool)
+    figures = list(check_filter_consistency(flights, sensors))
+    assert len(figures) == 3
     assert [figure for figure in figures if not figure.passed] == []
+
+
+def test_the_filter_survives_losing_its_gps(pool: Executor) -> None:
+    figures = list(check_gps_outages(fly_gps_outages(LIBRARY, 2.0, executor=pool), "2 s"))
+    assert [figure for figure in figures if not figure.passed] == []
+
+
+def test_a_class_with_noise_alone_has_no_other_error() -> None:
+    believed, made = sensor_errors("rtk-noise")
+    assert believed == sensor_classes()["rtk"]
+    assert {drift.sigma for drift in made.drifts} == {0.0}
+    assert made.misalignment == made.gyro_scale == made.heading_deviation == made.vibration == 0.0
+    assert made.inertial_noise == believed.inertial_noise
+    _, made = sensor_errors("rtk-systematic")
+    assert {*made.inertial_noise, *made.fix_noise} == {0.0}
+    assert made.drifts == believed.drifts
+    with pytest.raises(UnknownSensorsError, match="no sensor class 'loran'; there are"):
+        sensor_errors("loran")
+
+
+def test_the_wander_of_rtk_is_at_most_five_centimetres() -> None:
+    assert sensor_classes()["rtk"].position_drift.sigma <= 0.05
+    assert sensor_classes()["gps"].position_drift.sigma >= 1.0
+
+
+def test_installed_sensors_read_what_their_errors_say() -> None:
+    """A turn at constant rate: scale, misalignment and deviation by hand."""
+    quiet = sensor_classes()["rtk"].only_noise().without_noise()
+    scale, tilt, deviation = 0.01, 0.02, 0.03
+    built = Installation(
+        (0.0, 0.0, scale), (tilt, 0.0, 0.0), (deviation, 0.0, 0.0, 0.0), quiet.antenna, 0.0, 0.0
+    )
+    navigation = Navigation(
+        STILL, step=0.01, gravity=9.81, rng=np.random.default_rng(1), errors=quiet, installation=built
+    )
+    level = STILL._replace(roll=0.0, pitch=0.0, forward=0.0, side=0.0)
+    for period in range(1, 101):
+        navigation.signals.truth[:] = level._replace(
+            heading=2.0 + 0.005 * period, body_yaw_rate=0.5, yaw_rate=0.5
+        )
+        navigation.sensors.run()
+    rates = navigation.sensors.inertial[3:]
+    np.testing.assert_allclose(
+        rates, [0.0, 0.5 * np.sin(tilt), 0.5 * np.cos(tilt) * (1.0 + scale)], atol=1e-6
+    )
+    heading = navigation.sensors.heading_and_height[0]
+    assert heading == pytest.approx(2.5 + deviation * np.sin(2.5), abs=1e-9)
 
 
 def test_a_filter_that_trusts_its_fixes_too_much_is_found() -> None:
     """Negative control: fixes drift ten times more than assumed."""
     truths = [Motion._make(row) for row in fly_walk(PARAMETERS, PARAMETERS, adaptive=True).motion.tolist()]
-    assumed = SensorErrors(position_drift=GaussMarkovError(0.003, 60.0))
+    rtk = sensor_classes()["rtk"]
+    assumed = replace(rtk, position_drift=GaussMarkovError(0.003, 60.0))
     flights = []
     for seed in range(10):
-        navigation = navigate(truths[0], seed=seed, errors=assumed, true_errors=SensorErrors())
-        normalised = []
+        navigation = navigate(truths[0], seed=seed, errors=assumed, true_errors=rtk)
+        normalised, position = [], []
         for period, truth in enumerate(truths[1:6001], start=1):
             navigation.step(truth)
             if period % 2000 == 0:
                 normalised.append(navigation.normalised_error(truth))
-        flights.append(FilterErrors(np.array(normalised), position=0.0, velocity=0.0))
-    share, mean, *_ = check_filter_consistency(flights)
-    assert not share.passed
-    assert mean.value > 30.0
+                position.append(navigation.normalised_position_error(truth))
+        flights.append(FilterErrors(np.array(normalised), np.array(position), position=0.0, velocity=0.0))
+    position_figure, whole, _ = check_filter_consistency(flights, "rtk")
+    assert not position_figure.passed
+    assert not whole.passed
 
 
 def test_twenty_seconds_without_gps_are_too_many(pool: Executor) -> None:
@@ -151,8 +209,8 @@ def test_logged_standard_deviations_are_those_of_the_filters_covariance() -> Non
     navigation = navigate(truths[0])
     for truth in truths[1:1500]:
         navigation.step(truth)
-    nominal, covariance = navigation._state[: equations.NOMINAL], navigation._covariance
-    covariance = covariance[:ESTIMATED, :ESTIMATED]
+    nominal = navigation._state[: equations.NOMINAL]
+    covariance = navigation._claimed_covariance()
     errors = np.random.default_rng(1).multivariate_normal(np.zeros(ESTIMATED), covariance, 4000)
     disturbed = equations.injection_function().map(4000)(nominal, errors.T)
     state = ca.SX.sym("nominal", equations.NOMINAL)

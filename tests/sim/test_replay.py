@@ -16,9 +16,11 @@ from flightlog.series import Series
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from planner.kernel.build import SEARCH_BACKEND
+from runtime.version import VERSION
 from sim.campaign_flight import fly_specification
 from sim.loop.backend import Backend
 from sim.loop.specification import parse_specification
+from sim.replay import VehicleMismatchError
 from sim.vehicle.parameters import change_vehicle, read_parameters
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
@@ -158,7 +160,7 @@ def test_a_flight_of_another_code_version_is_replayed_with_a_notice(
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
     printed = capsys.readouterr().out
     assert ": 0 of " in printed
-    assert "flown by code 0.1.0+000000000000, flown again by 0.1.0+" in printed
+    assert f"flown by code 0.1.0+000000000000, flown again by {VERSION}+" in printed
     assert read_log(tmp_path / "again.mcap").header == walk.header
 
 
@@ -187,3 +189,12 @@ def test_bytes_are_counted_place_by_place() -> None:
     assert count_differing_bytes(b"abc", b"abc") == 0
     assert count_differing_bytes(b"abc", b"abd") == 1
     assert count_differing_bytes(b"abcde", b"xbc") == 3
+
+
+def test_a_log_of_other_air_of_the_same_name_is_refused(flown: dict[str, Path]) -> None:
+    log = read_log(flown["a mission nominally planned, with ideal sensors"])
+    assert "mean 10.23 m/s" in log.header.air
+    for air, words in (("", "not stated"), ("mean 2.57 m/s", "mean 2.57 m/s")):
+        other = replace(log, header=replace(log.header, air=air))
+        with pytest.raises(VehicleMismatchError, match=f"expected the air of the log, {words}, got wind at"):
+            repeat_flight(other)

@@ -59,10 +59,10 @@ def alarms(log: FlightLog) -> tuple[Alarm, ...]:
     return alarms_from_series(log[ALARM]) if ALARM.name in log.series else ()
 
 
-@pytest.mark.parametrize("wind", ["calm", "gtmax", "moderate"])
+@pytest.mark.parametrize("wind", ["calm", "gtmax", "10"])
 def test_flights_without_faults_raise_no_alarm(wind: str) -> None:
     raised = {alarm.kind for alarm in alarms(flight(wind=wind))}
-    assert raised <= (ADVICE if wind == "moderate" else set())
+    assert raised <= (ADVICE if wind == "10" else set())
 
 
 @pytest.mark.parametrize(
@@ -87,12 +87,14 @@ def test_flights_without_faults_raise_no_alarm(wind: str) -> None:
     ],
 )
 def test_each_kind_of_fault_raises_its_alarm_in_time(words: str, kind: AlarmKind, within: float) -> None:
-    log = flight(words)
+    # In wind the fin holds a heading without the pedal, and gusts change what late commands do.
+    wind = "calm" if words.startswith(("pedal", "controller")) else "gtmax"
+    log = flight(words, wind=wind)
     found = {alarm.kind: alarm for alarm in alarms(log)}
     assert kind in found, found
     assert 1.0 < found[kind].time <= 1.0 + within
     assert not found[kind].value <= LIMITS[kind]
-    assert alarms(flight(words, supervised=False)) == ()
+    assert alarms(flight(words, supervised=False, wind=wind)) == ()
 
 
 def test_supervision_does_not_change_the_flight() -> None:
@@ -185,14 +187,14 @@ def test_a_declared_arrival_away_from_the_goal_is_no_arrival() -> None:
 def test_an_uncertain_position_prevents_the_declaration_of_arrival() -> None:
     mission = find_mission("gtmax-2")
 
-    def flown(certainty: float) -> bool:
+    def flown(probability: float) -> bool:
         vehicle = Uncertain(LIBRARY, start=mission.start, trim=mission.start_trim, gamma=0.0)
-        settings = Settings(certainty=certainty, max_activations=40)
+        settings = Settings(arrival_probability=probability, max_activations=40)
         return fly_closed_loop(
             vehicle, mission, planner=nominal_planner(LIBRARY), library=LIBRARY, settings=settings
         ).claimed
 
-    assert not flown(3.0)
+    assert not flown(0.99)
     assert flown(0.0)
 
 
@@ -369,6 +371,6 @@ def test_a_broken_matrix_is_refused_in_one_line(
 
 def test_a_matrix_that_is_not_there_is_named(capsys: pytest.CaptureFixture[str]) -> None:
     assert run(("faults", "nowhere")) == 2
-    assert "no fault matrix 'nowhere': no such file, and the shipped ones are ['helicopter']" in (
+    assert "no fault matrix 'nowhere': expected an existing file or one of ['helicopter']" in (
         capsys.readouterr().err
     )

@@ -126,11 +126,11 @@ def _contradiction(build: Build, frames: Frames) -> tuple[str, float]:
     if states is None:
         return "", 0.0
     if _upright(states) < 0.0:
-        return "the vehicle is upside down most of the time", np.inf
+        return "inverted flight most of the time", np.inf
     apart = velocity_disagreement(states)
     if apart is not None and apart[0] > max(MOST_DIFFERENT * apart[1], LEAST_DIFFERENCE):
         return (
-            f"velocities differ from what the positions show by {apart[0]:.2f} m/s at a speed of "
+            f"velocities differ from the slope of the positions by {apart[0]:.2f} m/s at a speed of "
             f"{apart[1]:.2f} m/s",
             apart[0],
         )

@@ -1,17 +1,16 @@
-/* Which sets of times may be not 0 in a walk, and the best of their candidates. */
+/* Enumeration of active sets: the coasting times of a walk that are not 0. */
 #include "coasting.h"
 
-#define ROUNDS 4          /* climbs of a bound */
-#define SAME_RATE 1e-12   /* of a yaw rate: closer ones are one */
-#define ALL_BUT_STRAIGHT 1e-8 /* rad in all; turns that turn less are found as straight lines and corrected ... */
-#define HARDLY_BENT 1e-5  /* rad in all; ... and those that turn less than this in both ways */
-#define LONG 1e6          /* as long as no plan is known that says how long a coast can be */
-#define SHORTEST 1e-4     /* coasts are no shorter, where rates are told apart by what they turn in them */
+#define ROUNDS 4          /* ascent steps of a dual bound */
+#define FAILED_ASCENTS 2  /* failed ascents in a cluster after which none is tried */
+#define SAME_RATE 1e-12   /* of a yaw rate: closer ones are equal */
+#define ALL_BUT_STRAIGHT 1e-8 /* rad in the seconds left; slower turns are straight lines, corrected afterwards ... */
+#define HARDLY_BENT 1e-5  /* ... and slower ones than this are solved both ways */
+#define LONGEST 1e6       /* seconds left, without an incumbent */
 
-/* Whether all times are turns at one rate. With the heading at the end bound they then take as long in whatever way
- * they share it: no multiplier is worth their seconds, and the times that are best form a family. Where it has no
- * member with a time that is 0, that would be found with fewer times, its member with the least first time is inside,
- * so it is found with seconds that only the first time costs. */
+/* Whether all times are turns at one rate with the final heading bound. Then only their sum is determined: the best
+ * times form a family, and the multiplier is 0. The member with the least first time is a candidate, found with a cost
+ * of the first time alone; members with a time of 0 belong to smaller active sets. */
 static int share_a_heading(const Problem *p, const ActiveSet *on)
 {
     double rate = p->rate[on->place[0]];
@@ -20,25 +19,25 @@ static int share_a_heading(const Problem *p, const ActiveSet *on)
     return on->bound_heading && fabs(rate) > p->straight;
 }
 
-/* A walk cut where it coasts in a turn. */
+/* A walk cut into stretches at the coasts that turn. */
 typedef struct {
-    int last;                    /* number of the last stretch */
+    int last;                    /* index of the last stretch */
     cplx A[MOST + 1];
-    double rate[MOST + 2];       /* of the turn that each begins with */
-    double inverse[MOST + 2];    /* 1 / rate, times what its seconds cost */
-    int straight[MOST + 1][2], straights[MOST + 1]; /* places of straight coasts, how many */
-    int total;                   /* straight coasts of all stretches */
+    double rate[MOST + 2];       /* rad/s; of the turn at the beginning of each stretch */
+    double inverse[MOST + 2];    /* 1 / rate, times the cost of its seconds */
+    int straight[MOST + 1][2], straights[MOST + 1]; /* indices and number of straight coasts in each stretch */
+    int total;                   /* straight coasts in all stretches */
 } Cut;
 
-/* Cuts a walk into stretches; 0 with more than two straight coasts: for given headings the times of straight coasts
- * solve a linear program with the two equations of the place, which needs no more of them. */
+/* Cuts a walk into stretches. Returns 0 with more than two straight coasts: for given headings their times solve a
+ * linear program with two equations, which has a solution with two. */
 static int cut_walk(const Problem *p, const ActiveSet *on, Cut *cut)
 {
     int next = 0;
     *cut = (Cut){0};
     for (int k = 0; k < p->trims; k++) {
         cut->A[cut->last] += p->D[k];
-        if (next >= on->count || on->place[next] != k) continue;
+        if (on->place[next] != k) continue;
         next++;
         if (fabs(p->rate[k]) > p->straight) {
             cut->A[cut->last++] -= p->C[k];
@@ -53,7 +52,7 @@ static int cut_walk(const Problem *p, const ActiveSet *on, Cut *cut)
     return 1;
 }
 
-/* A stretch whose heading is fixed: its part of the way is known. */
+/* Adds a stretch of fixed heading. */
 static void fix_stretch(Chain *c, const Cut *cut, int j, cplx factor)
 {
     c->rest -= factor * cut->A[j];
@@ -63,7 +62,7 @@ static void fix_stretch(Chain *c, const Cut *cut, int j, cplx factor)
     }
 }
 
-/* A stretch whose heading is free. */
+/* Adds a stretch of free heading. */
 static void free_stretch(Chain *c, const Cut *cut, int j)
 {
     Stretch *s = &c->stretch[c->free++];
@@ -84,7 +83,7 @@ static void free_stretch(Chain *c, const Cut *cut, int j)
     s->w_other = c->problem->W[s->other];
 }
 
-/* Candidates of one set of times, the heading at the end free or bound to a limit. */
+/* Solves one active set, with the final heading free or bound to a limit. */
 static void examine(Problem *p, ActiveSet *on)
 {
     Chain c = {.problem = p, .on = on, .last = 1, .rest = p->goal};
@@ -113,11 +112,11 @@ static void examine(Problem *p, ActiveSet *on)
     else all_curves(&c);
 }
 
-/* Candidates of one set of times, with every limit that the heading may be at. */
+/* Solves one active set for a free final heading and for each of its limits. */
 static void try_headings(Problem *p, ActiveSet *on)
 {
     on->bound_heading = 0;
-    /* As many times as the place needs may happen to have the heading, too. */
+    /* With as many times as equations the final heading may be right by chance. */
     if (!p->wants_heading || p->heading_tolerance > 0 || !on->turns || on->count <= 2 - (p->tolerance > 0))
         examine(p, on);
     if (!p->wants_heading || !on->turns) return;
@@ -134,38 +133,71 @@ static void try_headings(Problem *p, ActiveSet *on)
     }
 }
 
-/* How many times of a set are straight. */
-static int straights_in(const Problem *p, unsigned mask)
+/* Number of straight coasts in a set. */
+int straights_in(const Problem *p, unsigned mask)
 {
     int count = 0;
     for (int k = 0; k < p->trims; k++) count += ((mask >> k) & 1) && fabs(p->rate[k]) <= p->straight;
     return count;
 }
 
-/* Which sets of times need no look: 1 for those that cannot beat the best so far, as then nothing can that is
- * left of them without one of the times; 2 for those with too many straight coasts. */
-static void exclude(const Problem *p, unsigned useful, double distance, char *out)
+/* Whether a cheap lower bound of a set is no better than the incumbent. */
+static int too_slow(const Problem *p, const ActiveSet *on, double distance)
 {
+    return p->fixed + greater(least_time(p, on, distance), time_to_turn(p, on)) >= p->best
+        || (p->best < INFINITY && out_of_reach(p, on, p->best - p->fixed));
+}
+
+/* Whether multipliers prune sets often enough; where they rarely do, most sets skip them. */
+static int is_worth_ascending(SetCache *cache)
+{
+    if (!cache) return 1;
+    int rarely = cache->climbs > MIN_TRIALS && cache->prunings * RARE_SUCCESS < cache->climbs;
+    if (rarely && cache->skipped++ % RARE_SUCCESS) return 0;
+    cache->climbs++;
+    return 1;
+}
+
+/* Prunes active sets: 1 where no times of 0 or more beat the incumbent, so that all subsets are pruned, too; 2 where
+ * only the set itself is dominated: too many straight coasts, or solved for another walk. */
+static void exclude(const Problem *p, unsigned useful, double distance, const Unscaled *unscaled,
+                    const WalkHash *walk_hash, char *out)
+{
+    const SolveContext *context = unscaled->context;
     cplx multiplier = p->multiplier;
+    double seconds = (p->best - p->fixed) * unscaled->second;
+    CachedSet *clusters[1 << MOST];
+    memset(out, 0, (size_t)useful + 1);
+    if (context->similar) exclude_similar(p, useful, unscaled, clusters, out);
     for (unsigned mask = useful; mask; mask = (mask - 1) & useful) {
         ActiveSet on;
-        out[mask] = 0;
+        if (past_deadline(context->deadline)) return;
         for (unsigned rest = useful & ~mask; rest && !out[mask]; rest &= rest - 1)
             out[mask] = out[mask | (rest & -rest)] == 1;
         if (out[mask]) continue;
-        if (straights_in(p, mask) > 2) {
+        CachedSet *set = context->cache ? cached_set(context->cache, walk_hash, mask) : 0;
+        if (set && set->bound >= seconds) {
+            out[mask] = 1;
+            continue;
+        }
+        if (straights_in(p, mask) > 2 || (set && set->interior_bound >= seconds)) {
             out[mask] = 2;
             continue;
         }
         choose(p, &on, mask);
-        out[mask] = p->fixed + least_time(p, &on, distance) >= p->best
-            || out_of_reach(p, &on, p->best - p->fixed)
-            || refuted(p, mask, ROUNDS, &multiplier);
+        CachedSet *cluster = context->similar ? clusters[mask] : 0;
+        out[mask] = too_slow(p, &on, distance);
+        int hopeless = cluster && cluster->failed_climbs >= FAILED_ASCENTS;
+        if (!out[mask] && !hopeless && is_worth_ascending(context->cache)) {
+            out[mask] = refuted(p, mask, ROUNDS, &multiplier);
+            if (context->cache) context->cache->prunings += out[mask];
+            if (cluster && !out[mask]) cluster->failed_climbs++;
+        }
+        if (out[mask] && set) set->bound = seconds;
     }
 }
 
-/* How slow a turn has to be to be taken as a straight line: it depends on how long it can be held. Returns the
- * slowest rate there is. */
+/* Sets the rates below which turns count as straight, by the seconds left; returns the slowest rate. */
 static double set_straight(Problem *p, double distance)
 {
     double longest = p->best - p->fixed, shortest = longest, fastest = 0, slowest = INFINITY;
@@ -174,17 +206,17 @@ static double set_straight(Problem *p, double distance)
         if (p->rate[k] != 0) slowest = lesser(slowest, fabs(p->rate[k]));
     }
     if (p->best == INFINITY) {
-        longest = LONG;
+        longest = LONGEST;
         shortest = distance / fastest;
     }
-    p->straight = ALL_BUT_STRAIGHT / greater(longest, SHORTEST);
-    p->hardly_bent = HARDLY_BENT / greater(shortest, SHORTEST);
+    p->straight = ALL_BUT_STRAIGHT / longest;
+    p->hardly_bent = HARDLY_BENT / shortest;
     return slowest;
 }
 
-/* Candidates of one set of times. Turns that hardly bend are taken as turns, then the slowest of them as a straight
- * line, then the next slowest too: which of them bend enough for the way to show it is not known before. */
-static void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
+/* Solves one active set with its nearly straight turns as turns, then with the slowest as a straight line, then with
+ * the next slowest, too. */
+void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
 {
     double straight = p->straight;
     for (;;) {
@@ -201,8 +233,8 @@ static void try_both_ways(Problem *p, ActiveSet *on, unsigned mask)
     p->straight = straight;
 }
 
-/* Solves a problem in its own units, with at most so many times that are not 0. */
-void solve_in_units(Problem *p, int most)
+/* Solves a scaled problem with at most so many nonzero times, until the deadline. */
+void solve_in_units(Problem *p, int most, const Unscaled *unscaled)
 {
     double distance = to_cover(p), slowest = set_straight(p, distance), began = p->best, nothing[MOST] = {0};
     unsigned useful = 0;
@@ -210,24 +242,31 @@ void solve_in_units(Problem *p, int most)
         if (p->W[k] != 0 || p->rate[k] != 0) useful |= 1u << k;
     update_best(p, nothing);
     char out[1 << MOST];
-    double known = INFINITY;
-    int every = most >= p->trims && p->best < INFINITY;
+    double excluded_at = INFINITY;
+    int every = most >= p->trims && p->best < INFINITY, bends = slowest <= p->hardly_bent;
+    /* Without an incumbent it is not known which turns count as straight: nothing is cached then. */
+    SolveContext own = {0, 0, unscaled->context->deadline};
+    Unscaled now = *unscaled;
+    if (began == INFINITY && bends) now.context = &own;
+    SetCache *cache = now.context->cache;
+    WalkHash walk_hash;
+    if (cache) hash_walk(&walk_hash, unscaled->problem, cache);
     if (every) {
-        exclude(p, useful, distance, out);
-        known = p->best;
+        exclude(p, useful, distance, &now, &walk_hash, out);
+        excluded_at = p->best;
     }
     for (int size = 1; size <= most && size <= p->trims; size++)
         for (unsigned mask = 1; mask < 1u << p->trims; mask++) {
             if ((mask & ~useful) || __builtin_popcount(mask) != size || (every && out[mask])) continue;
+            if (past_deadline(unscaled->context->deadline)) return;
+            CachedSet *set = cache ? cached_set(cache, &walk_hash, mask) : 0;
+            if (set && set->interior_bound >= (p->best - p->fixed) * unscaled->second) continue;
             ActiveSet on;
             choose(p, &on, mask);
-            if (p->best < known) {
-                if (p->fixed + least_time(p, &on, distance) >= p->best) continue;
-                if (p->best < INFINITY && out_of_reach(p, &on, p->best - p->fixed)) continue;
-            }
+            if (p->best < excluded_at && too_slow(p, &on, distance)) continue;
             try_both_ways(p, &on, mask);
+            if (set) set->interior_bound = cache->once ? INFINITY : (p->best - p->fixed) * unscaled->second;
         }
-    /* Which turns hardly bend is known now. */
-    if (began == INFINITY && p->best < INFINITY && most >= p->trims && slowest <= p->hardly_bent)
-        solve_in_units(p, most);
+    /* Now it is known. */
+    if (began == INFINITY && p->best < INFINITY && most >= p->trims && bends) solve_in_units(p, most, unscaled);
 }

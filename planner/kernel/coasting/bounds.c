@@ -1,9 +1,9 @@
-/* Bounds of a walk's seconds that cost little. */
+/* Cheap lower bounds of a walk's duration. */
 #include "coasting.h"
 
-#define BLURRED 100       /* times the rate of what hardly bends: slower turns are blurred by rounding */
+#define BLURRED 100       /* times the rate of nearly straight turns: slower turns are blurred by rounding */
 
-/* The set of times that a mask has. */
+/* Sets up the active set of a mask. */
 void choose(const Problem *p, ActiveSet *on, unsigned mask)
 {
     on->count = on->turns = on->bound_heading = on->shared = 0;
@@ -15,11 +15,12 @@ void choose(const Problem *p, ActiveSet *on, unsigned mask)
         on->turns += rate > p->straight;
         if (rate > 0 && rate < on->slowest) on->slowest = rate;
     }
+    on->place[on->count] = -1;
     on->slow = on->slowest <= p->straight;
     on->blurred = on->slowest <= BLURRED * p->hardly_bent;
 }
 
-/* Least seconds in which the given trims cover a distance: all chords in line, the end nearing at one speed. */
+/* Lower bound from the distance: all chords in line, at a common speed of approach. */
 double least_time(const Problem *p, const ActiveSet *on, double distance)
 {
     if (distance <= 0) return 0;
@@ -50,20 +51,34 @@ double least_time(const Problem *p, const ActiveSet *on, double distance)
     return time;
 }
 
-/* No less than the largest cosine of an angle plus anything between two turns: by the series up to the eighth
- * power, which is nowhere below the cosine. */
+/* Lower bound from the wanted heading, turned to the right or to the left. */
+double time_to_turn(const Problem *p, const ActiveSet *on)
+{
+    if (!p->wants_heading) return 0;
+    double right = off_turns(p->heading), tolerance = p->heading_tolerance + p->heading_slack, fastest = 0, slowest = 0;
+    if (fabs(right) <= tolerance) return 0;
+    if (right < 0) right += 2 * PI;
+    for (int i = 0; i < on->count; i++) {
+        fastest = greater(fastest, p->rate[on->place[i]]);
+        slowest = lesser(slowest, p->rate[on->place[i]]);
+    }
+    double by_right = fastest > 0 ? (right - tolerance) / fastest : INFINITY;
+    double by_left = slowest < 0 ? (2 * PI - right - tolerance) / -slowest : INFINITY;
+    return lesser(by_right, by_left) * (1 - 1e-12);
+}
+
+/* Upper bound of the cosine of an angle plus anything between two turns: its series up to the eighth power. */
 static double best_cosine(double angle, double low, double high)
 {
     double half = 0.5 * (high - low);
-    if (half >= PI) return 1.0;
     double beyond = fabs(off_turns(angle + 0.5 * (low + high))) - half;
     if (beyond <= 0) return 1.0;
     double x = beyond * beyond;
     return 1 - x * (1. / 2 - x * (1. / 24 - x * (1. / 720 - x / 40320)));
 }
 
-/* Whether the goal is out of reach in the seconds given: in some direction, with the headings that can be
- * turned to in that time, neither the maneuvers nor the coasts lead far enough. */
+/* Whether the goal is out of reach: in one of several directions, with all headings that can be reached in the seconds
+ * given, maneuvers and coasts together do not lead far enough. */
 int out_of_reach(const Problem *p, const ActiveSet *on, double seconds)
 {
     double low[MOST], high[MOST], now_low = 0, now_high = 0;
@@ -96,7 +111,7 @@ int out_of_reach(const Problem *p, const ActiveSet *on, double seconds)
     return 0;
 }
 
-/* What the maneuvers leave of the distance. */
+/* Distance less the displacements of the maneuvers. */
 double to_cover(const Problem *p)
 {
     double distance = cabs(p->goal) - reach(p);

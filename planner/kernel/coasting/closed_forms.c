@@ -1,14 +1,14 @@
-/* Candidates in closed form: where u is given, and where there are as many times as equations. */
+/* Closed-form candidates: u given by two straight coasts, or as many times as equations. */
 #include "coasting.h"
 
-#define SAME_LIMIT 1e-12  /* of a limit: what rounding may exceed it by */
+#define SAME_LIMIT 1e-12  /* of a limit: excess that is rounding */
 #define ROUNDING 1e-15    /* of the sides of a triangle */
 
-/* The multiplier that two straight coasts are worth their seconds with. */
+/* The multiplier for which two straight coasts are stationary. */
 static cplx multiplier_of(cplx one, cplx two) { return I * (two - one) / cross(one, two); }
 
-/* What the plain stretches add with the sign -, seen from alpha, less the tolerance; two straight coasts take up both
- * equations, so that no stretch may bend the cost down. Returns 0 where u is beyond a limit. */
+/* Contribution of the stretches without straight coasts, with the sign -, seen from alpha, less the tolerance. (Two
+ * straight coasts take both equations: no stretch may have negative curvature.) Returns 0 where u exceeds a limit. */
 static int plain_way(const Chain *c, int doubled, Point *point, cplx *way)
 {
     *way = -c->problem->tolerance;
@@ -22,8 +22,8 @@ static int plain_way(const Chain *c, int doubled, Point *point, cplx *way)
     return 1;
 }
 
-/* The corner between two sides of a triangle, from the differences of its sides: cosines of corners between the
- * radii of slow turns all round to 1. NAN where the third side is too long or too short by more than the slack. */
+/* Angle between two sides of a triangle, from differences of the sides: for the radii of slow turns all cosines round
+ * to 1. NAN where the third side is too long or too short by more than the slack. */
 static double corner(double one, double two, double third, double slack)
 {
     slack += ROUNDING * (one + two);
@@ -33,21 +33,21 @@ static double corner(double one, double two, double third, double slack)
     return 2 * atan2(sqrt(greater(0, near)), sqrt(greater(0, far)));
 }
 
-/* When a straight line meets a circle, or passes it by no more than the slack: |offset + line t| = radius. */
+/* Intersections of a line and a circle, |offset + line t| = radius, to within the slack. */
 static int meets(cplx line, cplx offset, double radius, double slack, double *times)
 {
     double square = dot(line, line), along = dot(line, offset), area = cross(line, offset), size = cabs(offset);
     slack += ROUNDING * (radius + size);
     if (!(fabs(area) <= (radius + slack) * sqrt(square) && square > 0)) return 0;
     double inside = radius * radius * square - area * area;
-    /* The root that does not cancel, and the other from their product. */
+    /* The root without cancellation, and the other from their product. */
     double larger = -along - copysign(sqrt(greater(0, inside)), along);
     times[0] = larger / square;
     times[1] = larger != 0 ? (size - radius) * (size + radius) / larger : 0;
     return 2;
 }
 
-/* One free heading to the edge of the disc. */
+/* One free heading: circle and disc. */
 static void turn_to_disc(Chain *c)
 {
     cplx heading[MOST + 2] = {0};
@@ -87,7 +87,7 @@ static void two_lines(Chain *c)
     propose_headings(c->problem, c->on, heading, straight, 0);
 }
 
-/* A straight coast of fixed direction to a circle: the disc, or that of one free heading. */
+/* One straight coast of fixed direction: a line and a circle, that of the disc or of a free heading. */
 static void line_to_circle(Chain *c)
 {
     double times[2], straight[MOST] = {0}, tolerance = c->problem->tolerance;
@@ -102,7 +102,7 @@ static void line_to_circle(Chain *c)
     }
 }
 
-/* One free heading with a straight coast in its stretch. */
+/* One free heading with a straight coast in its stretch: a line and a circle. */
 static void line_after_turn(Chain *c)
 {
     const Stretch *s = &c->stretch[0];
@@ -127,18 +127,17 @@ void determined(Chain *c)
     else turn_to_disc(c);
 }
 
-/* One time for the two equations of the place: right only where the goal happens to lie on its line or circle. */
+/* One time for the two equations of an exact goal: feasible only if the goal lies on its line or circle. */
 void in_line(Chain *c)
 {
     double straight[MOST] = {0};
     cplx heading[MOST + 2] = {0};
     if (c->free) heading[1] = c->rest / c->stretch[0].A / cabs(c->rest / c->stretch[0].A);
-    else straight[c->fixed_place[0]] = creal(c->rest / c->fixed_velocity[0]);
     heading[c->free + 1] = c->last;
     propose_headings(c->problem, c->on, heading, straight, 0);
 }
 
-/* Two straight coasts of fixed direction: the rest of the way is divided between them. */
+/* Two straight coasts of fixed direction: the remaining displacement in their two directions. */
 static void two_fixed(Chain *c)
 {
     cplx one = c->fixed_velocity[0], two = c->fixed_velocity[1], m = multiplier_of(one, two), way;
@@ -151,8 +150,8 @@ static void two_fixed(Chain *c)
     set_headings(c, &point);
 }
 
-/* Two straight coasts in one stretch of free heading: it is stationary where their times are on a line, and the
- * whole closes where that line meets a circle. */
+/* Two straight coasts in one stretch of free heading: stationary on a line in their times, feasible where the line
+ * meets a circle. */
 static void two_in_a_stretch(Chain *c, int doubled)
 {
     const Stretch *s = &c->stretch[doubled];
@@ -173,7 +172,7 @@ static void two_in_a_stretch(Chain *c, int doubled)
     }
 }
 
-/* Two straight coasts beside more times than equations: u is that at which both are worth their seconds. */
+/* Two straight coasts and more times than equations: u is that for which both coasts are stationary. */
 void two_straights(Chain *c, int doubled)
 {
     if (doubled < 0) two_fixed(c);

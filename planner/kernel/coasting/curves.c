@@ -1,12 +1,12 @@
-/* The curves of candidates: every choice of signs of the one equation. */
+/* Curves of candidates: all choices of signs of the one equation. */
 #include "coasting.h"
 
 #define INTERVALS 16      /* samples along a curve */
-#define SLACK_OF_SUMS 1e-15 /* of the first terms of a sum: their rounding */
-#define SAME_LIMIT 1e-12  /* of a limit: closer ones are one */
+#define SLACK_OF_SUMS 1e-15 /* of the first terms of a sum: its rounding */
+#define SAME_LIMIT 1e-12  /* of a limit: closer ones are equal */
 
-/* Points along a curve, sampled when they are needed: what each stretch adds there, how that changes with a
- * straight coast, and its heading seen from alpha with the sign - and +. */
+/* Samples along a curve, computed when needed: contribution of each stretch, its slope with a straight coast, and its
+ * heading seen from alpha for the signs - and +. */
 typedef struct {
     int count;
     char known[INTERVALS + 5];
@@ -14,7 +14,7 @@ typedef struct {
     double chi[MOST + 2][2][INTERVALS + 5];
 } Samples;
 
-/* At the end of a curve at which a straight coast runs exactly along alpha its time has a pole. */
+/* Whether a straight coast's time has a pole at the end of the curve, where the coast runs exactly along alpha. */
 static int has_pole(const Chain *c, const Stretch *s)
 {
     return s->straight >= 0 && s->limit <= c->most * (1 + SAME_LIMIT);
@@ -22,7 +22,7 @@ static int has_pole(const Chain *c, const Stretch *s)
 
 static void init_samples(const Chain *c, Samples *s)
 {
-    /* Cosines of equal steps up to a right angle: from u = 0, where the goal is at the edge of reach. */
+    /* Cosines of equal steps up to a right angle, from u = 0 (the goal at the edge of reach). */
     static const double steps[INTERVALS] = {
         1.0, 0.9951847266721969, 0.9807852804032304, 0.9569403357322088,
         0.9238795325112867, 0.881921264348355, 0.8314696123025452, 0.773010453362737,
@@ -53,7 +53,7 @@ static void sample(const Chain *c, Samples *s, int i)
     }
 }
 
-/* Whether the turns take longer than allowed everywhere between two points of a curve. */
+/* Whether the turns exceed the seconds left everywhere between two samples. */
 static int too_long(const Chain *c, unsigned choice, const Samples *s, int i, int k)
 {
     double from[MOST + 2], to[MOST + 2];
@@ -65,7 +65,7 @@ static int too_long(const Chain *c, unsigned choice, const Samples *s, int i, in
     return turns_too_long(c, from, to);
 }
 
-/* Whether the sum has one sign between two points: what a stretch adds is monotone, if its slope has one sign. */
+/* Whether the sum has one sign between two samples; contributions with slopes of one sign are monotone. */
 static int one_sign(const Chain *c, unsigned choice, const Samples *s, int i, int k)
 {
     double low = -c->problem->tolerance, high = low, size = 0;
@@ -84,7 +84,7 @@ static int one_sign(const Chain *c, unsigned choice, const Samples *s, int i, in
     return low > slack || high < -slack;
 }
 
-/* All roots between two points with one choice of signs. */
+/* Finds all roots between two samples for one choice of signs. */
 static void follow(const Chain *c, unsigned choice, Samples *s, int i, int k)
 {
     sample(c, s, i);
@@ -100,14 +100,14 @@ static void follow(const Chain *c, unsigned choice, Samples *s, int i, int k)
     isolate(c, signs, s->at[k], s->at[i], 0);
 }
 
-/* The end of a curve at which a straight coast runs exactly along alpha: there, and so near that no sample is
- * between, its time is what closes the way. (So it is where a turn leads into a straight line at equal speed.) */
+/* The end of a curve with a pole: there the time of the straight coast is what closes the chain. (The case of a turn
+ * into a straight line at equal speed.) */
 static void at_the_end(const Chain *c, unsigned choice)
 {
     int last = -1;
     for (int j = 0; j <= c->free; j++)
         if (has_pole(c, &c->stretch[j])) {
-            /* Two coasts along alpha are worth the same: one of them is enough. */
+            /* Two coasts along alpha are interchangeable: one is enough. */
             if (last >= 0) return;
             last = j;
         }
@@ -127,7 +127,8 @@ static void at_the_end(const Chain *c, unsigned choice)
     set_headings(c, &point);
 }
 
-/* The stretch of the goal, and what all stretches have to do with the least limit; 0 where there is none. */
+/* Adds the goal as a stretch that closes the chain, and relates all limits to the least one; returns 0 where there is
+ * none. */
 static int close_way(Chain *c)
 {
     Stretch *goal = &c->stretch[c->free];
@@ -157,17 +158,23 @@ static int close_way(Chain *c)
     return c->most > 0 && c->most < INFINITY;
 }
 
-/* Every choice of signs. Two equations hold at most two directions in which the cost curves down: each plain stretch
- * with the sign + has one, and each straight coast takes up one equation. */
+/* Whether a choice of signs can be a minimum. Two equations admit at most two directions of negative curvature: each
+ * stretch with the sign + and no straight coast has one, and each straight coast takes one equation. */
+static int can_be_least(const Chain *c, unsigned choice)
+{
+    int curved = c->straights;
+    for (int j = 0; j < c->free; j++) curved += ((choice >> j) & 1) && c->stretch[j].straight < 0;
+    return curved <= 2;
+}
+
+/* Finds the candidates of every choice of signs. */
 void all_curves(Chain *c)
 {
     Samples samples;
     if (!close_way(c)) return;
     init_samples(c, &samples);
     for (unsigned choice = 0; choice < 2u << c->free; choice++) {
-        int curved = c->straights;
-        for (int j = 0; j < c->free; j++) curved += ((choice >> j) & 1) && c->stretch[j].straight < 0;
-        if (curved > 2) continue;
+        if (!can_be_least(c, choice)) continue;
         follow(c, choice, &samples, 0, samples.count - 1);
         at_the_end(c, choice);
     }

@@ -1,7 +1,7 @@
-/* Where coasting times lead, and the best of them. */
+/* Motion of a walk under coasting times, and the incumbent times. */
 #include "coasting.h"
 
-/* Where the walk ends, how the end moves with each time, and what coasting has turned. */
+/* End of the walk, its velocity along each time, and the heading turned by coasting. */
 cplx motion(const Problem *p, const double *times, cplx *velocity, double *turned)
 {
     cplx position = 0, after[MOST], own[MOST], factor = 1;
@@ -25,8 +25,8 @@ cplx motion(const Problem *p, const double *times, cplx *velocity, double *turne
     return position;
 }
 
-/* Keeps times that are faster than the best so far, if they reach the goal; returns whether they reach it. Times that
- * rounding has made negative are 0. */
+/* Replaces the incumbent by faster times that reach the goal; returns whether they reach it. Times that rounding made
+ * negative are set to 0. */
 int update_best(Problem *p, double *times)
 {
     double cost = p->fixed, turned;

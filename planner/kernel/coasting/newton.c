@@ -1,17 +1,17 @@
-/* Times corrected on the true motion: to the goal alone, or to where each of them is worth its seconds. */
+/* Newton's method on the true motion: for feasible and for stationary coasting times. */
 #include "coasting.h"
 
-#define SINGULAR 1e-14    /* of the largest number of a row: smaller pivots are rounding */
+#define SINGULAR 1e-14    /* of the largest entry of a row: smaller pivots are rounding */
 #define ROUNDS 20
 #define STILL 1e-13       /* of the longest time: smaller steps are rounding */
-#define AWAY 1e3          /* of the longest time: larger steps lead nowhere */
-#define NEGATIVE 1e-7     /* a time of a candidate that may be 0 */
+#define AWAY 1e3          /* of the longest time: larger steps diverge */
+#define NEGATIVE 1e-7     /* units; a candidate's negative time that may be 0 */
 #define HEADING_ROUNDING 1e-12 /* rad, of a candidate ... */
 #define BLUR 3e-8         /* rad; ... and near the end of its curve */
-#define WAY_ROUNDING 1e-14 /* of the way: how far rounding leads astray */
-#define BENT 0.05         /* of a cost: what a slow turn may change that was taken as a straight line */
+#define WAY_ROUNDING 1e-14 /* of the path length: rounding of its end */
+#define BENT 0.05         /* of a cost: error of a slow turn taken as a straight line */
 
-/* Gauss with pivots; rows of any size. Returns 0 for equations that are singular. */
+/* Gaussian elimination with pivots, rows scaled; returns 0 for singular equations. */
 int solve_linear(double *M, double *b, int n)
 {
     for (int r = 0; r < n; r++) {
@@ -47,8 +47,8 @@ int solve_linear(double *M, double *b, int n)
     return 1;
 }
 
-/* What the goal asks for, and how that changes with each time: the distance, or both parts of the miss, and the
- * heading where it is bound. Returns the number of equations. */
+/* Equations of the goal and their Jacobian: distance or both parts of the miss, and the heading where it is bound.
+ * Returns the number of equations. */
 static int goal_equations(const Problem *p, const ActiveSet *on, const double *times, double *J, double *e)
 {
     cplx velocity[MOST];
@@ -68,8 +68,7 @@ static int goal_equations(const Problem *p, const ActiveSet *on, const double *t
     return rows + 1;
 }
 
-/* The step that meets equations: the shortest where there are fewer of them than times, the one that misses by least
- * where there are more. */
+/* Least-norm step with fewer equations than times, least-squares step with more. */
 static int least_step(double *J, double *e, int rows, int n, double *step)
 {
     double M[3 * MOST], b[MOST];
@@ -96,7 +95,7 @@ static int least_step(double *J, double *e, int rows, int n, double *step)
     return 1;
 }
 
-/* Adds a step; returns 1 when it was rounding, -1 when it leads nowhere. */
+/* Adds a step; returns 1 where it was rounding, -1 where it diverges. */
 static int take_step(const ActiveSet *on, double *times, const double *step)
 {
     double largest = 0, longest = 1;
@@ -109,7 +108,7 @@ static int take_step(const ActiveSet *on, double *times, const double *step)
     return largest <= STILL * longest;
 }
 
-/* Newton's method on what the goal asks for. Returns whether it led somewhere. */
+/* Newton's method for feasible times; returns whether it converged. */
 static int meet_goal(const Problem *p, const ActiveSet *on, double *times)
 {
     for (int round = 0; round < ROUNDS; round++) {
@@ -122,7 +121,7 @@ static int meet_goal(const Problem *p, const ActiveSet *on, double *times)
     return 1;
 }
 
-/* A multiplier of the heading at which the fastest turn is worth its seconds. */
+/* A starting value of the heading's multiplier: the fastest turn is stationary. */
 static double first_lambda(const Problem *p, const ActiveSet *on, const cplx *velocity, cplx m)
 {
     double fastest = 0, lambda = 0;
@@ -135,8 +134,8 @@ static double first_lambda(const Problem *p, const ActiveSet *on, const cplx *ve
     return lambda;
 }
 
-/* Newton's method on what holds at a best point: the goal is met where the multipliers m and, with a bound heading,
- * lambda make every time worth its seconds. Returns whether it led somewhere. */
+/* Newton's method for stationary times: the goal is met, and with the multipliers m and, for a bound heading, lambda
+ * every time is stationary. Returns whether it converged. */
 static int make_stationary(const Problem *p, const ActiveSet *on, double *times, cplx m)
 {
     int n = on->count, size = n + 2 + on->bound_heading;
@@ -177,7 +176,7 @@ static int make_stationary(const Problem *p, const ActiveSet *on, double *times,
     return 1;
 }
 
-/* Corrects times that may be best, and keeps them if they are; m is their multiplier, 0 where there is none. */
+/* Corrects a candidate and submits it as the incumbent; m is its multiplier, 0 without one. */
 static void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m)
 {
     double times[MOST] = {0}, guess[MOST], cost = p->fixed, way = 0, tolerance = p->tolerance;
@@ -193,17 +192,17 @@ static void propose(Problem *p, const ActiveSet *on, const double *of_active, cp
     memcpy(guess, times, sizeof(guess));
     int solved = m == 0 ? meet_goal(p, on, times) : make_stationary(p, on, times, m);
     if (solved && WAY_ROUNDING * way > p->slack && tolerance > 0) {
-        /* The end is rounded in proportion to the way: so much further inside. */
+        /* The end is rounded in proportion to the path: aim so much further inside. */
         p->tolerance = greater(0.5 * tolerance, tolerance - WAY_ROUNDING * way);
         solved = m == 0 ? meet_goal(p, on, times) : make_stationary(p, on, times, m);
         p->tolerance = tolerance;
     }
-    /* Where two times move the end alike, or at the edge of reach, the equations are singular; the guess may do. */
+    /* Singular equations (two times with one effect, the edge of reach): the guess may be exact enough. */
     if (!solved || !update_best(p, times)) update_best(p, guess);
 }
 
-/* Times of the active turns from the headings after them; straight times are given. A turn by less than nothing is a
- * full one but for that; one that may be by nothing, with rounding, is either. Returns how many there are of these. */
+/* Times of the active turns from the headings after them; times of straight coasts are given. A negative turn is
+ * completed to a full one; one of 0 within rounding may be either, and their number is returned. */
 static int times_of(const Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, int full,
                     double *times)
 {
@@ -226,7 +225,7 @@ static int times_of(const Problem *p, const ActiveSet *on, const cplx *heading, 
     return unclear;
 }
 
-/* The candidates that have given headings after their turns. */
+/* Proposes the candidates with given headings after their turns. */
 void propose_headings(Problem *p, const ActiveSet *on, const cplx *heading, const double *straight, cplx m)
 {
     double times[MOST];

@@ -1,17 +1,17 @@
 /* All roots of the one equation between two points of a curve, for one choice of signs.
  *
- * The terms of slow turns are as long as their radii and cancel almost wholly: what is left may be the millionth
- * part, and bends on a scale of its own. Bounds term by term would need millions of pieces. So the sum is expanded
- * about the middle of a piece to the third power of s, in which terms cancel as they do, and only what is beyond it is
- * bounded term by term. A piece is halved until the expansion shows that the sum has no root there, or is monotone.
- * A sum that touches 0, or ends at it, to within the slack counts as a root: there the goal is at the edge of reach.
- * One that is 0 throughout, as with maneuvers that lead nowhere, is a family of times of one cost: two of them do.
+ * The terms of slow turns are as long as their radii and cancel almost completely: what remains may be a millionth of
+ * them. Bounds term by term would need millions of pieces. So the sum is expanded about the middle of a piece to the
+ * third power of s, and only the remainder is bounded term by term. A piece is halved until the expansion shows that
+ * it has no root or is monotone. A sum that touches 0, or ends at it, to within the slack counts as a root: the goal
+ * is at the edge of reach. A sum that is 0 throughout, as with maneuvers without displacement, is a family of times of
+ * one cost, of which its two ends are taken.
  */
 #include "coasting.h"
 
 #define ROUNDING 1e-15    /* of the largest term of a sum */
-#define MOST_HALVED 60    /* times that a piece of a curve is halved */
-#define TOLD_APART 0.1    /* of the slack; what varies by less is flat */
+#define MOST_HALVED 60    /* halvings of a piece */
+#define TOLD_APART 0.1    /* of the slack; smaller variation is none */
 #define REFINED 80        /* rounds of refinement ... */
 #define ROOT_ROUNDING 1e-12 /* ... and of s: smaller steps are rounding */
 
@@ -45,7 +45,7 @@ static void expand(Series *t, double weight, double inverse, double above, doubl
     t->fourth += bound;
 }
 
-/* The sum at s, with bounds that hold down to low and as far up. */
+/* Expands the sum at s; bounds hold from low to as far on the other side. */
 static Series series(const Chain *c, const double *signs, double s, double low)
 {
     Series t = {.value = -c->problem->tolerance, .size = c->problem->tolerance};
@@ -73,7 +73,7 @@ static double sum(const Chain *c, const double *signs, double s, double *slope)
     return total;
 }
 
-/* The root between two points whose values differ in sign: Newton, kept in by bisection. */
+/* Refines the root between two points of different signs: Newton's method, safeguarded by bisection. */
 static void refine(const Chain *c, const double *signs, double low, double high, double f_low)
 {
     double s = 0.5 * (low + high), slope;
@@ -99,7 +99,7 @@ static int piece_too_long(const Chain *c, const double *signs, double low, doubl
     return turns_too_long(c, from, to);
 }
 
-/* Halves a piece until its roots are known. */
+/* Isolates the roots of a piece by halving. */
 void isolate(const Chain *c, const double *signs, double low, double high, int halved)
 {
     double s = 0.5 * (low + high), w = 0.5 * (high - low);
@@ -115,7 +115,7 @@ void isolate(const Chain *c, const double *signs, double low, double high, int h
     if (monotone || level) {
         double first = sum(c, signs, low, &slope), last = sum(c, signs, high, &slope);
         int crosses = monotone && (first > 0) != (last > 0);
-        /* What is level in the middle may still bend between it and the ends. */
+        /* A sum that is flat in the middle may still vary towards the ends. */
         int done = monotone || (fabs(first) <= 2 * near && fabs(last) <= 2 * near);
         if (crosses) refine(c, signs, low, high, first);
         if (done && !crosses && fabs(first) <= near) emit_times(c, signs, low);

@@ -1,8 +1,8 @@
-/* One stretch as a function of u: what it adds to the way, and its heading.
+/* A stretch's contribution and heading as functions of u.
  *
- * Along a curve u runs from 0 to `most`, the least of the stretches' limits. A slow turn that flies nearly straight
- * at the goal stands a hair below its limit, where u itself tells nothing any more. So curves run along
- * s = sqrt(most^2 - u^2), and a stretch knows by how much its own limit exceeds the least one:
+ * Along a curve u runs from 0 to `most`, the least limit of the stretches. A slow turn flown nearly straight at the
+ * goal is so close to its limit that u no longer resolves its heading. So curves are parametrised by s = sqrt(most^2 -
+ * u^2), and each stretch stores by how much its own limit exceeds the least one:
  *
  *     E = sqrt(limit^2 - u^2) = sqrt(above + s^2),   above = limit^2 - most^2.
  *
@@ -11,16 +11,17 @@
 #include "coasting.h"
 
 #define BLUR 3e-8         /* rad; rounding of a heading near the end of its curve */
-#define NEAR_THE_LIMIT 0.9 /* of u; beyond, E tells the heading better */
+#define NEAR_THE_LIMIT 0.9 /* of u; beyond, the heading follows from E more precisely */
 
 double across(const Chain *c, double s) { return sqrt(greater(0, (c->most - s) * (c->most + s))); }
 
-/* exp(i chi) of a stretch at u, and what the stretch adds to the way, seen from alpha; root is +-E / limit. */
+/* Sets exp(i chi) of a stretch at u, times any length; returns its contribution to the displacement, seen from alpha.
+ * root is +-E / limit. */
 cplx add(const Stretch *s, double u, double root, Point *point, int j)
 {
     if (s->straight < 0) {
         cplx seen = root + I * (s->size > 0 ? u * s->a / s->size : 0);
-        point->chi[j] = s->size > 0 ? conj(s->A) / s->size * seen : seen;
+        point->chi[j] = s->size > 0 ? conj(s->A) * seen : seen;
         return s->size * seen;
     }
     cplx chi = conj(s->w) / s->speed * (-u / s->speed + I * root);
@@ -30,28 +31,28 @@ cplx add(const Stretch *s, double u, double root, Point *point, int j)
     return chi * (s->A + time * s->w);
 }
 
-/* The candidate whose headings a point of a curve gives. */
+/* Proposes the candidate whose headings are those of a point of a curve. */
 void set_headings(const Chain *c, Point *point)
 {
     cplx heading[MOST + 2], alpha = point->alpha / cabs(point->alpha);
     for (int j = 0; j < c->free; j++) heading[j + 1] = alpha * point->chi[j];
     heading[c->free + 1] = c->last;
-    /* At the edge of reach no multiplier is finite, and to turns that share a heading the goal is worth nothing. */
+    /* At the edge of reach no multiplier is finite, and for turns that share a heading it is 0. */
     int finite = point->u > 0 && !c->on->shared;
     propose_headings(c->problem, c->on, heading, point->straight, finite ? alpha / point->u : 0);
 }
 
 double E_of(const Stretch *one, double s) { return sqrt(one->above + s * s); }
 
-/* What a stretch adds along alpha, but for its sign. Across alpha all stretches add u a_j, which sums to 0 with the
- * goal's. */
+/* Contribution of a stretch along alpha, without its sign. Across alpha all stretches add u a_j, which sums to 0 with
+ * the goal's. */
 double along(const Stretch *one, double E)
 {
     if (one->straight >= 0) return one->a * E - one->K / E;
     return one->a == 0 ? one->size : fabs(one->a) * E;
 }
 
-/* How that changes with s. */
+/* Derivative of the contribution by s. */
 double slope_of(const Stretch *one, double E, double s)
 {
     double rises = E > 0 ? s / E : 1;
@@ -59,7 +60,7 @@ double slope_of(const Stretch *one, double E, double s)
     return fabs(one->a) * rises;
 }
 
-/* The heading of a stretch, seen from alpha, with the sign +; with the sign - it is mirrored. */
+/* Heading of a stretch seen from alpha, for the sign +, or mirrored for the sign -. */
 double heading_of(const Stretch *one, double u, double E, int plus)
 {
     double share = u / one->limit, angle = share < NEAR_THE_LIMIT ? asin(share) : acos(lesser(1, E / one->limit));
@@ -71,7 +72,7 @@ double heading_of(const Stretch *one, double u, double E, int plus)
     return (plus ? angle : PI - angle) - one->aside;
 }
 
-/* The candidate at a point of a curve. */
+/* Proposes the candidate at a point of a curve. */
 void emit_times(const Chain *c, const double *signs, double s)
 {
     Point point = {.u = across(c, s)};
@@ -84,7 +85,7 @@ void emit_times(const Chain *c, const double *signs, double s)
     set_headings(c, &point);
 }
 
-/* The least seconds of the turn from one heading to another, both monotone between two points of a curve. */
+/* Least duration of the turn between two headings that are monotone between two points of a curve. */
 static double least_turn(double rate, double from, double from_end, double to, double to_end)
 {
     double low = lesser(to, to_end) - greater(from, from_end), high = greater(to, to_end) - lesser(from, from_end);
@@ -99,14 +100,14 @@ static double least_turn(double rate, double from, double from_end, double to, d
     return rest + (high + BLUR - low) >= 2 * PI ? 0 : rest / fabs(rate);
 }
 
-/* Whether the turns take longer than allowed everywhere between two points of a curve, whose headings are given.
- * Straight lines that stand for slow turns take another time than they will. */
+/* Whether the turns exceed the seconds left everywhere between two points of a curve with given headings. Straight
+ * lines in place of slow turns have no such bound. */
 int turns_too_long(const Chain *c, const double *from, const double *to)
 {
     if (c->on->slow) return 0;
     double spent = 0, allowed = c->problem->best - c->problem->fixed;
     for (int j = 0; j <= c->free; j++) {
-        /* The goal's own heading is -alpha, and what is fixed is seen from alpha through it. */
+        /* The goal's own heading is -alpha: fixed headings are seen from alpha through it. */
         int before = j ? j - 1 : c->free;
         if (j < c->free) spent += least_turn(c->stretch[j].rate, from[before], to[before], from[j], to[j]);
         else if (c->last_rate != 0)

@@ -1,39 +1,36 @@
-/* The public face: problems in any units, solved in units of their own.
+/* Solver and lower bounds of one walk, in scaled units.
  *
- * Thresholds compare numbers of about 1: lengths are in units of the displacements, times in units of the time that
- * the fastest coast takes for them. Units are powers of two, so nothing is rounded.
+ * Thresholds compare numbers of about 1: the unit of length is about the size of the displacements, the unit of time
+ * that in which the fastest coast covers it. Units are powers of two, so that scaling does not round.
  */
 #include "coasting.h"
 
-#define CLIMBS 8          /* rounds of a bound */
+#define CLIMBS 8          /* ascent steps of a dual bound */
 
 typedef struct {
     Problem problem;
-    double metre, second;        /* what the units are in metres and seconds */
+    double metre, second;        /* the units */
     double rate[MOST], size_D[MOST], speed[MOST];
     cplx W[MOST], C[MOST], D[MOST];
 } InUnits;
 
-/* The power of two that is next above a number; 1 for numbers that have none. */
+/* The next power of two above a number. */
 static double power_of_two(double number)
 {
     int exponent;
-    if (!(number > 0 && number < INFINITY)) return 1;
     frexp(number, &exponent);
     return ldexp(1, exponent);
 }
 
 static void to_units(const Problem *p, InUnits *u)
 {
-    double size = cabs(p->goal), speed = 0, rate = 0;
+    double size = cabs(p->goal), speed = 0;
     for (int k = 0; k < p->trims; k++) {
         size += p->size_D[k];
         speed = greater(speed, p->speed[k]);
-        rate = greater(rate, fabs(p->rate[k]));
     }
-    if (!(size > 0)) size = speed > 0 && rate > 0 ? speed / rate : 1;
-    u->metre = power_of_two(size);
-    u->second = power_of_two(speed > 0 ? u->metre / speed : 1 / rate);
+    u->metre = size > 0 ? power_of_two(size) : 1;
+    u->second = speed > 0 ? power_of_two(u->metre / speed) : 1;
     for (int k = 0; k < p->trims; k++) {
         u->rate[k] = p->rate[k] * u->second;
         u->size_D[k] = p->size_D[k] / u->metre;
@@ -57,37 +54,34 @@ static void to_units(const Problem *p, InUnits *u)
     u->problem.multiplier *= u->metre / u->second;
 }
 
-/* The best times of a walk at one level, with at most so many that are not 0; they count if they are faster than the
- * best so far. */
-void solve(Problem *p, int most)
+/* Solves a walk at one level with at most so many nonzero times; they count if they are faster than the incumbent.
+ * After the deadline they are the best so far. */
+void solve_with(Problem *p, int most, const SolveContext *context)
 {
     InUnits u;
     to_units(p, &u);
-    double known = u.problem.best;
-    solve_in_units(&u.problem, most);
-    if (!(u.problem.best < known)) return;
+    double began = u.problem.best;
+    solve_in_units(&u.problem, most, &(Unscaled){p, u.metre, u.second, context});
+    if (!(u.problem.best < began)) return;
     p->best = p->fixed;
     for (int k = 0; k < p->trims; k++) {
-        p->times[k] = u.problem.times[k] * u.second;
+        /* + 0.0 makes -0 positive. */
+        p->times[k] = u.problem.times[k] * u.second + 0.0;
         p->best += p->times[k];
     }
 }
 
-/* Seconds that a walk takes at least at one level; infinite where its heading cannot be as wanted. */
+void solve(Problem *p, int most) { solve_with(p, most, &(SolveContext){0, 0, INFINITY}); }
+
+/* Lower bound of a walk at one level; infinite where the wanted heading is out of reach. */
 double lower_bound(const Problem *p)
 {
     ActiveSet on;
     choose(p, &on, (1u << p->trims) - 1);
-    if (p->wants_heading && fabs(off_turns(p->heading)) > p->heading_tolerance + p->heading_slack) {
-        int turns = 0;
-        for (int k = 0; k < p->trims; k++) turns |= p->rate[k] != 0;
-        if (!turns) return INFINITY;
-    }
-    return p->fixed + least_time(p, &on, to_cover(p));
+    return p->fixed + greater(least_time(p, &on, to_cover(p)), time_to_turn(p, &on));
 }
 
-/* Whether a walk cannot beat the best so far at its level, by what its coasts reach in time and by multipliers: from
- * that of the problem the best one is left there. */
+/* Whether a walk at one level is dominated by the incumbent, by reach or by multipliers; the best of these is kept. */
 int cannot_beat(Problem *p)
 {
     ActiveSet all;

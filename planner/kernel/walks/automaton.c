@@ -1,7 +1,7 @@
-/* The maneuver automaton at every level, and walks in it. */
+/* Walks of the maneuver automaton as problems of the solver. */
 #include "walks.h"
 
-void read_walk(const Automaton *a, const Task *task, const Entry *entry, Walk *walk)
+void read_walk(const Automaton *a, const Task *task, const Node *entry, Walk *walk)
 {
     walk->length = entry->trims;
     walk->trim[0] = (int)task->start_trim;
@@ -11,7 +11,7 @@ void read_walk(const Automaton *a, const Task *task, const Entry *entry, Walk *w
     }
 }
 
-/* Against the goal, at 5 m/s. */
+/* A starting value: against the goal, at 5 m/s. */
 cplx first_multiplier(cplx goal) { return cabs(goal) > 0 ? -0.2 * goal / cabs(goal) : -0.2; }
 
 void set_task(Problem *row, const Task *task)
@@ -25,7 +25,7 @@ void set_task(Problem *row, const Task *task)
     row->straight = row->hardly_bent = 0;
 }
 
-/* What cheap bounds need: speeds, rates, sizes, and what the maneuvers turn in all. */
+/* Sets what lower bounds need: speeds, rates, lengths, and the heading change of all maneuvers. */
 void set_sizes(WalkProblem *one, const Automaton *a, const Task *task, const Walk *walk, int level)
 {
     int maneuvers = a->first[a->trims];
@@ -47,14 +47,14 @@ void set_sizes(WalkProblem *one, const Automaton *a, const Task *task, const Wal
     row->size_D = one->size_D;
 }
 
-/* A vector turned by a factor, each part rounded once less: on every machine the bits that plans always had. */
+/* Rotates a vector by a unit factor with two roundings a part, not three. */
 static cplx rotated(cplx vector, cplx factor)
 {
     double x = creal(vector), y = cimag(vector), c = creal(factor), s = cimag(factor);
     return fma(x, c, -(y * s)) + I * fma(x, s, y * c);
 }
 
-/* The rest: what the maneuvers before have turned is folded into the vectors. */
+/* Sets the vectors, rotated by the heading changes of the maneuvers before. */
 void set_vectors(WalkProblem *one, const Automaton *a, const Walk *walk, int level)
 {
     int maneuvers = a->first[a->trims];

@@ -1,4 +1,4 @@
-/* The best times of many rows, each on its own. */
+/* Best coasting times of many walks, each on its own. */
 #include "walks.h"
 
 typedef struct {
@@ -26,7 +26,7 @@ static void load(Problem *row, const Task *task, const Table *table, long index)
     row->multiplier = first_multiplier(row->goal);
 }
 
-/* The least cost of every row on its own, infinite where it does not reach the goal, and its times. */
+/* Solves every walk on its own: its least cost, infinite where the goal is out of reach, and its times. */
 PUBLIC void each(const Task *task, const Table *table, double *costs, double *times)
 {
     for (long index = 0; index < table->walks; index++) {

@@ -1,17 +1,17 @@
-/* Walks and beginnings of walks that wait, the one with the least bound first. */
+/* Priority queue of nodes, a heap with four children, least lower bound first. */
 #include "walks.h"
 
-#define SOME 1024         /* entries that there is room for at first */
+#define FIRST_CAPACITY 1024 /* entries allocated at first */
 
-/* By bound; then beginnings before walks, short walks before long ones, and in the order of the library. */
-static int before(const Entry *one, const Entry *other)
+/* Orders by bound; then inner nodes before leaves, short prefixes before long ones, and by the library's order. */
+static int before(const Node *one, const Node *other)
 {
     if (one->bound != other->bound) return one->bound < other->bound;
-    if (one->closed != other->closed) return one->closed < other->closed;
+    if (one->leaf != other->leaf) return one->leaf < other->leaf;
     if (one->trims != other->trims) return one->trims < other->trims;
-    for (int k = 0; k < one->trims - 1; k++)
-        if (one->step[k] != other->step[k]) return one->step[k] < other->step[k];
-    return 0;
+    int k = 0;
+    while (k < one->trims - 2 && one->step[k] == other->step[k]) k++;
+    return one->step[k] < other->step[k];
 }
 
 int in_order(const void *one, const void *other)
@@ -19,22 +19,22 @@ int in_order(const void *one, const void *other)
     return before(one, other) ? -1 : before(other, one);
 }
 
-/* Makes room for so many more; 0 if there is none to be had. */
-int has_room(Frontier *f, long more)
+/* Reserves space for more nodes; returns 0 where the limit or the memory is exhausted. */
+int reserve(Frontier *f, long more)
 {
-    if (f->count + more <= f->room) return 1;
+    if (f->count + more <= f->capacity) return 1;
     if (f->count + more > f->most) return 0;
-    long room = smaller(larger(f->count + more, larger(2 * f->room, SOME)), f->most);
-    Entry *entries = realloc(f->entries, sizeof(Entry) * (size_t)room);
+    long capacity = smaller(larger(f->count + more, larger(2 * f->capacity, FIRST_CAPACITY)), f->most);
+    Node *entries = realloc(f->entries, sizeof(Node) * (size_t)capacity);
     if (!entries) return 0;
     f->entries = entries;
-    f->room = room;
+    f->capacity = capacity;
     return 1;
 }
 
-void append(Frontier *f, const Entry *entry) { f->entries[f->count++] = *entry; }
+void append(Frontier *f, const Node *entry) { f->entries[f->count++] = *entry; }
 
-void push(Frontier *f, const Entry *entry)
+void push(Frontier *f, const Node *entry)
 {
     long place = f->count++;
     while (place > 0) {
@@ -46,9 +46,9 @@ void push(Frontier *f, const Entry *entry)
     f->entries[place] = *entry;
 }
 
-Entry pop(Frontier *f)
+Node pop(Frontier *f)
 {
-    Entry first = f->entries[0], last = f->entries[--f->count];
+    Node first = f->entries[0], last = f->entries[--f->count];
     long place = 0;
     for (;;) {
         long best = 4 * place + 1;

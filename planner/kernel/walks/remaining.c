@@ -1,11 +1,11 @@
-/* Bounds of what is left of a walk: for all ways on from a trim with so many trims more.
+/* Lower bounds of the continuations of a walk, by trim and number of trims left.
  *
- * Where no trim of a walk is faster than v, it takes at least
+ * If v is the speed of its fastest trim, a walk takes at least
  *
- *     its maneuvers' seconds + (distance - what its maneuvers displace) / v,
+ *     duration of its maneuvers + (distance - displacement of its maneuvers) / v,
  *
- * which is a sum over maneuvers: the least over all ways on follows by dynamic programming. As it is not known which
- * will be the fastest trim, it is done for some speeds; and once more for seconds alone.
+ * a sum over maneuvers: the least over all continuations follows by dynamic programming. The fastest trim is not known
+ * beforehand, so the sum is minimised for several groups of speeds, and once for the durations alone.
  */
 #include "walks.h"
 
@@ -20,7 +20,7 @@ static int ascending(const void *one, const void *other)
     return (a > b) - (a < b);
 }
 
-/* The speeds of a level, and which each trim belongs to. */
+/* Groups the trims of a level by speed. */
 static void group_speeds(Remaining *r, const Automaton *a, int level, double *sorted)
 {
     const double *speed = a->speed + (long)level * a->trims;
@@ -32,7 +32,7 @@ static void group_speeds(Remaining *r, const Automaton *a, int level, double *so
     groups = r->speeds[level] = different < SPEEDS ? different : SPEEDS;
     for (int g = 0; g < groups; g++) {
         double fastest = sorted[(g + 1) * different / groups - 1];
-        /* In hover nothing is covered: any slowness does. */
+        /* In hover no distance is covered: any slowness is valid. */
         r->slowness[level][g] = 1 / (fastest > 0 ? fastest : different > 1 ? sorted[1] : 1);
     }
     for (int i = 0; i < a->trims; i++) {
@@ -42,7 +42,7 @@ static void group_speeds(Remaining *r, const Automaton *a, int level, double *so
     }
 }
 
-/* The least for one level and speed, and every number of trims left. */
+/* Dynamic programming for one level and one group of speeds. */
 static void find_least(Remaining *r, const Automaton *a, const Task *task, int level, int speed)
 {
     long maneuvers = a->first[a->trims];
@@ -80,13 +80,13 @@ int make_remaining(Remaining *r, const Automaton *a, const Task *task)
 
 void free_remaining(Remaining *r) { free(r->group); free(r->least); }
 
-/* Seconds that every walk takes that begins so, is at a trim, and may have so many trims more. */
-double least_seconds(const Remaining *r, int level, const Beginning *begun, int trim, int left)
+/* Lower bound of all walks with a prefix, a last trim, and at most so many trims more. */
+double least_seconds(const Remaining *r, int level, const Prefix *prefix, int trim, int left)
 {
     double least = INFINITY, alone = least_from(r, level, SPEEDS, left)[trim];
-    for (int g = begun->group; g < r->speeds[level]; g++)
-        least = lesser(least, r->slowness[level][g] * begun->distance + least_from(r, level, g, left)[trim]);
-    least = begun->fixed + greater(least, alone);
-    /* Rounding does not make it more than the bound of a walk. */
+    for (int g = prefix->group; g < r->speeds[level]; g++)
+        least = lesser(least, r->slowness[level][g] * prefix->distance + least_from(r, level, g, left)[trim]);
+    least = prefix->fixed + greater(least, alone);
+    /* Not above the bound of a single walk through rounding. */
     return least - 1e-12 * fabs(least);
 }

@@ -166,6 +166,19 @@ def test_where_there_is_no_way_that_is_proved_too() -> None:
     assert any("not refuted" in problem for problem in plan_problems(plan, library, ahead))
 
 
+def test_a_turn_that_its_error_cancels_is_a_straight_line_in_every_proof() -> None:
+    """At gamma 1 the trim flies straight past the goal, for as long as it likes."""
+    turn = Trim(1, "turn", Twist(7.0, 0.0, 0.1), Twist(0.0, 0.0, -0.1))
+    library = Library("cancelled", "", "", (turn,), ())
+    mission = Mission("abeam", SE2.identity(), 1, (30.0, 9.0), 0.5, max_trims=1)
+    plan = certify_plan(worst_case_planner(library, 1.0).plan(mission), library, mission)
+    assert (plan.status, plan.reason) == (
+        "infeasible",
+        "no walk of at most 1 trims leads to the goal, proved",
+    )
+    assert plan_problems(plan, library, mission) == ()
+
+
 def test_a_plan_that_is_not_the_best_is_not_certified() -> None:
     library, mission = thesis_kinematic(), Mission("slow", SE2.identity(), 1, (30.0, 12.0), 0.0)
     best = nominal_planner(library).plan(mission)
@@ -212,7 +225,7 @@ PIVOT, LEFT = Twist(0.0, 0.0, 0.5), Twist(2.0, 0.0, -0.4)
 )
 @pytest.mark.parametrize("goal", [(0.0, 0.0), (5.0, 0.0), (-5.0, 0.3), (0.2, 9.0)])
 @pytest.mark.parametrize("tolerance", [0.0, 0.6])
-def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
+def test_odd_libraries_give_a_proof_or_an_unproved_status(
     trims: tuple[Twist, ...], goal: tuple[float, float], tolerance: float
 ) -> None:
     library = lonely(*trims)
@@ -222,7 +235,7 @@ def test_odd_libraries_are_answered_with_a_proof_or_an_honest_no(
     assert plan_problems(plan, library, mission) == ()
 
 
-def test_the_verb_leaves_a_proof_that_the_other_verb_believes(
+def test_a_certificate_of_plan_is_verified_by_plan_check(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     path = tmp_path / "plan.json"

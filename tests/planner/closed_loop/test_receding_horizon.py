@@ -64,7 +64,7 @@ class Refusing:
 
 
 def track(*points: tuple[float, float, float, float]) -> Leg:
-    return Leg(points[-1][0] - points[0][0], settled=True, track=np.array(points))
+    return Leg(points[-1][0] - points[0][0], settled=True, track=np.array(points, dtype=float))
 
 
 def test_without_errors_and_replanning_the_flight_is_the_plan() -> None:
@@ -105,7 +105,7 @@ def test_a_started_maneuver_is_finished_before_planning_again() -> None:
     assert len(longer) >= 3
 
 
-def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_tolerance() -> None:
+def test_replans_start_at_the_estimated_pose_with_a_tighter_tolerance() -> None:
     result = flown(shipped("gtmax-2"), Settings(tolerance_share=0.1, aim=0.5, latency=Latency(0.0)))
     tolerances = [mission.tolerance for mission in result.missions]
     distances = [mission.start.distance_to(mission.goal) for mission in result.missions]
@@ -117,7 +117,7 @@ def test_planning_starts_where_the_vehicle_believes_to_be_and_tightens_its_toler
     assert sorted(set(places)) == places
 
 
-def test_a_replanning_that_fails_is_counted_and_the_plan_before_it_flown_on_to_rest() -> None:
+def test_a_failed_replan_is_counted_and_the_previous_plan_ends_in_a_safe_stop() -> None:
     mission, library = shipped("gtmax-2"), thesis_gtmax()
     planner = Refusing(nominal_planner(library), plans=2)  # the predicted time and the first plan
     settings = Settings(max_activations=40)
@@ -177,24 +177,24 @@ def test_time_outs_and_losses_end_the_flight_as_not_reached(
 
 def test_a_goal_to_be_met_exactly_cannot_be_flown() -> None:
     mission, library = shipped("kinematic-1"), thesis_kinematic()
-    with pytest.raises(NoToleranceError, match="kinematic-1: a flight needs a goal tolerance > 0 m"):
+    with pytest.raises(NoToleranceError, match="kinematic-1: expected a goal tolerance > 0 m"):
         fly_closed_loop(vehicle(library, mission), mission, planner=nominal_planner(library), library=library)
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    ("setting", "words"),
     [
-        {"activation_interval": 0.0},
-        {"max_activations": 0},
-        {"final_tolerance": 0.0},
-        {"tolerance_share": 1.0},
-        {"aim": 0.0},
-        {"hysteresis": -1.0},
+        ({"activation_interval": 0.0}, "replan interval must be > 0"),
+        ({"max_activations": 0}, "number of replans must be >= 1"),
+        ({"final_tolerance": 0.0}, "final_tolerance must be > 0 m"),
+        ({"tolerance_share": 1.0}, "tolerance_share must be in"),
+        ({"aim": 0.0}, "aim must be in"),
+        ({"hysteresis": -1.0}, "hysteresis must be >= 0 s"),
     ],
 )
-def test_settings_that_cannot_close_a_loop_are_refused(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        Settings(**wrong)  # type: ignore[arg-type]
+def test_settings_that_cannot_close_a_loop_are_refused(setting: dict[str, float], words: str) -> None:
+    with pytest.raises(ValueError, match=words):
+        Settings(**setting)  # type: ignore[arg-type]
 
 
 def test_a_true_gamma_beyond_the_errors_of_the_library_is_refused() -> None:
@@ -208,7 +208,7 @@ def test_arrival_is_where_the_line_between_two_points_enters_the_disc() -> None:
     assert arrival.time == pytest.approx(10 - np.sqrt(0.75))
 
 
-def test_a_track_that_passes_by_has_not_arrived_but_says_how_near_it_came() -> None:
+def test_a_track_that_passes_the_goal_has_not_arrived_and_has_a_least_distance() -> None:
     goal = Mission("goal", SE2.identity(), 1, (10.0, 1.5), 1.0)
     arrival = first_arrival([track((0, 0, 0, 0), (20, 20, 0, 0)).track], goal.destination)
     assert arrival.time is None

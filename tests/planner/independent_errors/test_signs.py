@@ -58,7 +58,7 @@ def test_in_the_simple_example_the_single_gamma_is_the_worst() -> None:
 
 
 @pytest.mark.parametrize("name", ["gtmax-1", "gtmax-2"])
-def test_through_turns_a_single_gamma_is_too_hopeful(name: str) -> None:
+def test_a_single_gamma_is_optimistic_through_turns(name: str) -> None:
     library, mission = thesis_gtmax(), read_mission(MISSIONS / f"{name}.toml")
     plan = worst_case_planner(library, 0.5).plan(mission)
     signs = enumerate_signs(library, mission, plan.sequence, plan.coasting_times, gamma=0.5)

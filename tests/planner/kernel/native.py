@@ -2,6 +2,7 @@
 
 import ctypes
 from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -16,6 +17,9 @@ MOST = 12
 
 # Nothing is static: what is private to a unit can be called; inline functions are then defined in every unit.
 PRIVATE_TOO = ("-Dstatic=", "-fgnu89-inline", "-Wl,-z,muldefs")
+
+COUNTED = ("-finstrument-functions",)
+COUNTER = Path(__file__).parent / "calls.c"
 
 
 class Complex(ctypes.Structure):
@@ -64,7 +68,7 @@ class ActiveSet(ctypes.Structure):
 
     _fields_ = (
         ("count", ctypes.c_int),
-        ("place", ctypes.c_int * MOST),
+        ("place", ctypes.c_int * (MOST + 1)),
         ("turns", ctypes.c_int),
         ("bound_heading", ctypes.c_int),
         ("target", ctypes.c_double),
@@ -110,13 +114,20 @@ class Chain(ctypes.Structure):
 @cache
 def native() -> Any:
     """Returns the units."""
-    units = [source for source in SOURCES if source.parent.name == "coasting"]
-    flags = [flag for flag in FLAGS if "visibility" not in flag]
-    found = ctypes.CDLL(str(shared_library(units, headers=HEADERS, flags=[*flags, *PRIVATE_TOO])))
+    units = [COUNTER, *(source for source in SOURCES if source.parent.name == "coasting")]
+    flags = [*(flag for flag in FLAGS if "visibility" not in flag), *PRIVATE_TOO, *COUNTED]
+    found = ctypes.CDLL(str(shared_library(units, headers=HEADERS, flags=flags)))
+    found.calls_of.restype = ctypes.c_long
     found.motion.restype = Complex
     for name in ("least_time", "to_cover", "lower_bound", "best_cosine", "least_turn", "along", "slope_of"):
         getattr(found, name).restype = ctypes.c_double
     return found
+
+
+def calls(name: str) -> int:
+    """Returns how often a function was called since calls were forgotten."""
+    address = ctypes.cast(getattr(native(), name), ctypes.c_void_p)
+    return int(native().calls_of(address))
 
 
 def problem_of(walk: WalkProblem, *, slack: float = 1e-9) -> Problem:

@@ -17,7 +17,7 @@ def test_many_odd_missions_are_planned_as_well_as_the_reference_plans_them(
     study: Study,
 ) -> None:
     """Runs by `pytest tests/planner/kernel/test_planning_proof.py -m slow --missions 20000 --seed 1`."""
-    tally = prove(study.size("seed", 1), study.size("missions", 2000))
+    tally = prove(study.size("seed", 1), study.size("missions", 2000), processes=study.size("workers", 2))
     study.show(tally.text())
     assert not tally.faults
     assert not tally.contradictions

@@ -1,4 +1,4 @@
-"""Tests of the reference that plans are held to: known optima, flights by small steps, negative controls."""
+"""Tests of the reference planner: known optima, small steps, negative controls."""
 
 from cmath import exp
 from dataclasses import replace

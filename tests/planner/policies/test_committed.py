@@ -57,7 +57,7 @@ def test_a_straight_coast_is_as_long_as_its_slowest_level_needs() -> None:
     assert plan.coasting_times == pytest.approx((17.0 / 1.9,), abs=1e-5)
 
 
-def test_where_the_levels_spread_too_far_the_smallest_tolerance_is_the_half_of_it() -> None:
+def test_the_smallest_tolerance_is_half_the_distance_between_the_ends() -> None:
     # At t seconds the levels are at 1.9 t and 2.1 t: both are equally far from 20 m where t is 10 s.
     mission = Mission("north", SE2.identity(), 1, (20.0, 0.0), tolerance=0.9, max_trims=1)
     plan = CommittedPlanner(straight(0.1), 1.0).plan(mission)
@@ -226,7 +226,7 @@ def test_the_verb_plans_and_checks(tmp_path: Path, capsys: pytest.CaptureFixture
     )
     asked = ["plan", str(mission), "--library", "thesis-gtmax", "--policy", "committed", "--gamma", "0.5"]
     assert run([*asked, "--out", str(path)]) == 1
-    assert "the smallest tolerance for which there is a plan" in capsys.readouterr().out
+    assert "smallest feasible tolerance" in capsys.readouterr().out
     plan = read_plan(path)
     assert plan_text(plan) == path.read_text()
     assert plan.at_smallest_tolerance is not None
@@ -271,7 +271,7 @@ def test_a_horizon_that_no_search_has_is_refused(
     assert said.count("\n") == 1
 
 
-def test_a_search_that_is_stopped_early_says_so_and_its_bound_holds() -> None:
+def test_a_search_stopped_early_is_feasible_and_its_bound_is_valid() -> None:
     _, library, mission = case()
     wide = replace(mission, tolerance=2.0)
     plan, early = (CommittedPlanner(library, 0.4, max_nodes=nodes).plan(wide) for nodes in (None, 1))

@@ -27,7 +27,7 @@ def test_for_the_nominal_time_there_is_no_robustness() -> None:
     assert plan.cost == pytest.approx(nominal_planner(LIBRARY).plan(MISSION).cost, abs=1e-6)
 
 
-def test_the_price_of_a_level_buys_that_level_and_the_plan_keeps_its_word() -> None:
+def test_the_alpha_of_a_gamma_gives_that_gamma_and_a_valid_plan() -> None:
     nominal, worst = nominal_planner(LIBRARY).plan(MISSION), worst_case_planner(LIBRARY, 0.5).plan(MISSION)
     plan = PriceOfRobustness(LIBRARY, worst.cost / nominal.cost).plan(MISSION)
     assert plan.gamma == pytest.approx(0.5, abs=1e-5)

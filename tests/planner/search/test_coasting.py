@@ -39,9 +39,9 @@ def solve(numbers: WalkMotion, asked: Mission) -> tuple[float, ...] | None:
     table = kernel_table(
         np.ones((1, trims), dtype=int),
         velocity=np.array([[complex(v.forward, v.side) for v in numbers.velocities]]),
-        rate=np.array([[v.yaw_rate for v in numbers.velocities]]),
-        displacement=np.array([[complex(d.x, d.y) for d in numbers.displacements]]).reshape(1, trims - 1),
-        turn=np.array([[d.heading for d in numbers.displacements]]).reshape(1, trims - 1),
+        rate=np.array([[v.yaw_rate for v in numbers.velocities]], dtype=float),
+        displacement=np.array([[complex(d.x, d.y) for d in numbers.displacements]], dtype=complex),
+        turn=np.array([[d.heading for d in numbers.displacements]], dtype=float),
         fixed=np.array([numbers.fixed_time]),
     )
     costs, times = best_times(table, asked)

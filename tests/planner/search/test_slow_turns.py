@@ -177,7 +177,7 @@ def test_a_turn_too_slow_to_show_is_certified_as_a_straight_line(rate: float, to
     assert plan.status == "optimal", plan.reason
 
 
-def test_no_certificate_says_more_than_is_so_where_turns_are_taken_as_straight_lines() -> None:
+def test_certificates_are_valid_where_slow_turns_count_as_straight_lines() -> None:
     library = library_of(0.1, 0.0, 1e-9, speeds=(3.0, 2.0, 3.0), turns=(0.0, 0.1, 0.0, -0.1, 0.2, 0.0))
     mission = Mission("short", SE2.identity(), 1, (11.0, -6.0), 0.5, max_trims=2)
     plan = nominal_planner(library).plan(mission)

@@ -93,7 +93,7 @@ def test_many_walks_at_once_are_flown_like_one(numbers: WalkMotion, seed: int) -
     times = np.random.default_rng(seed).uniform(0, 8, (2, 3, len(numbers.velocities)))
     rate = np.array([v.yaw_rate for v in numbers.velocities])
     velocity = np.array([complex(v.forward, v.side) for v in numbers.velocities])
-    nothing = np.zeros(len(rate))
+    nothing = np.zeros(len(rate), dtype=complex)
     many = fly_walks(velocity, rate, nothing, times)
     one = fly_walks(velocity, rate, nothing, times[1, 2])
     assert many.end[1, 2] == pytest.approx(one.end, abs=TWIN_AGREEMENT)

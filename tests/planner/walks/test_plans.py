@@ -11,6 +11,7 @@ from flight.automaton.library import Library
 from flight.automaton.maneuver import Maneuver, ManeuverError
 from flight.automaton.trim import Trim
 from flight.errors import UnknownTrimError
+from flight.mission.destination import SLACK
 from flight.mission.mission import Mission, read_mission
 from flight.plan.plan import Plan
 from flight.se2 import SE2, Twist
@@ -104,7 +105,7 @@ def test_a_plan_can_be_asked_to_end_with_a_heading() -> None:
     plan = nominal_planner(thesis_gtmax()).plan(mission)
     assert plan.verified
     off = plan.deciding.end.heading - pi / 2
-    assert abs(off - 2 * pi * round(off / (2 * pi))) <= 0.2
+    assert abs(off - 2 * pi * round(off / (2 * pi))) <= 0.2 + SLACK
     assert plan.cost > nominal_planner(thesis_gtmax()).plan(replace(mission, goal_heading=None)).cost
 
 
@@ -193,7 +194,7 @@ def test_a_plan_that_fails_its_check_is_withheld(monkeypatch: pytest.MonkeyPatch
     assert "broken on purpose" in plan.reason
 
 
-def test_a_plan_can_be_drawn_and_an_honest_no_cannot() -> None:
+def test_a_plan_can_be_drawn_and_a_result_without_plan_cannot() -> None:
     library, mission = thesis_kinematic(), shipped("kinematic-2")
     axes = plan_picture(worst_case_planner(library, 1.0).plan(mission), library, mission).axes[0]
     assert axes.get_aspect() == 1.0

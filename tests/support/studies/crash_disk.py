@@ -65,7 +65,7 @@ class _State:
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class DiskStep:
     """One call of the disk; what a write adds stands in `content`."""
 
     what: str
@@ -83,7 +83,7 @@ class NotingDisk(FileSystem):
     """
 
     def __init__(self, piece: int, *, full_after: int | None = None) -> None:
-        self.steps: list[Step] = []
+        self.steps: list[DiskStep] = []
         self._piece, self._full_after, self._open = piece, full_after, dict[int, Path]()
 
     def open(self, path: Path) -> int:
@@ -91,43 +91,43 @@ class NotingDisk(FileSystem):
         self._need_room()
         descriptor = super().open(path)
         self._open[descriptor] = path
-        self.steps.append(Step("open", path))
+        self.steps.append(DiskStep("open", path))
         return descriptor
 
     def write(self, descriptor: int, content: bytes) -> int:
         """Writes at most one piece."""
         self._need_room()
         taken = super().write(descriptor, content[: self._piece])
-        self.steps.append(Step("write", self._open[descriptor], content=content[:taken]))
+        self.steps.append(DiskStep("write", self._open[descriptor], content=content[:taken]))
         return taken
 
     def sync(self, descriptor: int) -> None:
         """Syncs a file's content."""
         self._need_room()
         super().sync(descriptor)
-        self.steps.append(Step("sync", self._open[descriptor]))
+        self.steps.append(DiskStep("sync", self._open[descriptor]))
 
     def rename(self, path: Path, target: Path) -> None:
         """Renames a file."""
         super().rename(path, target)
-        self.steps.append(Step("rename", path, target))
+        self.steps.append(DiskStep("rename", path, target))
 
     def remove(self, path: Path) -> None:
         """Removes a file."""
         super().remove(path)
-        self.steps.append(Step("remove", path))
+        self.steps.append(DiskStep("remove", path))
 
     def sync_folder(self, path: Path) -> None:
         """Syncs a folder's names."""
         super().sync_folder(path)
-        self.steps.append(Step("sync folder", path))
+        self.steps.append(DiskStep("sync folder", path))
 
     def _need_room(self) -> None:
         if self._full_after is not None and len(self.steps) >= self._full_after:
             raise OSError(ENOSPC, "No space left on device")
 
 
-def after_crash(steps: Sequence[Step], loss: Loss, chance: Random) -> dict[Path, bytes]:
+def after_crash(steps: Sequence[DiskStep], loss: Loss, chance: Random) -> dict[Path, bytes]:
     """Returns the files, by name, that a disk may hold when all stops after some steps.
 
     Args:
@@ -149,7 +149,7 @@ def after_crash(steps: Sequence[Step], loss: Loss, chance: Random) -> dict[Path,
     return {path: content.synced for path, content in names.items()}
 
 
-def _take(state: _State, step: Step) -> None:
+def _take(state: _State, step: DiskStep) -> None:
     match step.what:
         case "open":
             if step.path in state.names:

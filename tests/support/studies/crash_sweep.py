@@ -28,7 +28,7 @@ from runtime.atomic_write import FileSystem, remove_partial_files, write_atomica
 from runtime.executor import JobExecutor
 from scenarios.find import find_campaign
 from tests.support.small_campaign import write_small_campaign
-from tests.support.studies.crash_disk import Loss, NotingDisk, Step, after_crash
+from tests.support.studies.crash_disk import DiskStep, Loss, NotingDisk, after_crash
 
 Writer = Callable[[bytes, Path, FileSystem], None]
 Files = dict[str, bytes]
@@ -160,7 +160,7 @@ class _Inline(Executor):
         return future
 
 
-def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[Step], list[tuple[int, str]]]:
+def note(sweep: Sweep, writer: Writer, *, piece: int) -> tuple[list[DiskStep], list[tuple[int, str]]]:
     """Returns every step of an undisturbed run, and after how many each file was said to be there."""
     file_system, reported = NotingDisk(piece), list[tuple[int, str]]()
     sweep.lay_out({})

@@ -12,7 +12,7 @@ SIZES = {
     "mutations": "files that are mutated",
     "primitives": "primitives that are identified",
     "seed": "seed of all that is drawn",
-    "workers": "processes that fly",
+    "workers": "processes side by side",
 }
 """Sizes that may be given on pytest's command line, each with its meaning."""
 

@@ -1,4 +1,4 @@
-"""Publication of a library with its data sheet."""
+"""Files of a library: the library and its data sheet."""
 
 from collections.abc import Iterable
 from pathlib import Path
@@ -16,12 +16,12 @@ def check_library_target(path: Path, *, force: bool, inputs: Iterable[Path] = ()
     Raises:
         FlightError: as `check_output_files`.
     """
-    # A path without a name has no sheet beside it either.
+    # A path without a name has no data sheet.
     file_target(path, force=force)
     check_output_files(path, path.with_suffix(".md"), force=force, inputs=inputs)
 
 
-def publish_library(library: Library, path: Path, *, force: bool) -> None:
+def write_library_files(library: Library, path: Path, *, force: bool) -> None:
     """Writes a library and its data sheet atomically."""
     sheet = path.with_suffix(".md")
     for target, text in ((path, library_text(library)), (sheet, data_sheet(library))):
@@ -30,7 +30,7 @@ def publish_library(library: Library, path: Path, *, force: bool) -> None:
 
 
 def library_report(library: Library, path: Path) -> str:
-    """Returns what is said of a library that was just made."""
+    """Returns the report of a new library."""
     statistics = [trim.statistics for trim in library.trims]
     statistics += [maneuver.statistics for maneuver in library.maneuvers]
     known = [entry for entry in statistics if entry is not None]
@@ -40,7 +40,8 @@ def library_report(library: Library, path: Path) -> str:
     return (
         f"{plural(len(library.trims), 'trim')}, {plural(len(library.maneuvers), 'maneuver')}, "
         f"{flights} each, {plural(sum(entry.timeouts for entry in known), 'time-out')}\n"
-        f"claim      {min(entry.coverage for entry in known):.1%} of future flights inside all bounds of a "
+        f"claim      {min(entry.coverage for entry in known):.1%} of {library.conditions.future_flights} "
+        f"inside all bounds of a "
         f"primitive at once, with {known[0].confidence:.0%} confidence\n"
         f"library    {path}\n"
         f"data sheet {path.with_suffix('.md')}\n"

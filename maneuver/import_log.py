@@ -175,7 +175,9 @@ def _print_rows(flight: FlightLog, facts: dict[str, Any]) -> None:
         ("topics", ", ".join(facts["held"])),
     ]
     if facts["absent_of_the_state"]:
-        rows.append(("missing fields", f"{', '.join(facts['absent_of_the_state'])} of {flight.motion.topic.name}"))
+        rows.append(
+            ("missing fields", f"{', '.join(facts['absent_of_the_state'])} of {flight.motion.topic.name}")
+        )
     rows.append(("missing topics", ", ".join(facts["absent"])))
     taken: dict[str, Any] = facts["import"]
     rows += [(name, value) for name, value in taken.items() if isinstance(value, str) and name != "sha256"]

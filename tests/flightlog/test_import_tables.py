@@ -109,7 +109,7 @@ def test_columns_not_used_are_listed_with_a_name_they_could_have(
     assert json.loads(log.attachments[IMPORT_ATTACHMENT])["not used"] == (
         "heading (could be yaw), u (could be body vx), battery"
     )
-    assert "not used   heading (could be yaw)" in capsys.readouterr().out
+    assert "heading (could be yaw), u (could be body vx), battery\n" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize(

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Real
 
 from flightlog.imports.clock import SECONDS, ClockError, Part, TimeUnit, order_by_time
 
@@ -74,7 +74,7 @@ def _stamps(table: TopicColumns) -> Column | None:
     return None if size is None else np.asarray(numbers * size)
 
 
-def _size(numbers: Column, logged: Column) -> float | None:
+def _size(numbers: Real[np.ndarray, "n"], logged: Float[np.ndarray, "m"]) -> float | None:
     """Returns the unit of stamps by dates or log times, if clear."""
     middle, span, logging = float(np.median(numbers)), float(np.ptp(numbers)), float(np.ptp(logged))
     units: tuple[TimeUnit, ...] = ("s", "ms", "us", "ns")

@@ -6,7 +6,7 @@ from datetime import datetime
 from typing import Any
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Real
 
 from flightlog.consistency import LARGEST_VALUE
 from flightlog.imports.mcap_messages import (
@@ -126,7 +126,7 @@ class TopicColumns:
         """Returns the first log time, nanoseconds."""
         return int(self._logged[0])
 
-    def stamps(self) -> tuple[Float[np.ndarray, "n"], str] | None:
+    def stamps(self) -> tuple[Real[np.ndarray, "n"], str] | None:
         """Returns stamps and their unit, `ns`, `us`, `text` or `?`, if any."""
         given = [stamp for stamp in self._stamps if stamp is not None]
         if not given:

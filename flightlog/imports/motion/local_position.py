@@ -1,6 +1,7 @@
 """Sources of PX4's vehicle_local_position, each with its own validity."""
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 from jaxtyping import Bool, Float
@@ -20,7 +21,7 @@ LEAST_VALID = 0.1
 """Smallest share of valid samples; fields below it are absent."""
 
 
-def local_position_sources(time: Column, fields: Mapping[str, Column]) -> list[Source]:
+def local_position_sources(time: Column, fields: Mapping[str, np.ndarray[Any, Any]]) -> list[Source]:
     """Returns positions and velocities where PX4 marks them as valid.
 
     Args:
@@ -43,5 +44,5 @@ def local_position_sources(time: Column, fields: Mapping[str, Column]) -> list[S
     return sources
 
 
-def _flag(fields: Mapping[str, Column], name: str, count: int) -> Bool[np.ndarray, "n"]:
+def _flag(fields: Mapping[str, np.ndarray[Any, Any]], name: str, count: int) -> Bool[np.ndarray, "n"]:
     return np.asarray(fields[name], bool) if name in fields else np.ones(count, bool)

@@ -110,7 +110,7 @@ def _heading_jumps(time: Column, heading: Float[np.ndarray, "n 1"]) -> Iterator[
         yield Break(float(time[at]), float(time[at + 1]), f"the heading jumps by {apart[at]:.2f} rad")
 
 
-def _known(time: Column, *columns: Column) -> tuple[Column, Float[np.ndarray, "m k"]]:
+def _known(time: Column, *columns: Column) -> tuple[Float[np.ndarray, "m"], Float[np.ndarray, "m k"]]:
     """Returns rows without holes in values or steps in time."""
     values = np.column_stack(columns)
     rows = np.flatnonzero(np.isfinite(values).all(axis=1) & np.isfinite(time))

@@ -39,6 +39,9 @@ def kind_of(path: Path) -> Kind:
     try:
         with path.open("rb") as stream:
             head = stream.read(64)
+    except FileNotFoundError:
+        # Its name tells which options it has; its reader says that it does not exist.
+        head = b""
     except OSError as error:
         raise BadFileError(path, f"cannot be read: {error.strerror or error}") from None
     if head.startswith(_POINTER):

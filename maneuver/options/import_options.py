@@ -53,8 +53,8 @@ class ImportOptions:
     """Facts that a log leaves open.
 
     Attributes:
-        pose: topic of an MCAP or a bag that says where the vehicle is and how it stands.
-        velocity: topic that says how it moves; the pose's own topic by default.
+        pose: topic of an MCAP file or a bag with position and attitude.
+        velocity: topic with the velocity; the pose topic by default.
         frames: frame and child frame of transforms (TFMessage), as /tf holds them.
         child_frame: vehicle of a topic of several, by its child frame.
         columns: of a table, as NAME=HEADING, or NAME=#N for the column of number N.
@@ -69,10 +69,10 @@ class ImportOptions:
         part: number of the part, where the clock was set back or jumps.
         world: axes of the world: north, east, down or east, north, up.
         body: axes of the body: forward, right, down or forward, left, up.
-        velocity_in: whether velocities are along the world's axes or the body's.
+        velocity_in: axes of the velocities: world or body.
         quaternion_order: of quaternions that are lists without names.
-        as_: whether the log holds what the vehicle believed (the default) or what was so, as a camera system
-            knows it.
+        as_: meaning of the log: the vehicle's estimate (the default), or the truth, such as from a
+            motion-capture system.
         unchecked: import numbers that contradict one another.
     """
 

@@ -9,9 +9,9 @@ from .alarm import ADVICE, ALARM, alarms_from_series
 from .arrival import logged_arrival
 from .autopilot_messages import autopilot_messages
 from .fault_record import fault_occurrences
-from .imports.continuity import logged_breaks
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_plannings
+from .motion.continuity import logged_breaks
 from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from .topics import PRIMITIVE
 from .trim_labels import trim_label, trim_names

@@ -13,7 +13,7 @@ from rich.console import Console
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flightlog.file.reader import read_log
-from flightlog.imports.continuity import with_marked_holes
+from flightlog.motion.continuity import with_marked_holes
 from maneuver.options.films import FILM_ENDING, STILL_ENDING, make_film, make_still
 from maneuver.options.numbers import Count
 from maneuver.report.flight_report import campaign_report, flight_report, side_by_side, summary_content

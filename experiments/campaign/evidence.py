@@ -15,7 +15,7 @@ from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.file.reader import read_log
 from flightlog.identity.fingerprint import fingerprint
-from flightlog.imports.continuity import continuous_parts
+from flightlog.motion.continuity import continuous_parts
 from flightlog.topics import PRIMITIVE
 from identification.segmentation.flight_evidence import (
     FlightEvidence,

@@ -12,8 +12,8 @@ from mcap.writer import Writer
 
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.file.reader import read_log
-from flightlog.imports.continuity import continuous_parts
 from flightlog.log import FlightLog
+from flightlog.motion.continuity import continuous_parts
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
 from tests.support.external.circle_bag import (

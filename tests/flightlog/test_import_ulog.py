@@ -10,8 +10,8 @@ from jaxtyping import Float
 from flightlog.attachment_names import IMPORT_ATTACHMENT
 from flightlog.events import flight_events
 from flightlog.file.reader import read_log
-from flightlog.imports.continuity import continuous_parts
 from flightlog.log import FlightLog
+from flightlog.motion.continuity import continuous_parts
 from flightlog.topics import ACTUATORS, ESTIMATE
 from maneuver.app import run
 from tests.support.external.flown_circle import HEIGHT, RADIUS, RATE, SPEED, check_circle

@@ -278,3 +278,13 @@ def test_without_a_topic_those_that_may_be_poses_are_listed_first(
     refusal = refused(tmp_path, capsys, json_bag(messages_of()))
     assert "expected --pose TOPIC" in refusal
     assert "it has /odom (nav_msgs/msg/Odometry)" in refusal
+
+
+def test_a_review_of_a_file_of_another_program_names_the_import(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "bag.mcap"
+    for content in (json_bag(messages_of(range(10))), b"ULog of PX4"):
+        path.write_bytes(content)
+        assert run(["review", str(path)]) == 2
+        assert "`maneuver import`" in capsys.readouterr().err

@@ -18,6 +18,9 @@ LONGEST_LIST = 4000
 LARGEST_VALUE = 1e9
 """Largest magnitude of a plausible value, in metres, radians or their rates."""
 
+IMPORT = "import"
+"""Kind of an imported log, whose fields may be not-a-number where they are not known."""
+
 _ROUNDING = 1e-6
 
 
@@ -25,8 +28,9 @@ def check_log_consistency(log: FlightLog) -> None:
     """Refuses a log whose series cannot come from a flight.
 
     Raises:
-        ValueError: times decrease or are not finite, a value is not finite, a topic has no message, a
-            primitive has an unknown kind, or a header field is not printable.
+        ValueError: times decrease or are not finite, a value is not finite (not-a-number is a hole of an
+            import), a topic has no message, a primitive has an unknown kind, or a header field is not
+            printable.
     """
     for name, value in asdict(log.header).items():
         text, longest = str(value), LONGEST_LIST if name == "drawn" else LONGEST_NAME
@@ -35,18 +39,21 @@ def check_log_consistency(log: FlightLog) -> None:
                 f"header {name}: expected at most {longest} printable characters, got {text[:40]!r}"
             )
     for series in log.series.values():
-        _check_values(series)
+        _check_values(series, holes=log.header.kind == IMPORT)
     if PRIMITIVE.name in log.series:
         _check_primitive_kinds(log[PRIMITIVE])
         if TRUTH.name in log.series:
             _check_primitives_have_truth(log[PRIMITIVE], log[TRUTH])
 
 
-def _check_values(series: Series) -> None:
+def _check_values(series: Series, *, holes: bool) -> None:
     name = series.topic.name
     if not len(series):
         raise ValueError(f"{name}: expected at least one message, got none")
     impossible = ~(np.abs(series.values) < LARGEST_VALUE)
+    if holes:
+        # Not-a-number: not known at this time.
+        impossible &= ~np.isnan(series.values)
     if impossible.any():
         row, column = np.argwhere(impossible)[0]
         raise ValueError(

@@ -11,6 +11,7 @@ from .autopilot_messages import autopilot_messages
 from .fault_record import fault_occurrences
 from .log import FlightLog
 from .mission_attachments import logged_goal, logged_plannings
+from .motion.continuity import logged_breaks
 from .primitives import FlownPrimitive, PrimitiveKind, merged_primitives
 from .topics import PRIMITIVE
 from .trim_labels import trim_label, trim_names
@@ -44,7 +45,7 @@ class Event:
 def flight_events(log: FlightLog) -> tuple[Event, ...]:
     """Returns the events of a flight by time, with its broken attachments."""
     events: list[Event] = []
-    for part in (_primitives, _plannings, _faults, _alarms, _autopilot_messages, _arrival):
+    for part in (_primitives, _plannings, _faults, _alarms, _autopilot_messages, _breaks, _arrival):
         try:
             events += part(log)
         except FlightError as error:
@@ -102,6 +103,10 @@ def _autopilot_messages(log: FlightLog) -> list[Event]:
         time = min(max(message.time, 0.0), log.duration)
         events.append(Event(time, level, "autopilot", earlier + message.text))
     return events
+
+
+def _breaks(log: FlightLog) -> list[Event]:
+    return [Event(each.time, Level.WARNING, "log", each.reason) for each in logged_breaks(log)]
 
 
 def _alarms(log: FlightLog) -> list[Event]:

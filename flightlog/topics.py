@@ -43,6 +43,23 @@ COMMAND = Topic(
     ),
 )
 
+MAX_INPUTS = 8
+"""Commands of an imported log that are kept."""
+
+COMMAND_INPUTS = Topic(
+    COMMAND.name,
+    COMMAND.message,
+    COMMAND.meaning,
+    (
+        *COMMAND.fields,
+        *(
+            Field(f"input_{number}", "as logged", f"command {number} of an imported log")
+            for number in range(1, MAX_INPUTS + 1)
+        ),
+    ),
+)
+"""Commands of ours, and those of imported logs, which are absent from ours."""
+
 ESTIMATE = Topic("/estimate", "maneuver.State", "estimated state", _STATE)
 
 TRUTH = Topic("/truth", "maneuver.State", "true state", _STATE)
@@ -157,6 +174,6 @@ FAULT_EFFECT = Topic(
 )
 
 TOPICS = (
-    *(COMMAND, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE),
+    *(COMMAND_INPUTS, ESTIMATE, TRUTH, NAVIGATION, WIND, CONTROLS, PRIMITIVE),
     *(FAULT, FAULT_EFFECT, MOTION, ACTUATORS),
 )

@@ -13,6 +13,7 @@ from rich.console import Console
 from flight.automaton.library import Library
 from flight.errors import FlightError
 from flightlog.file.reader import read_log
+from flightlog.motion.continuity import with_marked_holes
 from maneuver.options.films import FILM_ENDING, STILL_ENDING, make_film, make_still
 from maneuver.options.numbers import Count
 from maneuver.report.flight_report import campaign_report, flight_report, side_by_side, summary_content
@@ -199,7 +200,7 @@ def _review_folder(folder: Path, order: _ReviewOptions, pages: int, workers: int
 
 
 def _review_log(path: Path, label: str, library: Library | None) -> ReviewedFlight:
-    log = read_log(path)
+    log = with_marked_holes(read_log(path))
     if library is not None:
         log = with_bounds_of(log, library)
     return ReviewedFlight(log, summarise(log), label)

@@ -15,6 +15,7 @@ from flight.errors import FlightError
 from flightlog.attachment_names import LIBRARY_ATTACHMENT
 from flightlog.file.reader import read_log
 from flightlog.identity.fingerprint import rounded_fingerprint
+from flightlog.motion.continuity import continuous_parts
 from flightlog.topics import PRIMITIVE
 from identification.segmentation.flight_evidence import (
     FlightEvidence,
@@ -64,43 +65,59 @@ def gather_motion_evidence(
     Raises:
         FlightError: a log is broken or lacks something.
     """
-    records = list(show_progress(executor.map(_motion_of, paths), total=len(paths), what="reading"))
+    read = list(show_progress(executor.map(_motions_of, paths), total=len(paths), what="reading"))
+    records = [record for part in read for record in part]
     motions = [record.motion for record in records]
     library = trims or records[0].library
     discovered = library is None
     if library is None:
         library = discover_automaton(motions, vehicle=records[0].vehicle, resolution=resolution)
     walks = walks_of(motions, library)
-    cutting = executor.map(_motion_evidence_of, paths, walks, repeat(library))
-    flights = list(show_progress(cutting, total=len(paths), what="identifying"))
+    parts = [record.part for record in records]
+    cut = [path for path, part in zip(paths, read, strict=True) for _ in part]
+    cutting = executor.map(_motion_evidence_of, cut, parts, walks, repeat(library))
+    flights = list(show_progress(cutting, total=len(cut), what="identifying"))
     return _drop_unobserved_trims(flights, library) if discovered else flights
 
 
 def has_commands(path: Path) -> bool:
-    """Returns True if a log has the commanded primitives."""
-    return PRIMITIVE.name in read_log(path).series
+    """Returns True if a log has the commanded primitives of a library."""
+    log = read_log(path)
+    return PRIMITIVE.name in log.series and LIBRARY_ATTACHMENT in log.attachments
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MotionRecord:
-    """Motion of a log with its vehicle and library."""
+    """Motion of a log's part without holes, with its vehicle and library."""
 
+    part: int
     vehicle: str
     library: Library | None
     motion: Float[np.ndarray, "n 3"]
 
 
-def _motion_of(path: Path) -> MotionRecord:
+def _motions_of(path: Path) -> list[MotionRecord]:
+    """Returns the motions of a log's parts that are long enough.
+
+    Raises:
+        FlightError: none is long enough.
+    """
     log = read_log(path)
     library = log.library() if LIBRARY_ATTACHMENT in log.attachments else None
-    try:
-        return MotionRecord(log.header.vehicle, library, sampled_motion(log))
-    except FlightError as error:
-        raise FlightError(f"{path}: {error}") from None
+    found: list[MotionRecord] = []
+    refusal: FlightError | None = None
+    for place, part in enumerate(continuous_parts(log)):
+        try:
+            found.append(MotionRecord(place, log.header.vehicle, library, sampled_motion(part)))
+        except FlightError as error:
+            refusal = refusal or error
+    if not found:
+        raise FlightError(f"{path}: {refusal}") from None
+    return found
 
 
-def _motion_evidence_of(path: Path, walk: ObservedWalk, library: Library) -> FlightEvidence:
-    log = read_log(path)
+def _motion_evidence_of(path: Path, place: int, walk: ObservedWalk, library: Library) -> FlightEvidence:
+    log = continuous_parts(read_log(path))[place]
     return FlightEvidence(
         str(path),
         rounded_fingerprint(log),

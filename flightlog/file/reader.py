@@ -39,6 +39,7 @@ from .writer import (
 )
 
 MAGIC = b"\x89MCAP0\r\n"
+_IMPORT = "; `maneuver import` converts logs of other programs"
 _RECOVER = "; `maneuver recover` saves the undamaged part"
 _FOOTER = struct.Struct("<BQQQI")
 _DATA_END = struct.Struct("<BQI")
@@ -79,7 +80,7 @@ def read_log(path: Path, *, topics: Sequence[Topic] = (*TOPICS, DECISION, ALARM)
 def _check_complete(content: bytes, path: Path) -> None:
     """Refuses content with an incomplete start, end or wrong checksum."""
     if not content.startswith(MAGIC):
-        raise BadFileError(path, "expected an MCAP file, got something else")
+        raise BadFileError(path, f"expected an MCAP file, got something else{_IMPORT}")
     end = len(content) - len(MAGIC) - _FOOTER.size
     if end < len(MAGIC) or not content.endswith(MAGIC):
         raise BadFileError(path, f"is truncated after {len(content)} bytes{_RECOVER}")
@@ -89,7 +90,7 @@ def _check_complete(content: bytes, path: Path) -> None:
         raise BadFileError(path, f"is damaged: its footer has an invalid offset{_RECOVER}")
     opcode, _, data_crc = _DATA_END.unpack_from(content, data_end)
     if not data_crc or not summary_crc:
-        raise BadFileError(path, "expected checksums of data and summary, got none")
+        raise BadFileError(path, f"expected checksums of data and summary, got none{_IMPORT}")
     if opcode != Opcode.DATA_END or zlib.crc32(content[:data_end]) != data_crc:
         raise BadFileError(path, f"is damaged: its data do not match their checksum{_RECOVER}")
     if zlib.crc32(content[summary_start : end + _FOOTER.size - 4]) != summary_crc:
@@ -104,7 +105,7 @@ def _parse(content: bytes, topics: Sequence[Topic]) -> FlightLog:
     metadata = {record.name: record.metadata for record in reader.iter_metadata()}
     check_schema_name(metadata.get(CONVENTIONS_METADATA, {}).get("schema", SCHEMA), SCHEMA)
     if HEADER_METADATA not in metadata:
-        raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}")
+        raise ValueError(f"expected metadata {HEADER_METADATA!r}, got {sorted(metadata)}{_IMPORT}")
     if sum(index.uncompressed_size for index in summary.chunk_indexes) > LARGEST_LOG:
         raise ValueError(f"expected at most {LARGEST_LOG} bytes of content, got more")
     log = FlightLog(

@@ -1,158 +1,211 @@
-"""Import of CSV tables as flight logs."""
+"""Import of text tables as flight logs."""
 
-import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 
 from flight.errors import BadFileError, FlightError
 from flightlog.log import FlightLog
 from flightlog.series import Series, Topic
-from flightlog.topics import ACTUATORS, MAX_ACTUATORS
+from flightlog.topics import ACTUATORS
 
-from .axes import Axes, quaternions_from_euler
-from .clock import SECONDS, TimeUnit, check_clock, check_unit
-from .imported_log import ExternalLog
-from .measured_motion import BODY_RATES, Source, attitude_source, differentiate_position, measured_states
+from .axes import quaternions_from_euler
+from .clock import MOST_REPEATED, check_unit, order_by_time
+from .commands import command_series, level_series
+from .imported_log import ExternalLog, LeftOut
+from .measured_motion import Source, attitude_source, differentiate_position, measured_states
+from .motion.derived_fields import BODY_RATES
+from .motion.frames import Frames, check_frames, velocity_source
+from .motion.geodetic import local_plane
+from .motion.resets import jumps, merged
+from .motion.units import check_angles, check_rates, check_speeds, course_of
+from .tables.headings import (
+    ANGLE_NAMES,
+    CONTROLS,
+    GEODETIC,
+    POSITION,
+    QUATERNION,
+    RATE_NAMES,
+    VELOCITY,
+    guesses,
+)
+from .tables.table import Table, TableSettings, of_one_vehicle, read_table, seconds_of
 
-POSITION, VELOCITY, RATES = ("x", "y", "z"), ("vx", "vy", "vz"), ("wx", "wy", "wz")
-QUATERNION, ANGLES = ("qw", "qx", "qy", "qz"), ("roll", "pitch", "yaw")
-CONTROLS = tuple(f"u{number}" for number in range(1, MAX_ACTUATORS + 1))
-NAMES = ("time", *POSITION, *VELOCITY, *QUATERNION, *ANGLES, *RATES, *CONTROLS)
-"""Names of columns: position and velocity in world axes in SI units (z and vz optional), quaternion or angles
-(about z, y, x in radians; yaw may be alone) from body to world, body rates in rad/s, controls."""
-
-_MOST_LISTED, _LONGEST_LIST = 40, 600
+Column = Float[np.ndarray, "n"]
 
 
-def read_external_csv(
-    path: Path, columns: Mapping[str, str], *, axes: Axes, time_unit: TimeUnit | None, topic: Topic
-) -> FlightLog:
-    """Reads a table with a row of headings.
+def read_external_csv(path: Path, settings: TableSettings, *, topic: Topic) -> FlightLog:
+    """Reads a table with a row of headings, in any usual form.
 
     Args:
         path: file to read.
-        columns: headings by the names of `NAMES`; not needed for headings that are such names.
-        axes: axes of world and body.
-        time_unit: unit of the times; seconds where None, if they can be.
+        settings: columns, units and axes.
         topic: topic of the motion: estimate or truth.
 
     Raises:
-        BadFileError: the file is not such a table, or holds no motion.
+        BadFileError: the file is not such a table, holds no motion, or its numbers contradict what is stated.
     """
-    file = ExternalLog.read(path)
+    file = ExternalLog(path)
     try:
-        table = pd.read_csv(io.BytesIO(file.content))
-    except (ValueError, UnicodeDecodeError, pd.errors.ParserError) as error:
-        raise BadFileError(path, f"is not a table: {' '.join(str(error).split())}") from None
-    if len(table) < 2:
-        raise BadFileError(path, f"expected at least two rows below the headings, got {len(table)}")
-    try:
-        chosen = _select_columns(table, columns)
-        numbers = {name: _numbers(table, heading) for name, heading in chosen.items()}
-        if not np.isfinite(numbers["time"]).any():
-            raise FlightError(f"column {chosen['time']!r}: expected times, got no finite number")
-        numbers["time"] = np.where(np.isfinite(numbers["time"]), numbers["time"], np.nan)
-        numbers = _in_ascending_order(numbers)
-        check_unit(numbers["time"], time_unit)
-        time = SECONDS[time_unit or "s"] * numbers["time"]
-        check_clock(time, sample="row")
-        sources, velocity = _sources(numbers, time - np.nanmin(time), axes)
+        table = of_one_vehicle(read_table(path, settings), settings.vehicle)
+        repeated = _repeated(table)
+        _check_time_unit(table, repeated)
+        part = order_by_time(seconds_of(table), sample="row", part=settings.part, repeated=repeated)
+        time, table = part.time - part.time[0], table.rows(part.rows)
+        if not settings.unchecked:
+            _check_units(time, table)
+        place, plane = _position(time, table.numbers, settings.frames)
+
+        def build(frames: Frames) -> list[Source]:
+            return _sources(time, table.numbers, frames, place)
+
+        if not settings.unchecked:
+            check_frames(build, settings.frames)
+        sources = build(settings.frames)
         states = measured_states(sources, topic)
+        if states is None:
+            raise FlightError(f"expected at least two usable rows, got none of {part.total}")
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
-    if states is None:
-        raise BadFileError(path, f"expected at least two usable rows, got none of {len(table)}")
-    provenance = {"columns": chosen, "velocity": velocity, "world axes": axes.world, "body axes": axes.body}
-    controls = _controls(numbers, time - np.nanmin(time))
-    return file.log([states, *([controls] if controls is not None else [])], provenance=provenance)
+    velocity = "columns" if set(VELOCITY[:2]) <= table.numbers.keys() else "absent"
+    if velocity == "absent" and any("velocity_north" in source.columns for source in sources):
+        velocity = "the slope of the position"
+    provenance = {
+        "columns": ", ".join(f"{name}: {heading}" for name, heading in table.described.items()),
+        "velocity": velocity,
+        "world axes": settings.frames.world,
+        "body axes": settings.frames.body,
+        **({"place": plane} if plane else {}),
+        **({"not used": ", ".join(guesses(table.unused))[:2000]} if table.unused else {}),
+    }
+    lost = dict(part.left_out)
+    if table.left_out:
+        lost["with too many cells"] = table.left_out
+    controls = _controls(time, table.numbers)
+    command = command_series(time, table.commands)
+    levels = None if command is None else level_series(command, states)
+    if command is not None:
+        provenance["commands"] = ", ".join(
+            f"input_{place}: {name}" for place, name in enumerate(table.commands, 1)
+        )
+    if levels is not None:
+        provenance["levels"] = "; ".join(levels[1])[:2000]
+    extra = (controls, command, levels[0] if levels else None)
+    return file.log(
+        [states, *(series for series in extra if series is not None)],
+        provenance=provenance,
+        breaks=merged(jumps(sources)),
+        left_out=LeftOut.of("row", part.total + table.left_out, lost),
+    )
 
 
-def _select_columns(table: pd.DataFrame, columns: Mapping[str, str]) -> dict[str, str]:
-    """Returns headings by our names, stated or equal."""
-    headings = [str(heading) for heading in table.columns]
-    for name, heading in columns.items():
-        if name not in NAMES:
-            raise FlightError(f"unknown column name {name!r}; expected one of {', '.join(NAMES)}")
-        if heading not in headings:
-            raise FlightError(f"no column {heading!r}; it has {_heading_list(headings)}")
-    chosen = {**{name: name for name in NAMES if name in headings}, **columns}
-    if "time" not in chosen:
-        raise FlightError(f"expected --columns time=COLUMN; it has {_heading_list(headings)}")
-    return chosen
+def _repeated(table: Table) -> Bool[np.ndarray, "n"]:
+    """Returns rows that are a copy of the one before."""
+    columns = [*table.numbers.values(), *table.commands.values()]
+    same = np.ones(len(columns[0]), bool)
+    same[:1] = False
+    for column in columns:
+        same[1:] &= column[1:] == column[:-1]
+    return same
 
 
-def _heading_list(headings: Sequence[str]) -> str:
-    """Returns headings as one line of limited length."""
-    return " ".join(", ".join(headings[:_MOST_LISTED]).split())[:_LONGEST_LIST] or "none"
+def _check_time_unit(table: Table, repeated: Bool[np.ndarray, "n"]) -> None:
+    """Refuses times that cannot be in their unit, unless coarse."""
+    stamps = table.numbers["time"][~repeated]
+    if (np.diff(stamps) == 0.0).sum() <= MOST_REPEATED * len(stamps):
+        check_unit(stamps, table.units.get("time"))  # type: ignore[arg-type]
 
 
-def _numbers(table: pd.DataFrame, heading: str) -> Float[np.ndarray, "n"]:
-    try:
-        return np.asarray(pd.to_numeric(table[heading]), np.float64)
-    except (ValueError, TypeError) as error:
-        raise FlightError(f"column {heading!r}: expected numbers: {' '.join(str(error).split())}") from None
+def _matrix(numbers: Mapping[str, Column], names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:
+    return np.column_stack([numbers[name] for name in names]) if set(names) <= numbers.keys() else None
 
 
-def _in_ascending_order(numbers: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Returns the rows of a descending table in reverse."""
-    steps = np.diff(numbers["time"])
-    descending = bool((steps <= 0.0).all() and (steps < 0.0).any())
-    return {name: column[::-1] for name, column in numbers.items()} if descending else numbers
+def _check_units(time: Column, table: Table) -> None:
+    """Refuses numbers that cannot be in the units assumed."""
+    numbers, stated = table.numbers, frozenset(table.units)
+    position, velocity = _matrix(numbers, POSITION[:2]), _matrix(numbers, VELOCITY[:2])
+    if position is not None and velocity is not None:
+        check_speeds(time, position, velocity, stated=stated)
+    if "angle" not in stated:
+        angles = {name: numbers[name] for name in ANGLE_NAMES if name in numbers}
+        check_angles(angles, course_of(time, velocity, position))
+    if "rate" not in stated and {"yaw", "wz"} <= numbers.keys():
+        check_rates(numbers["yaw"], numbers["wz"], time)
+
+
+def _position(time: Column, numbers: Mapping[str, Column], frames: Frames) -> tuple[list[Source], str]:
+    """Returns the sources of the position, and its plane in words."""
+    if set(GEODETIC[:2]) <= numbers.keys():
+        source, plane = local_plane(time, numbers["lat"], numbers["lon"], numbers.get("alt"))
+        return [source], plane
+    if not set(POSITION[:2]) <= numbers.keys():
+        return [], ""
+    columns = [numbers["x"], numbers["y"], numbers.get("z", np.zeros(len(time)))]
+    north, east, down = frames.axes.in_world(np.column_stack(columns)).T
+    plane_only = Source(time, {"north": north, "east": east})
+    return [plane_only, *([Source(time, {"down": down})] if "z" in numbers else [])], ""
 
 
 def _sources(
-    numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
-) -> tuple[list[Source], str]:
-    """Returns the measured sources and the origin of the velocity."""
+    time: Column, numbers: Mapping[str, Column], frames: Frames, place: list[Source]
+) -> list[Source]:
+    """Returns the measured sources in given axes.
 
-    def vectors(names: tuple[str, ...]) -> Float[np.ndarray, "n k"] | None:
-        return np.column_stack([numbers[name] for name in names]) if set(names) <= numbers.keys() else None
+    Raises:
+        FlightError: there is none.
+    """
+    if not set(GEODETIC[:2]) <= numbers.keys():
+        place, _ = _position(time, numbers, frames)
+    sources = [*place]
+    if set(VELOCITY[:2]) <= numbers.keys():
+        columns = [numbers["vx"], numbers["vy"], numbers.get("vz", np.zeros(len(time)))]
+        velocity = velocity_source(time, np.column_stack(columns), frames)
+        sources += _split_height(velocity, "vz" in numbers)
+    elif place:
+        sources += [differentiate_position(source) for source in place]
+    sources += _attitude(time, numbers, frames)
+    rates = _matrix(numbers, RATE_NAMES)
+    if rates is not None:
+        sources.append(Source(time, dict(zip(BODY_RATES, frames.axes.in_body(rates).T, strict=True))))
+    elif "wz" in numbers:
+        down = numbers["wz"] if frames.body == "frd" else -numbers["wz"]
+        sources.append(Source(time, {"body_yaw_rate": down}))
+    if not sources:
+        sets = (POSITION, VELOCITY, QUATERNION, ANGLE_NAMES, RATE_NAMES, GEODETIC)
+        raise FlightError(f"expected --columns for one of {', '.join(' '.join(names) for names in sets)}")
+    return sources
 
-    sources = list(_linear_sources(numbers, time, axes))
-    velocity = "columns" if set(VELOCITY[:2]) <= numbers.keys() else "absent"
-    if velocity == "absent" and sources:
-        sources.append(differentiate_position(sources[0]))
-        velocity = "the slope of the position"
-    quaternions, angles = vectors(QUATERNION), vectors(ANGLES)
+
+def _split_height(velocity: Source, high: bool) -> Iterator[Source]:
+    """Yields horizontal and vertical velocities; those along a body stay together."""
+    if "body_down" in velocity.columns:
+        kept = {name: column for name, column in velocity.columns.items() if high or name != "body_down"}
+        yield Source(velocity.time, kept)
+        return
+    for names in (("velocity_north", "velocity_east"), ("velocity_down",) if high else ()):
+        if names:
+            yield Source(velocity.time, {name: velocity.columns[name] for name in names})
+
+
+def _attitude(time: Column, numbers: Mapping[str, Column], frames: Frames) -> Iterator[Source]:
+    quaternions, angles = _matrix(numbers, QUATERNION), _matrix(numbers, ANGLE_NAMES)
     if quaternions is None and angles is not None:
         quaternions = quaternions_from_euler(*angles.T)
     if quaternions is not None:
-        sources.append(attitude_source(time, axes.in_ned_frd(quaternions)))
+        yield attitude_source(time, frames.axes.in_ned_frd(quaternions))
     elif "yaw" in numbers:
         level = quaternions_from_euler(np.zeros(len(time)), np.zeros(len(time)), numbers["yaw"])
-        turned = attitude_source(time, axes.in_ned_frd(level))
-        sources.append(Source(turned.time, {"heading": turned.columns["heading"]}))
-    rates = vectors(RATES)
-    if rates is not None:
-        sources.append(Source(time, dict(zip(BODY_RATES, axes.in_body(rates).T, strict=True))))
-    if not sources:
-        sets = (POSITION, VELOCITY, QUATERNION, ANGLES, RATES)
-        raise FlightError(f"expected --columns for one of {', '.join(' '.join(names) for names in sets)}")
-    return sources, velocity
+        turned = attitude_source(time, frames.axes.in_ned_frd(level))
+        yield Source(turned.time, {"heading": turned.columns["heading"]})
 
 
-def _linear_sources(
-    numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"], axes: Axes
-) -> Iterator[Source]:
-    """Yields positions and velocities; a two-column map has no heights."""
-    for names, start in ((POSITION, ""), (VELOCITY, "velocity_")):
-        if set(names[:2]) <= numbers.keys():
-            high = names[2] in numbers
-            columns = [*(numbers[name] for name in names[:2]), numbers.get(names[2], np.zeros(len(time)))]
-            north, east, down = axes.in_world(np.column_stack(columns)).T
-            known = {f"{start}north": north, f"{start}east": east}
-            yield Source(time, known | {f"{start}down": down} if high else known)
-
-
-def _controls(numbers: Mapping[str, np.ndarray], time: Float[np.ndarray, "n"]) -> Series | None:
+def _controls(time: Column, numbers: Mapping[str, Column]) -> Series | None:
     present = [name for name in CONTROLS if name in numbers]
     if not present:
         return None
     values = np.column_stack([numbers[name] for name in present])
-    valid = np.isfinite(values).all(axis=1) & (np.diff(time, prepend=-np.inf) > 0)
+    valid = np.isfinite(values).all(axis=1)
     names = [f"control_{name[1:]}" for name in present]
-    return Series(ACTUATORS.only(names), time[valid], values[valid])
+    return Series(ACTUATORS.only(names), time[valid], values[valid]) if valid.any() else None

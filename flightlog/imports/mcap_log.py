@@ -1,58 +1,46 @@
-"""Import of MCAP files as flight logs."""
+"""Import of MCAP files and ROS bags as flight logs."""
 
-import io
 import struct
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
 
-import numpy as np
 import zstandard
 from google.protobuf.message import DecodeError
-from jaxtyping import Float, Int
 from mcap.exceptions import McapError
-from mcap.reader import McapReader, make_reader
 
 from flight.errors import BadFileError, FlightError
-from flightlog.file.writer import LARGEST_LOG
 from flightlog.log import FlightLog
 from flightlog.series import Topic
 
-from .axes import Axes, BodyAxes, WorldAxes
-from .clock import ClockError, check_clock
-from .imported_log import ExternalLog
-from .mcap_messages import (
-    ANGULAR,
-    LINEAR,
-    POSITION,
-    Decoder,
-    VectorPath,
-    decoder_of,
-    find_quaternion,
-    find_vector,
-    frame_of,
-    stamp_of,
-)
-from .measured_motion import (
-    BODY_RATES,
-    WORLD_RATES,
-    Source,
-    attitude_source,
-    differentiate_position,
-    measured_states,
-)
-
-VelocityAxes = Literal["world", "body"]
+from .axes import BodyAxes, WorldAxes
+from .bags.bag_clock import clocks_of
+from .bags.bag_sources import SLOPE, AlignedTopic, bag_sources, default_frames
+from .bags.mcap_file import McapBag
+from .bags.raw_message import Bag
+from .bags.topic_columns import TopicColumns
+from .clock import Part
+from .imported_log import ExternalLog, LeftOut
+from .mcap_messages import child_frame_of, frame_of, transforms_of
+from .measured_motion import Source, measured_states
+from .motion.frames import Frames, QuaternionOrder, VelocityAxes, check_frames, guess_quaternion_order
+from .motion.resets import counter_breaks, jumps, merged
 
 _MOST_LISTED = 12
+_MOST_BAD = 0.5
 _UNREADABLE = (
     *(McapError, DecodeError, ValueError, KeyError, TypeError, AttributeError, EOFError, IndexError),
-    *(struct.error, zstandard.ZstdError, MemoryError, OverflowError, RuntimeError),
+    *(struct.error, zstandard.ZstdError, MemoryError, OverflowError, RuntimeError, AssertionError),
 )
-# Package of PX4's ROS 2 messages, which use PX4's axes.
-_PX4 = "px4_msgs/"
-_IN_BODY = ("Odometry",)
+_LIKELY = (
+    "Odometry",
+    "PoseStamped",
+    "PoseWithCovarianceStamped",
+    "TransformStamped",
+    "TFMessage",
+    "NavSatFix",
+)
+_LIKELY_TOO = ("VehicleLocalPosition", "PoseInFrame", "LocationFix", "VehicleOdometry")
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,31 +53,36 @@ class McapImportSettings:
         world: axes of the world.
         body: axes of the body.
         velocity_in: axes of the velocities: world or body.
+        quaternion: order of quaternions in lists.
+        child_frame: child frame of the vehicle, of several.
+        frames: frame and child frame of transforms.
+        part: number of the part, of several.
+        unchecked: True to read numbers that contradict one another.
     """
 
-    pose: str
+    pose: str | None = None
     velocity: str | None = None
     world: WorldAxes | None = None
     body: BodyAxes | None = None
     velocity_in: VelocityAxes | None = None
+    quaternion: QuaternionOrder | None = None
+    child_frame: str | None = None
+    frames: tuple[str, str] | None = None
+    part: int | None = None
+    unchecked: bool = False
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Table:
-    """Messages of a topic with schema, frame, and times in nanoseconds."""
+@dataclass(slots=True, eq=False)
+class _Pairs:
+    """Pairs of frames of transforms, by number of messages."""
 
-    schema: str
-    frame: str
-    logged: Int[np.ndarray, "n"]
-    stamped: Int[np.ndarray, "n"]
-    messages: Sequence[Any]
-
-    def vectors(self, found: VectorPath) -> Float[np.ndarray, "n k"]:
-        return np.array([found.numbers(message) for message in self.messages])
+    counts: dict[tuple[str, str], int] = field(default_factory=dict)
 
 
-def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic) -> FlightLog:
-    """Reads pose and velocity topics in ROS 2, protobuf or JSON.
+def read_external_mcap(
+    path: Path, settings: McapImportSettings, *, topic: Topic, bag: Bag | None = None
+) -> FlightLog:
+    """Reads pose and velocity topics in ROS, protobuf or JSON messages.
 
     Times are the stamps of the messages, or the log times if a topic has no stamps or they jump. Without
     velocities the position is differentiated. The attachment records these choices.
@@ -98,155 +91,145 @@ def read_external_mcap(path: Path, settings: McapImportSettings, *, topic: Topic
         path: file to read.
         settings: topics and axes.
         topic: topic of the motion: estimate or truth.
+        bag: messages of the file; those of an MCAP file if None.
 
     Raises:
         BadFileError: the file is damaged, lacks the topics, or they hold no motion.
     """
-    file = ExternalLog.read(path)
-    if len(file.content) > LARGEST_LOG:
-        raise BadFileError(path, f"expected at most {LARGEST_LOG} bytes, got {len(file.content)}")
-    names = [settings.pose, *([settings.velocity] if settings.velocity else [])]
     try:
-        tables = _tables(file.content, names)
-        sources, provenance = _sources(tables, settings)
-        states = measured_states(sources, topic)
+        return _read(path, settings, topic, bag or McapBag(path))
+    except BadFileError:
+        raise
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:
         text = " ".join(str(error).split()) or type(error).__name__
-        raise BadFileError(
-            path, f"cannot be read: {text}; `maneuver recover` saves the undamaged part"
-        ) from None
-    if states is None:
-        raise BadFileError(path, f"expected a motion in {names}, got fewer than two usable messages")
-    return file.log([states], provenance=provenance)
+        advice = "; `maneuver recover` saves the undamaged part" if bag is None else ""
+        raise BadFileError(path, f"cannot be read: {text}{advice}") from None
 
 
-def _tables(content: bytes, names: Sequence[str]) -> dict[str, _Table]:
-    reader = make_reader(io.BytesIO(content), validate_crcs=True)
-    _check_topics_exist(reader, names)
-    schemas: dict[str, str] = {}
-    decoders: dict[int, Decoder] = {}
-    rows: dict[str, list[tuple[int, Any]]] = {name: [] for name in names}
-    for schema, channel, message in reader.iter_messages(topics=list(names)):
-        if channel.id not in decoders:
-            decoders[channel.id] = decoder_of(channel, schema)
-            schemas[channel.topic] = schema.name if schema is not None else ""
-        rows[channel.topic].append((message.log_time, decoders[channel.id](message.data)))
-    empty = [name for name, part in rows.items() if not part]
-    if empty:
-        raise FlightError(f"expected messages in {empty}, got none")
-    return {
-        name: _Table(
-            schema=schemas[name],
-            frame=frame_of(part[0][1]),
-            logged=np.array([time for time, _ in part], np.int64),
-            stamped=np.array([stamp_of(message) for _, message in part], np.int64),
-            messages=[message for _, message in part],
+def _read(path: Path, settings: McapImportSettings, topic: Topic, bag: Bag) -> FlightLog:
+    topics = bag.topics()
+    if settings.pose is None:
+        raise FlightError(
+            f"expected --pose TOPIC, and --velocity TOPIC where that is another one; {_listed(topics)}"
         )
-        for name, part in rows.items()
+    names = list(dict.fromkeys([settings.pose, *([settings.velocity] if settings.velocity else [])]))
+    for name in names:
+        if name not in topics:
+            raise FlightError(f"no topic {name}; {_listed(topics)}")
+    tables = _gather(bag, names, settings)
+    parts, clock = clocks_of(tables, settings.part)
+    start = min(part.time[0] for part in parts.values())
+    aligned = {
+        name: AlignedTopic(table, parts[name].rows, parts[name].time - start)
+        for name, table in tables.items()
     }
-
-
-def _check_topics_exist(reader: McapReader, names: Sequence[str]) -> None:
-    """Refuses topics that the file does not have, and lists its own."""
-    summary = reader.get_summary()
-    if summary is None:
-        raise ValueError("it has no summary of its topics")
-    found = {
-        channel.topic: summary.schemas[channel.schema_id].name
-        if channel.schema_id in summary.schemas
-        else channel.message_encoding
-        for channel in summary.channels.values()
+    pose, moving = aligned[settings.pose], aligned[settings.velocity or settings.pose]
+    frames = default_frames(pose, moving)
+    given = {
+        name: value
+        for name in ("world", "body", "velocity_in", "quaternion")
+        if (value := getattr(settings, name)) is not None
     }
-    absent = [name for name in names if name not in found]
-    if absent:
-        listed = [f"{topic} ({schema})" for topic, schema in sorted(found.items())]
-        more = f" and {len(listed) - _MOST_LISTED} more" if len(listed) > _MOST_LISTED else ""
-        raise FlightError(f"no topic {absent[0]}; it has {', '.join(listed[:_MOST_LISTED]) or 'none'}{more}")
+    frames = replace(frames, **given)
 
+    def build(axes: Frames) -> list[Source]:
+        return bag_sources(pose, moving, axes)[0]
 
-def _sources(
-    tables: Mapping[str, _Table], settings: McapImportSettings
-) -> tuple[list[Source], dict[str, object]]:
-    """Returns the measured sources and their provenance."""
-    stamped = all(_has_clock(table) for table in tables.values())
-    start = min((table.stamped if stamped else table.logged).min() for table in tables.values())
-    pose = tables[settings.pose]
-    moving = tables[settings.velocity] if settings.velocity else pose
-    px4 = pose.schema.startswith(_PX4)
-    axes = Axes(settings.world or ("ned" if px4 else "enu"), settings.body or ("frd" if px4 else "flu"))
-    velocity_in = settings.velocity_in or ("world" if px4 else _velocity_axes(pose, moving))
-
-    def clock(table: _Table) -> Float[np.ndarray, "n"]:
-        return np.asarray(((table.stamped if stamped else table.logged) - start) * 1e-9)
-
-    for name, table in tables.items():
-        check_clock(clock(table), sample=f"{name} message")
-    sources = list(_pose_sources(pose, clock(pose), axes))
-    if not sources:
-        raise FlightError(f"{settings.pose} ({pose.schema}): expected a position or orientation, got none")
-    velocities = list(_velocity_sources(moving, clock(moving), axes, velocity_in))
-    taken = f"{settings.velocity or settings.pose}, along the axes of the {velocity_in}"
-    if not any({"velocity_north", "body_forward"} & set(part.columns) for part in velocities):
-        if settings.velocity:
-            raise FlightError(f"{settings.velocity} ({moving.schema}): expected a velocity, got none")
-        taken = "absent"
-        if "north" in sources[0].columns:
-            velocities.append(differentiate_position(sources[0]))
-            taken = "the slope of the position"
+    if settings.quaternion is None and pose.has_listed_quaternion and not pose.table.px4:
+        frames = replace(frames, quaternion=guess_quaternion_order(build, frames))
+    sources, said = bag_sources(pose, moving, frames)
+    if settings.velocity and said.get("velocity", "absent") in {"absent", SLOPE}:
+        raise FlightError(f"{settings.velocity} ({moving.table.schema}): expected a velocity, got none")
+    if not settings.unchecked:
+        check_frames(build, frames)
+    states = measured_states(sources, topic)
+    if states is None:
+        raise FlightError(f"expected a motion in {names}, got fewer than two usable messages")
     provenance: dict[str, object] = {
-        "pose": f"{settings.pose} ({pose.schema})",
-        "velocity": taken,
-        "world axes": axes.world,
-        "body axes": axes.body,
-        "times": "of the messages" if stamped else "of logging",
+        "pose": f"{settings.pose} ({pose.table.schema})",
+        "velocity": f"{settings.velocity or settings.pose}, along the axes of the {frames.velocity_in}",
+        "world axes": frames.world,
+        "body axes": frames.body,
+        "times": clock,
+        **({"quaternions": f"lists of {frames.quaternion}"} if pose.has_listed_quaternion else {}),
+        **said,
     }
-    return [*sources, *velocities], provenance
+    breaks = [
+        *jumps(sources),
+        *(each for table in aligned.values() for each in counter_breaks(table.time, table.counters())),
+    ]
+    left_out = [each for name, part in parts.items() for each in _left_out(tables[name], part)]
+    return ExternalLog(path).log([states], provenance=provenance, breaks=merged(breaks), left_out=left_out)
 
 
-def _has_clock(table: _Table) -> bool:
-    """Returns True if all messages have stamps, of one clock."""
-    if not (table.stamped > 0).all():
-        return False
-    try:
-        check_clock(table.stamped * 1e-9, sample="message")
-    except ClockError:
-        return False
-    return True
+def _gather(bag: Bag, names: list[str], settings: McapImportSettings) -> dict[str, TopicColumns]:
+    """Returns the numbers of the topics' messages, read one after another.
+
+    Raises:
+        FlightError: a topic has no messages, or those of several vehicles.
+    """
+    tables: dict[str, TopicColumns] = {}
+    pairs = _Pairs()
+    for raw in bag.messages(names):
+        table = tables.get(raw.topic)
+        if table is None:
+            table = tables[raw.topic] = TopicColumns(raw.topic, raw.schema, settings.child_frame)
+        try:
+            message = raw.decode()
+        except Exception:
+            # A decoder of damaged bytes may raise anything.
+            table.bad += 1
+            continue
+        inner = transforms_of(message)
+        if inner is None:
+            table.add(message, raw.logged)
+            continue
+        for each in inner:
+            pair = frame_of(each), child_frame_of(each)
+            pairs.counts[pair] = pairs.counts.get(pair, 0) + 1
+            if settings.frames and pair == tuple(name.lstrip("/") for name in settings.frames):
+                table.add(each, raw.logged)
+    if pairs.counts and (not settings.frames or not all(len(table) for table in tables.values())):
+        listed = [f"{frame} {child} ({count})" for (frame, child), count in sorted(pairs.counts.items())]
+        raise FlightError(f"transforms: give --frames FRAME CHILD, one of {', '.join(listed[:_MOST_LISTED])}")
+    for name in names:
+        table = tables.get(name)
+        if table is not None and table.children and not len(table):
+            raise FlightError(
+                f"{name}: no child frame {settings.child_frame}; it has {', '.join(sorted(table.children))}"
+            )
+        if table is None or not len(table):
+            bad = f", and {table.bad} that cannot be decoded" if table is not None and table.bad else ""
+            raise FlightError(f"expected messages in {[name]}, got none{bad}")
+        if table.bad > _MOST_BAD * len(table):
+            raise FlightError(f"{name}: {table.bad} of {table.bad + len(table)} messages cannot be decoded")
+        if settings.child_frame is None and len(table.children) > 1:
+            listed = [f"{child or 'none'} ({count})" for child, count in sorted(table.children.items())]
+            raise FlightError(
+                f"{name} has several vehicles: give --child-frame, one of {', '.join(listed[:_MOST_LISTED])}"
+            )
+    return tables
 
 
-def _velocity_axes(pose: _Table, moving: _Table) -> VelocityAxes:
-    """Returns the axes of a velocity: body for odometry, else by frame."""
-    if moving.schema.endswith(_IN_BODY):
-        return "body"
-    return "world" if moving.frame == pose.frame else "body"
+def _listed(topics: Mapping[str, str]) -> str:
+    """Returns the topics in words, those that may be poses first."""
+    likely = [
+        f"{name} ({schema})"
+        for name, schema in sorted(topics.items())
+        if schema.endswith((*_LIKELY, *_LIKELY_TOO))
+    ]
+    others = [
+        f"{name} ({schema})" for name, schema in sorted(topics.items()) if f"{name} ({schema})" not in likely
+    ]
+    listed = [*likely, *others]
+    more = f" and {len(listed) - _MOST_LISTED} more" if len(listed) > _MOST_LISTED else ""
+    return f"it has {', '.join(listed[:_MOST_LISTED]) or 'none'}{more}"
 
 
-def _pose_sources(table: _Table, time: Float[np.ndarray, "n"], axes: Axes) -> Iterator[Source]:
-    first = table.messages[0]
-    place, attitude = find_vector(first, POSITION), find_quaternion(first)
-    if place is not None:
-        north, east, down = axes.in_world(table.vectors(place)).T
-        yield Source(time, {"north": north, "east": east, "down": down})
-    if attitude is not None:
-        yield attitude_source(time, axes.in_ned_frd(table.vectors(attitude)))
-
-
-def _velocity_sources(
-    table: _Table, time: Float[np.ndarray, "n"], axes: Axes, velocity_in: VelocityAxes
-) -> Iterator[Source]:
-    first = table.messages[0]
-    linear, angular = find_vector(first, LINEAR), find_vector(first, ANGULAR)
-    if linear is not None and velocity_in == "world":
-        north, east, down = axes.in_world(table.vectors(linear)).T
-        yield Source(time, {"velocity_north": north, "velocity_east": east, "velocity_down": down})
-    elif linear is not None:
-        forward, right, down = axes.in_body(table.vectors(linear)).T
-        yield Source(time, {"body_forward": forward, "body_right": right, "body_down": down})
-    if angular is not None:
-        # Both parts of a twist share their axes; a field `angular_velocity` is in body axes.
-        twist_in_world = angular.path[-1] == "angular" and velocity_in == "world"
-        turning = table.vectors(angular)
-        about = axes.in_world(turning) if twist_in_world else axes.in_body(turning)
-        yield Source(time, dict(zip(WORLD_RATES if twist_in_world else BODY_RATES, about.T, strict=True)))
+def _left_out(table: TopicColumns, part: Part) -> tuple[LeftOut, ...]:
+    reasons = dict(part.left_out)
+    if table.bad:
+        reasons["that cannot be decoded"] = table.bad
+    return LeftOut.of(f"{table.topic} message", part.total + table.bad, reasons)

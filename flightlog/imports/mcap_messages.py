@@ -7,6 +7,7 @@ The names of the fields identify them; ROS 2, Foxglove and PX4 share most of the
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from numbers import Real
 from typing import Any
 
 from google.protobuf.descriptor_pb2 import FileDescriptorSet
@@ -16,6 +17,8 @@ from google.protobuf.message_factory import GetMessageClass
 from mcap.records import Channel, Schema
 
 from flight.errors import FlightError
+
+from .bags.ros_bag import idl_decoder, ros1_decoder
 
 Path = tuple[str, ...]
 Decoder = Callable[[bytes], Any]
@@ -35,7 +38,8 @@ class UnknownEncodingError(FlightError):
     def __init__(self, channel: Channel, schema: Schema | None) -> None:
         described = schema.encoding if schema is not None else "nothing"
         super().__init__(
-            f"{channel.topic}: expected messages in CDR described by ros2msg, in protobuf or in JSON, "
+            f"{channel.topic}: expected messages in CDR described by ros2msg or ros2idl, of ROS 1, in "
+            "protobuf or in JSON, "
             f"got {channel.message_encoding or 'none'} described by {described or 'nothing'}"
         )
 
@@ -46,6 +50,7 @@ class VectorPath:
 
     path: Path
     axes: tuple[str, ...]
+    listed: bool = False
 
     def numbers(self, message: Any) -> tuple[float, ...]:
         """Returns the components; not-a-numbers if the message has none."""
@@ -70,12 +75,22 @@ def decoder_of(channel: Channel, schema: Schema | None) -> Decoder:
             pool.Add(file)
         decode: Decoder = GetMessageClass(pool.FindMessageTypeByName(schema.name)).FromString
         return decode
-    if schema is not None and (channel.message_encoding, schema.encoding) == ("cdr", "ros2msg"):
+    kind = (channel.message_encoding, schema.encoding) if schema is not None else ("", "")
+    if schema is not None and kind == ("cdr", "ros2msg"):
         from mcap_ros2.decoder import DecoderFactory
 
         ros = DecoderFactory().decoder_for("cdr", schema)
         if ros is not None:
             return ros
+    if schema is not None and kind in {("ros1", "ros1msg"), ("cdr", "ros2idl")}:
+        try:
+            text = schema.data.decode()
+            return ros1_decoder(schema.name, text) if kind[0] == "ros1" else idl_decoder(schema.name, text)
+        except FlightError:
+            raise
+        except Exception as error:
+            reason = " ".join(str(error).split()) or type(error).__name__
+            raise FlightError(f"{channel.topic}: schema {schema.name!r} cannot be read: {reason}") from None
     raise UnknownEncodingError(channel, schema)
 
 
@@ -89,22 +104,51 @@ def find_quaternion(message: Any) -> VectorPath | None:
     return _find(message, ATTITUDE, _WXYZ)
 
 
-def stamp_of(message: Any) -> int:
-    """Returns a message's stamp in nanoseconds; 0 without a valid one."""
+def stamp_of(message: Any) -> int | float | str | None:
+    """Returns a message's stamp in nanoseconds or as it is, if any.
+
+    A stamp of seconds and nanoseconds is an integer of nanoseconds in a `Nanoseconds`.
+    """
     for owner in (_part(message, "header"), message):
-        for name in ("stamp", "timestamp"):
+        for name in ("stamp", "timestamp", "time"):
             stamp = _part(owner, name)
             seconds = _first_part(stamp, ("sec", "seconds", "secs"))
             if seconds is not None:
-                whole = int(seconds) * 10**9 + int(_first_part(stamp, ("nanosec", "nanos", "nsec")) or 0)
-                return whole if 0 < whole < 2**63 else 0
-    return 0
+                whole = int(seconds) * 10**9 + int(
+                    _first_part(stamp, ("nanosec", "nanos", "nsec", "nsecs")) or 0
+                )
+                return Nanoseconds(whole if 0 < whole < 2**63 else 0)
+            if isinstance(stamp, int | float | str) and not isinstance(stamp, bool):
+                return stamp
+    return None
+
+
+class Nanoseconds(int):
+    """Stamp in nanoseconds."""
+
+
+def child_frame_of(message: Any) -> str:
+    """Returns the child or body frame of a message, or empty."""
+    name = _first_part(message, ("child_frame_id", "body_frame_id"))
+    return name.lstrip("/") if isinstance(name, str) else ""
+
+
+def number_of(message: Any, name: str) -> float:
+    """Returns a number of a message; not-a-number without it."""
+    value = _part(message, name)
+    return float(value) if isinstance(value, Real | bool) else float("nan")
+
+
+def transforms_of(message: Any) -> Sequence[Any] | None:
+    """Returns the transforms of a TFMessage; None for another message."""
+    value = _part(message, "transforms")
+    return value if isinstance(value, list | tuple) else None
 
 
 def frame_of(message: Any) -> str:
     """Returns the frame name of a message; empty without one."""
     name = _part(_part(message, "header"), "frame_id") or _part(message, "frame_id")
-    return name if isinstance(name, str) else ""
+    return name.lstrip("/") if isinstance(name, str) else ""
 
 
 def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> VectorPath | None:
@@ -112,8 +156,9 @@ def _find(message: Any, names: Sequence[str], axes: tuple[str, ...]) -> VectorPa
     for _ in range(_MAX_DEPTH):
         for name in names:
             for path, owner in level:
-                if _vector(_part(owner, name), axes) is not None:
-                    return VectorPath((*path, name), axes)
+                part = _part(owner, name)
+                if _vector(part, axes) is not None:
+                    return VectorPath((*path, name), axes, listed=not _names(part))
         level = [((*path, name), _part(owner, name)) for path, owner in level for name in _names(owner)]
     return None
 
@@ -132,7 +177,7 @@ def _vector(value: Any, axes: tuple[str, ...]) -> tuple[float, ...] | None:
         parts = list(value)
     else:
         return None
-    if not all(isinstance(part, int | float) for part in parts):
+    if not all(isinstance(part, Real) for part in parts):
         return None
     return tuple(float(part) for part in parts)
 

@@ -1,190 +1,215 @@
 """Import of PX4 ULog files; missing data are absent, not zero."""
 
-import io
 import struct
-from collections.abc import Iterator, Mapping
-from contextlib import redirect_stdout
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
-from jaxtyping import Bool, Float
+from jaxtyping import Float
 
 from flight.errors import BadFileError, FlightError
-from flightlog.autopilot_messages import AutopilotMessage
 from flightlog.log import FlightLog
 from flightlog.series import Series
 from flightlog.topics import ACTUATORS, COMMAND, ESTIMATE, MAX_ACTUATORS, TRUTH, WIND
 
-from .clock import check_clock
-from .imported_log import UNKNOWN, ExternalLog
+from .clock import order_by_time
+from .imported_log import UNKNOWN, ExternalLog, LeftOut
 from .measured_motion import Source, attitude_source, measured_states
-from .ulog_recovery import HEADER, MAGIC, intact_messages
+from .motion.geodetic import local_plane
+from .motion.local_position import local_position_sources
+from .motion.resets import Break, counter_breaks, jumps, merged
+from .ulog_reader import Messages, read_ulog
+from .ulog_recovery import MAGIC, intact_messages
 
-Messages = Mapping[str, np.ndarray[Any, Any]]
 Column = Float[np.ndarray, "n"]
 
-# Fields of vehicle_local_position: name in a source, and PX4's validity flag.
-_POSITION_TOPICS = {
-    "x": ("north", "xy_valid"),
-    "y": ("east", "xy_valid"),
-    "z": ("down", "z_valid"),
-    "vx": ("velocity_north", "v_xy_valid"),
-    "vy": ("velocity_east", "v_xy_valid"),
-    "vz": ("velocity_down", "v_z_valid"),
-}
-LEAST_VALID = 0.1
-"""Smallest share of valid samples; fields below it are absent."""
-
 _RATES = ("roll_rate", "pitch_rate", "body_yaw_rate")
+# Body rates in vehicle_attitude, of logs before PX4 1.11.
+_OLD_RATES = ("rollspeed", "pitchspeed", "yawspeed")
+_USED = frozenset(
+    {
+        *(
+            f"vehicle_{name}{ending}"
+            for name in ("local_position", "attitude", "angular_velocity")
+            for ending in ("", "_groundtruth")
+        ),
+        *(
+            "vehicle_local_position_setpoint",
+            "actuator_motors",
+            "actuator_controls_0",
+            "wind",
+            "wind_estimate",
+        ),
+        *("vehicle_gps_position", "sensor_gps"),
+    }
+)
+# Least fix of a receiver: three-dimensional.
+_FIX = 3
+_GPS = (("lat", "lon", "alt", 1e-7, 1e-3), ("latitude_deg", "longitude_deg", "altitude_msl_m", 1.0, 1.0))
 _UNREADABLE = (
     *(TypeError, ValueError, KeyError, IndexError, AttributeError, EOFError, MemoryError),
     *(struct.error, OverflowError, RuntimeError),
 )
 
 
-def read_px4_log(path: Path) -> FlightLog:
+def read_px4_log(path: Path, *, part: int | None = None) -> FlightLog:
     """Reads a ULog: estimate, ground truth, setpoints, controls and wind.
 
     Of a damaged ULog the intact messages are read; the outcome gives the number of lost bytes.
+
+    Args:
+        path: file to read.
+        part: number of the part, where the clock was set back or jumps.
 
     Raises:
         BadFileError: the file is missing, not a ULog, or has no motion.
         FlightError: pyulog is not installed.
     """
-    file = ExternalLog.read(path)
-    if not file.content.startswith(MAGIC):
+    file = ExternalLog(path)
+    content = file.content()
+    if not content.startswith(MAGIC):
         raise BadFileError(path, "expected a ULog of PX4, got something else")
-    whole = intact_messages(file.content)
+    whole, size = intact_messages(content), len(content)
+    del content
     try:
-        topics, known, messages = _read(whole.content)
-        series = series_of(topics)
-        for name in {ESTIMATE.name, TRUTH.name} & series.keys():
-            check_clock(series[name].time, sample=f"{name} state")
+        logged, known, messages = read_ulog(whole.content)
+        topics, left_out = in_order(logged, part)
+        found = motion_of(topics, sorted(logged))
     except FlightError as error:
         raise BadFileError(path, str(error)) from None
     except _UNREADABLE as error:
         raise BadFileError(path, f"is not a ULog: {' '.join(str(error).split())}") from None
     outcome = "completed"
     if whole.lost:
-        outcome = f"recovered with loss: {whole.lost} of {len(file.content)} bytes are in no intact message"
+        outcome = f"recovered with loss: {whole.lost} of {size} bytes are in no intact message"
     return file.log(
-        series.values(),
+        found.series.values(),
         vehicle=known.get("ver_hw", UNKNOWN),
         outcome=outcome,
-        provenance={"information": known},
+        provenance={**found.said, "information": known},
         autopilot_messages=messages,
+        breaks=found.breaks,
+        left_out=left_out,
     )
 
 
-def _read(content: bytes) -> tuple[dict[str, Messages], dict[str, str], list[AutopilotMessage]]:
-    """Returns fields by topic, the log's information, and its messages."""
-    try:
-        from pyulog import ULog
-        from pyulog.exceptions import ULogException
-    except ImportError:
-        raise FlightError("a ULog needs the package pyulog: pip install pyulog") from None
-    if len(content) <= HEADER:
-        raise FlightError(f"is truncated after {len(content)} bytes, without an intact message")
-    try:
-        # The reader prints to the console.
-        with redirect_stdout(io.StringIO()):
-            log = ULog(_BoundedReader(content))
-    except ULogException as error:
-        raise FlightError(f"is not a ULog: {' '.join(str(error).split())}") from None
-    # Relative to the log's start: microseconds of a date leave a double few digits.
-    topics: dict[str, Messages] = {
-        part.name: {**part.data, "timestamp": part.data["timestamp"].astype(np.int64) - log.start_timestamp}
-        for part in log.data_list
-        if part.multi_id == 0
-    }
-    known = {key: str(log.msg_info_dict[key]) for key in sorted(log.msg_info_dict)}
-    messages = [
-        AutopilotMessage(
-            (message.timestamp - log.start_timestamp) * 1e-6,
-            _level(message.log_level),
-            " ".join(message.message.split()),
-        )
-        for message in log.logged_messages
-    ]
-    return topics, known, messages
+def in_order(topics: Mapping[str, Messages], part: int | None) -> tuple[dict[str, Messages], list[LeftOut]]:
+    """Returns the used topics' messages in order, and those left out."""
+    ordered: dict[str, Messages] = {}
+    left_out: list[LeftOut] = []
+    for name, messages in topics.items():
+        if name not in _USED or len(messages["timestamp"]) < 2:
+            continue
+        sample = f"{name} message"
+        kept = order_by_time(_seconds(messages), sample=sample, part=part)
+        ordered[name] = {field: column[kept.rows] for field, column in messages.items()}
+        left_out += LeftOut.of(sample, kept.total, kept.left_out)
+    return ordered, left_out
 
 
-def _level(level: int) -> str:
-    """Returns the severity of a Linux kernel log level digit."""
-    return "ERROR" if level <= ord("3") else "WARNING" if level == ord("4") else "INFO"
+@dataclass(frozen=True, slots=True, eq=False)
+class Px4Motion:
+    """Series of PX4's topics, its resets, and remarks on them."""
 
-
-class _BoundedReader:
-    """In-memory file that stops a reader in an endless loop.
-
-    The ULog reader can loop on damaged files.
-    """
-
-    def __init__(self, content: bytes) -> None:
-        self._stream, self._left = io.BytesIO(content), 8 * len(content) + 10**6
-        self.seek, self.tell, self.close = self._stream.seek, self._stream.tell, self._stream.close
-
-    def read(self, size: int = -1) -> bytes:
-        """Returns the next bytes.
-
-        Raises:
-            EOFError: far more was read than the file holds.
-        """
-        part = self._stream.read(size)
-        self._left -= len(part) + 16
-        if self._left < 0:
-            raise EOFError("endless loop of the reader")
-        return part
+    series: dict[str, Series]
+    breaks: list[Break]
+    said: dict[str, str]
 
 
 def series_of(topics: Mapping[str, Messages]) -> dict[str, Series]:
     """Returns flight-log series of PX4's topics, on PX4's clock.
 
     Args:
-        topics: fields by topic; `timestamp` in microseconds.
+        topics: fields by topic, in order of their times; `timestamp` in microseconds.
 
     Raises:
         FlightError: the topics hold no motion.
     """
-    estimate = measured_states(list(_sources(topics, "")), ESTIMATE)
-    truth = measured_states(list(_sources(topics, "_groundtruth")), TRUTH)
+    return motion_of(topics, sorted(topics)).series
+
+
+def motion_of(topics: Mapping[str, Messages], logged: Sequence[str]) -> Px4Motion:
+    """Returns the series of PX4's topics, with resets and remarks.
+
+    Args:
+        topics: fields by topic, in order of their times; `timestamp` in microseconds.
+        logged: names of all topics of the log.
+
+    Raises:
+        FlightError: the topics hold no motion.
+    """
+    said: dict[str, str] = {}
+    sources = _sources(topics, "")
+    if not any("north" in source.columns for source in sources):
+        sources = [*_gps_sources(topics, said), *sources]
+    estimate = measured_states(sources, ESTIMATE)
+    truth = measured_states(_sources(topics, "_groundtruth"), TRUTH)
     if estimate is None and truth is None:
         wanted = ["vehicle_local_position", "vehicle_attitude", "vehicle_angular_velocity"]
-        raise FlightError(f"expected at least two messages of one of {wanted}, the log has {sorted(topics)}")
+        raise FlightError(f"expected at least two messages of one of {wanted}, the log has {list(logged)}")
     command = None if estimate is None else _command(topics, estimate)
     found = (estimate, truth, command, _actuators(topics), _wind(topics))
-    return {part.topic.name: part for part in found if part is not None}
+    breaks = merged([*_resets(topics), *jumps(sources)])
+    return Px4Motion({part.topic.name: part for part in found if part is not None}, breaks, said)
 
 
-def _sources(topics: Mapping[str, Messages], ending: str) -> Iterator[Source]:
-    """Yields positions and velocities, attitudes and body rates, where logged."""
-    position = topics.get(f"vehicle_local_position{ending}")
+def _sources(topics: Mapping[str, Messages], ending: str) -> list[Source]:
+    """Returns positions and velocities, attitudes and body rates, where logged."""
+    sources = []
+    position, attitude = (topics.get(f"vehicle_{name}{ending}") for name in ("local_position", "attitude"))
     if position is not None:
-        valid = {flag: _flag(position, flag) for _, flag in _POSITION_TOPICS.values()}
-        present = {
-            name: flag for name, (_, flag) in _POSITION_TOPICS.items() if valid[flag].mean() >= LEAST_VALID
-        }
-        if present:
-            rows = np.all([valid[flag] for flag in present.values()], axis=0)
-            columns = {_POSITION_TOPICS[name][0]: _numbers(position, name)[rows] for name in present}
-            yield Source(_seconds(position)[rows], columns)
-    attitude = topics.get(f"vehicle_attitude{ending}")
+        fields = {name: column for name, column in position.items() if name != "heading" or attitude is None}
+        sources += local_position_sources(_seconds(position), fields)
     if attitude is not None:
         quaternions = np.column_stack([_numbers(attitude, f"q[{place}]") for place in range(4)])
-        yield attitude_source(_seconds(attitude), quaternions)
+        sources.append(attitude_source(_seconds(attitude), quaternions))
     spin = topics.get(f"vehicle_angular_velocity{ending}")
     if spin is not None:
-        yield Source(
-            _seconds(spin), {name: _numbers(spin, f"xyz[{axis}]") for axis, name in enumerate(_RATES)}
+        rates = {name: _numbers(spin, f"xyz[{axis}]") for axis, name in enumerate(_RATES)}
+        sources.append(Source(_seconds(spin), rates))
+    elif attitude is not None and set(_OLD_RATES) <= attitude.keys():
+        rates = {ours: _numbers(attitude, name) for ours, name in zip(_RATES, _OLD_RATES, strict=True)}
+        sources.append(Source(_seconds(attitude), rates))
+    return sources
+
+
+def _gps_sources(topics: Mapping[str, Messages], said: dict[str, str]) -> list[Source]:
+    """Returns positions and velocities of the satellite receiver."""
+    gps = topics.get("vehicle_gps_position", topics.get("sensor_gps"))
+    if gps is None:
+        return []
+    time = _seconds(gps)
+    fixed = _numbers(gps, "fix_type") >= _FIX if "fix_type" in gps else np.ones(len(time), bool)
+    for latitude, longitude, height, degrees, metres in _GPS:
+        if not {latitude, longitude, height} <= gps.keys() or fixed.sum() < 2:
+            continue
+        place, said["place"] = local_plane(
+            time[fixed],
+            degrees * _numbers(gps, latitude)[fixed],
+            degrees * _numbers(gps, longitude)[fixed],
+            metres * _numbers(gps, height)[fixed],
         )
+        names = ("north", "east", "down")
+        moving = {f"velocity_{name}": f"vel_{name[0]}_m_s" for name in names}
+        if not set(moving.values()) <= gps.keys():
+            return [place]
+        return [
+            place,
+            Source(time[fixed], {ours: _numbers(gps, name)[fixed] for ours, name in moving.items()}),
+        ]
+    return []
 
 
-def _flag(messages: Messages, name: str) -> Bool[np.ndarray, "n"]:
-    """Returns a PX4 validity flag; all true if not logged."""
-    if name in messages:
-        return np.asarray(messages[name], bool)
-    return np.ones(len(messages["timestamp"]), bool)
+def _resets(topics: Mapping[str, Messages]) -> Iterator[Break]:
+    for topic in ("vehicle_local_position", "vehicle_attitude"):
+        messages = topics.get(topic, {})
+        counters = [(name, column) for name, column in messages.items() if name.endswith("reset_counter")]
+        if counters:
+            named = [
+                (name.removesuffix("_reset_counter"), np.asarray(column, float)) for name, column in counters
+            ]
+            yield from counter_breaks(_seconds(messages), named)
 
 
 def _command(topics: Mapping[str, Messages], estimate: Series) -> Series | None:
@@ -193,7 +218,8 @@ def _command(topics: Mapping[str, Messages], estimate: Series) -> Series | None:
     if setpoint is None or not estimate.has_fields("heading"):
         return None
     time = _seconds(setpoint)
-    heading = np.interp(time, estimate.time, estimate["heading"])
+    known = np.isfinite(estimate["heading"])
+    heading = np.interp(time, estimate.time[known], estimate["heading"][known])
     c, s, north, east = np.cos(heading), np.sin(heading), _numbers(setpoint, "vx"), _numbers(setpoint, "vy")
     values = np.column_stack(
         [c * north + s * east, c * east - s * north, _numbers(setpoint, "yawspeed"), -_numbers(setpoint, "z")]
@@ -211,7 +237,12 @@ def _actuators(topics: Mapping[str, Messages]) -> Series | None:
         for number in range(1, MAX_ACTUATORS + 1)
         if f"control[{number - 1}]" in actuators
     }
-    moving = {name: column for name, column in columns.items() if np.isfinite(column).all() and column.any()}
+    # Motors are not-a-number until they are armed.
+    moving = {
+        name: column
+        for name, column in columns.items()
+        if np.isfinite(column).any() and np.nan_to_num(column).any()
+    }
     if not moving:
         return None
     values = np.column_stack([*moving.values()])
@@ -235,7 +266,8 @@ def _complete_rows(series: Series) -> Series | None:
 
 
 def _numbers(messages: Messages, name: str) -> Column:
-    return np.asarray(messages[name], np.float64)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(messages[name], np.float64)
 
 
 def _seconds(messages: Messages) -> Column:

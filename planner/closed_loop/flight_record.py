@@ -120,9 +120,7 @@ class FlightRecorder:
 
     def _estimates_arrival(self, leg: Leg) -> bool:
         estimated = leg.track if leg.estimated_track is None else leg.estimated_track
-        declared = replace(
-            self.goal.destination, tolerance=min(self.goal.tolerance, self.declared_within)
-        )
+        declared = replace(self.goal.destination, tolerance=min(self.goal.tolerance, self.declared_within))
         return first_arrival([estimated], declared).time is not None and claims_arrival(
             estimated,
             self.goal.destination,

@@ -127,7 +127,8 @@ class _PanelBuilder:
         (field,) = panel.fields
         curves = []
         for number, log in enumerate(self.logs):
-            if COMMAND.name in log.series and field in _COMMANDED:
+            known = field in _COMMANDED and COMMAND.name in log.series
+            if known and log[COMMAND].has_fields(_COMMANDED[field]):
                 scale = 1.0 if field == "down" else panel.scale
                 curves.append(self._curve(number, "commanded", log[COMMAND], _COMMANDED[field], scale))
             for role, states in self._states(log):

@@ -136,6 +136,9 @@ def _inside(points: Points, box: Float[np.ndarray, "4"], *, margin: float) -> np
 def _densify(line: Points, axes: Axes) -> Points:
     """Interpolates a line so that overlaps with labels are detected."""
     west, east = axes.get_xlim()
+    line = line[np.isfinite(line).all(axis=1)]
+    if not len(line):
+        return line
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
     spaced = np.linspace(0.0, length[-1], max(2, min(4000, int(400 * length[-1] / (east - west)))))
     return np.column_stack([np.interp(spaced, length, column) for column in line.T])

@@ -55,7 +55,7 @@ def draw_height(axes: Axes, log: FlightLog) -> None:
     The heights of an imported log are above its own origin.
     """
     _draw_state(axes, log, "down", -1.0)
-    if COMMAND.name in log.series:
+    if COMMAND.name in log.series and log[COMMAND].has_fields("height"):
         stroke.COMMANDED.draw(axes, log[COMMAND].time, log[COMMAND]["height"])
     above = "the log's origin" if log.header.kind == "import" else "ground"
     _finish(axes, log, f"Height above {above}, m", least_span=2.0)

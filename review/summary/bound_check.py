@@ -204,9 +204,12 @@ def pose_at(log: FlightLog, time: float) -> SE2:
         FlightError: the log lacks motion, or positions in it.
     """
     motion = log.motion
-    north, east = (float(np.interp(time, motion.time, motion[name])) for name in ("north", "east"))
-    heading = float(np.interp(time, motion.time, motion["heading"])) if motion.has_fields("heading") else 0.0
-    return SE2(north, east, heading)
+
+    def known(name: str) -> float:
+        rows = np.isfinite(motion[name])
+        return float(np.interp(time, motion.time[rows], motion[name][rows])) if rows.any() else 0.0
+
+    return SE2(known("north"), known("east"), known("heading") if motion.has_fields("heading") else 0.0)
 
 
 def _largest_deviation(

@@ -158,7 +158,9 @@ def summarise(log: FlightLog) -> Summary:
 def _distance(motion: Series) -> float | None:
     if not motion.has_fields("north", "east"):
         return None
-    return float(np.hypot(np.diff(motion["north"]), np.diff(motion["east"])).sum())
+    # Imported positions may have holes.
+    known = np.isfinite(motion["north"]) & np.isfinite(motion["east"])
+    return float(np.hypot(np.diff(motion["north"][known]), np.diff(motion["east"][known])).sum())
 
 
 def _navigates(log: FlightLog) -> bool:
@@ -192,7 +194,9 @@ def _tracking(log: FlightLog) -> tuple[TrackingError, ...] | None:
         if not (log[TRUTH].has_fields(field) and log[COMMAND].has_fields(field)):
             continue
         error = tracking_error(log, field)
-        worst = int(np.argmax(np.abs(error)))
+        if not np.isfinite(error).any():
+            continue
+        worst = int(np.nanargmax(np.abs(error)))
         errors.append(
             TrackingError(field, units[field], float(error[worst]), float(time[worst]), _rms(error))
         )
@@ -204,11 +208,11 @@ def _navigation(log: FlightLog) -> NavigationError:
     velocity = np.hypot(navigation_error(log, "forward"), navigation_error(log, "side"))
     return NavigationError(
         position_rms=_rms(position),
-        position_max=float(position.max()),
+        position_max=float(np.nanmax(position)),
         velocity_rms=_rms(velocity),
         heading_rms=_rms(navigation_error(log, "heading")),
     )
 
 
 def _rms(values: Column) -> float:
-    return float(np.sqrt(np.mean(np.square(values))))
+    return float(np.sqrt(np.nanmean(np.square(values))))

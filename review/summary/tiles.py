@@ -94,17 +94,17 @@ def _extreme_values(motion: Series, summary: Summary) -> Iterator[tuple[str, str
         yield "Distance over the ground", f"{summary.distance:.1f} m"
     if motion.has_fields("forward", "side"):
         speed = np.hypot(motion["forward"], motion["side"])
-        yield "Speed over the ground", f"{speed.mean():.2f} m/s mean, {speed.max():.2f} m/s at most"
+        yield "Speed over the ground", f"{np.nanmean(speed):.2f} m/s mean, {np.nanmax(speed):.2f} m/s at most"
     if motion.has_fields("down"):
         height = -motion["down"]
         origin = "ground" if summary.kind != "import" else "the log's origin"
-        yield f"Height above {origin}", f"{height.min():.2f} to {height.max():.2f} m"
+        yield f"Height above {origin}", f"{np.nanmin(height):.2f} to {np.nanmax(height):.2f} m"
     if motion.has_fields("roll", "pitch"):
         tilt = np.arccos(np.clip(np.cos(motion["roll"]) * np.cos(motion["pitch"]), -1.0, 1.0))
-        yield "Tilt", f"{np.degrees(tilt.max()):.1f} deg at most"
+        yield "Tilt", f"{np.degrees(np.nanmax(tilt)):.1f} deg at most"
     rates = ("roll_rate", "pitch_rate", "body_yaw_rate")
     if motion.has_fields(*rates):
-        fastest = np.linalg.norm([motion[name] for name in rates], axis=0).max()
+        fastest = np.nanmax(np.linalg.norm([motion[name] for name in rates], axis=0))
         yield "Body rate", f"{np.degrees(fastest):.1f} deg/s at most"
 
 

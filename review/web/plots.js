@@ -31,12 +31,17 @@ function styleOf(curve) {
   return styles[curve.role];
 }
 
+// Not-a-numbers are holes of an imported log; a line ends at null and goes on over undefined.
+function withGaps(column) {
+  return column.some(Number.isNaN) ? Array.from(column, (value) => (Number.isNaN(value) ? null : value)) : column;
+}
+
 // Flights sampled at different times keep their own times; the plot bridges the gaps.
 function tableOf(panel) {
   const tables = new Map();
   for (const curve of panel.curves) {
     if (!tables.has(curve.base)) tables.set(curve.base, [base(curve.base).time]);
-    tables.get(curve.base).push(base(curve.base).columns[curve.column]);
+    tables.get(curve.base).push(withGaps(base(curve.base).columns[curve.column]));
   }
   const ordered = [...tables.keys()];
   const order = ordered.flatMap((number) => panel.curves.filter((curve) => curve.base === number));
@@ -177,7 +182,7 @@ function buildPlot(slot) {
       { ...axis, size: 24, gap: 2, values: (u, ticks) => ticks.map((tick) => `${+tick.toFixed(3)} s`) },
       { ...axis, size: AXIS, gap: 4, space: panel.short ? 20 : 26 },
     ],
-    series: [{}, ...curves.map((curve) => ({ ...styleOf(curve), points: { show: false }, spanGaps: true }))],
+    series: [{}, ...curves.map((curve) => ({ ...styleOf(curve), points: { show: false }, spanGaps: false }))],
     bands: high && low ? [{ series: [high, low], fill: css("--sigma") }] : [],
     hooks: {
       drawClear: [(u) => drawBehind(u, panel)],

@@ -6,7 +6,7 @@ const tracks = flights.map((flight) => unpackTrack(flight.track));
 const estimated = flights.map((flight) => flight.estimated && unpackTrack(flight.estimated));
 const plansDrawn = flights[0].plans.map((plan) => ({ ...plan, line: unpack(plan.line), tube: unpack(plan.tube) }));
 const placed = tracks.filter((track) => track !== null);
-const floor = placed.length ? Math.floor(Math.min(...placed.map((track) => track.height.reduce((a, b) => Math.min(a, b)))) - 0.5) : 0;
+const floor = placed.length ? Math.floor(Math.min(...placed.map((track) => track.height.filter(Number.isFinite).reduce((a, b) => Math.min(a, b), Infinity))) - 0.5) : 0;
 let size = { width: 1, height: 1 };
 let inSpace = false;
 
@@ -28,18 +28,24 @@ function placeAt(track, time) {
 
 function fitAll() {
   const points = placed.flatMap((track) => Array.from(track.north, (north, i) => [north, track.east[i], track.height[i]]));
-  const middle = placed[0].height[0];
+  const middle = placed[0].height.find(Number.isFinite) ?? 0;
   for (const { goal } of flights) {
     if (goal) for (const way of [-1, 1]) points.push([goal.north + way * goal.tolerance, goal.east + way * goal.tolerance, middle]);
   }
   const plan = plansDrawn[state.plan];
   if (plan) for (let i = 0; i < plan.line.length; i += 2) points.push([plan.line[i], plan.line[i + 1], middle]);
-  fit(size, points, inSpace ? floor : middle);
+  fit(size, points.filter((point) => point.every(Number.isFinite)), inSpace ? floor : middle);
 }
 
 function path(context, count, point) {
   context.beginPath();
-  for (let i = 0; i < count; i += 1) context[i ? "lineTo" : "moveTo"](...point(i));
+  let drawing = false;
+  for (let i = 0; i < count; i += 1) {
+    const [x, y] = point(i);
+    const known = Number.isFinite(x) && Number.isFinite(y);
+    if (known) context[drawing ? "lineTo" : "moveTo"](x, y);
+    drawing = known;
+  }
 }
 
 function trackPath(context, track, from, to, height) {

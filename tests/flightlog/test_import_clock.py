@@ -12,7 +12,7 @@ from mcap.writer import Writer
 
 from flightlog.file.reader import read_log
 from flightlog.file.writer import log_bytes
-from flightlog.imports.clock import SECONDS, ClockError, check_clock, check_unit
+from flightlog.imports.clock import SECONDS, ClockError, check_unit, order_by_time
 from flightlog.imports.measured_motion import velocity_disagreement
 from flightlog.topics import ESTIMATE
 from maneuver.app import run
@@ -44,12 +44,13 @@ def shifted(place: int, seconds: float) -> Column:
         ((1.7e9 + TIME) * 1e9, "give --time-unit ns (50 Hz)"),
         (TIME * 1e6, "give --time-unit us (50 Hz)"),
         (TIME * 1e3, "give --time-unit ms (50 Hz)"),
-        (TIME / 86400, "expected sample intervals of 0.0001 to 10 s"),
-        (shifted(300, 1.7e9), "row 301: time jumps ahead by 1.7e+09 s, from 5.98 s"),
-        (np.where(np.arange(SAMPLES) == 300, 1e6, TIME), "row 301: time jumps ahead by 999994 s"),
-        (shifted(300, -4.0), "row 301: time goes back by 3.98 s, from 5.98 s, and 199 of 500 times"),
-        (np.full(SAMPLES, np.nan), "column 'time': expected times, got no finite number"),
-        (np.full(SAMPLES, 5.0), "expected at least two usable rows"),
+        (TIME / 86400, "expected sample intervals of 0.0001 to 0.5 s"),
+        (250.0 * TIME, "give --time-unit s (0.2 Hz) or ms (200 Hz)"),
+        (shifted(300, 1.7e9), "give --part N, one of 1: rows 1 to 300, 0.000000 to 5.980000 s; 2: rows 301"),
+        (shifted(300, -4.0), "2: rows 301 to 500, 2.000000 to 5.980000 s"),
+        (np.full(SAMPLES, np.nan), "expected at least two rows with a time, got 0"),
+        (np.full(SAMPLES, 5.0), "500 rows have 1 different times"),
+        (np.floor(TIME), "500 rows have 10 different times: for rows at equal intervals give --rate 50 (Hz)"),
     ],
 )
 def test_times_of_no_flight_are_refused_in_one_line(
@@ -93,24 +94,85 @@ def test_a_table_with_the_latest_row_first_is_read_from_its_end(tmp_path: Path) 
     np.testing.assert_allclose(estimate["north"], 20 * np.sin(0.2 * TIME), atol=1e-6)
 
 
-@given(st.floats(-3.9, 0.99), st.floats(0.0, 1.7e9), st.integers(2, 400))
+@given(st.floats(-3.9, -0.4), st.floats(0.0, 1.7e9), st.integers(2, 400))
 def test_an_even_clock_of_a_flight_is_seconds(exponent: float, start: float, count: int) -> None:
     time = start + 10.0**exponent * np.arange(count)
     check_unit(time, None)
-    check_clock(time, sample="row")
+    assert len(order_by_time(time, sample="row").rows) == count
 
 
-def test_a_few_samples_out_of_order_or_without_a_time_are_no_jump() -> None:
+@given(st.lists(st.integers(0, SAMPLES - 2), max_size=30), st.integers(0, 2**32 - 1))
+def test_neighbours_that_changed_places_are_sorted(places: list[int], seed: int) -> None:
+    time, rows = np.array(TIME), np.arange(SAMPLES)
+    for place in places:
+        rows[[place, place + 1]] = rows[[place + 1, place]]
+    part = order_by_time(time[rows], sample="row")
+    assert part.lost <= len(places)
+    np.testing.assert_array_equal(np.diff(part.time) > 0.0, True)
+    np.testing.assert_array_equal(time[rows][part.rows], part.time)
+    shuffled = np.argsort(TIME + 0.05 * np.random.default_rng(seed).random(SAMPLES))
+    np.testing.assert_array_equal(order_by_time(TIME[shuffled], sample="row").time, TIME)
+
+
+@given(st.integers(20, SAMPLES - 20), st.sampled_from([1e9, 1e5, 5.0, -3.0, -1e9]))
+def test_one_corrupt_stamp_is_left_out_and_nothing_else(place: int, wrong: float) -> None:
     time = np.array(TIME)
-    time[[100, 101, 250]] = time[101], time[100], np.nan
-    check_clock(time, sample="row")
-    with pytest.raises(ClockError, match="row 11: time goes back"):
-        check_clock(np.concatenate([TIME[:10], TIME[:10]]), sample="row")
+    time[place] += wrong
+    part = order_by_time(time, sample="row")
+    kept = np.delete(np.arange(SAMPLES), place)
+    np.testing.assert_array_equal(part.rows, kept)
+    assert part.left_out == {"with a time out of order": 1}
+
+
+@given(st.integers(20, SAMPLES - 20), st.floats(0.1, 1e4), st.sampled_from([1, 2]))
+def test_a_clock_that_was_set_back_makes_two_parts(place: int, back: float, number: int) -> None:
+    time = shifted(place, -back)
+    if time[place] + TIME[-1] - TIME[place] < 0.0:
+        # Without an overlap nothing tells that the clock was set back.
+        return
+    with pytest.raises(ClockError, match="give --part N"):
+        order_by_time(time, sample="row")
+    part = order_by_time(time, sample="row", part=number)
+    rows = np.arange(SAMPLES)
+    np.testing.assert_array_equal(part.rows, rows[:place] if number == 1 else rows[place:])
+
+
+def test_more_than_one_percent_left_out_is_a_loss(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stamps = np.where(np.arange(SAMPLES) % 40 == 5, np.nan, TIME)
+    out = tmp_path / "flight.mcap"
+    assert run(["import", str(circle(tmp_path, stamps)), "--out", str(out)]) == 3
+    assert "13 of 500 rows left out: 13 without a time" in capsys.readouterr().err
+    assert len(read_log(out)[ESTIMATE]) == 487
+
+
+def test_one_row_left_out_is_listed_and_no_loss(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    stamps, out = np.where(np.arange(SAMPLES) == 300, 1e6, TIME), tmp_path / "flight.mcap"
+    assert run(["import", str(circle(tmp_path, stamps)), "--out", str(out)]) == 0
+    assert "1 of 500 rows left out: 1 with a time out of order" in capsys.readouterr().out
+    estimate = read_log(out)[ESTIMATE]
+    np.testing.assert_allclose(estimate["north"], 20 * np.sin(0.2 * estimate.time), atol=1e-6)
+    assert estimate.time[-1] == pytest.approx(TIME[-1])
+
+
+@pytest.mark.parametrize("number", [1, 2])
+def test_a_part_is_imported_by_its_number(tmp_path: Path, number: int) -> None:
+    path, out = circle(tmp_path, shifted(300, -4.0)), tmp_path / "flight.mcap"
+    assert run(["import", str(path), "--part", str(number), "--out", str(out)]) == 0
+    estimate, rows = read_log(out)[ESTIMATE], slice(300) if number == 1 else slice(300, None)
+    np.testing.assert_allclose(estimate["north"], 20 * np.sin(0.2 * TIME[rows]), atol=1e-6)
+
+
+def test_rows_at_equal_intervals_need_no_times(tmp_path: Path) -> None:
+    path, out = circle(tmp_path, np.floor(TIME)), tmp_path / "flight.mcap"
+    assert run(["import", str(path), "--rate", "50", "--out", str(out)]) == 0
+    estimate = read_log(out)[ESTIMATE]
+    np.testing.assert_allclose(estimate.time, TIME, atol=1e-9)
+    np.testing.assert_allclose(estimate["forward"], 4.0, atol=1e-6)
 
 
 def test_a_rate_of_no_sensor_is_another_unit() -> None:
     with pytest.raises(ClockError, match=r"expected a message every 0\.0001 s or less often, got 500 in"):
-        check_clock(TIME / 1e3, sample="message")
+        order_by_time(TIME / 1e3, sample="message")
 
 
 def test_what_is_made_of_a_log_does_not_grow_with_its_time_alone() -> None:
@@ -153,7 +215,7 @@ def test_stamps_of_no_clock_give_way_to_the_log_times(
 @pytest.mark.parametrize(
     ("logged", "words"),
     [
-        (shifted(250, 1.7e9), "/odom message 251: time jumps ahead by 1.7e+09 s"),
+        (shifted(250, 1.7e9), "give --part N, one of 1: /odom messages 1 to 250"),
         (TIME / 1e3, "expected a /odom message every 0.0001 s or less often"),
     ],
 )

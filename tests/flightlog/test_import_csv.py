@@ -69,7 +69,7 @@ def test_a_map_and_a_heading_are_enough_for_the_motion_in_the_plane(tmp_path: Pa
         (("--columns", "date=t"), "unknown column name 'date'"),
         (("--columns", "time"), "expected NAME=HEADING, got 'time'"),
         (("--columns", "time=t", "time=px"), "time is given twice"),
-        (("--columns", "time=t", "--pose", "/odom"), "--pose: not valid for a .csv file"),
+        (("--columns", "time=t", "--pose", "/odom"), "--pose: not valid for a table"),
     ],
 )
 def test_columns_that_cannot_be_meant_are_refused_in_one_line(

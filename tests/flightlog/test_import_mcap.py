@@ -116,13 +116,18 @@ def test_stated_axes_are_used_and_wrong_ones_are_detected(
     right = ("--pose", "/odom", "--world", "enu", "--body", "flu", "--velocity-in", "body")
     log = imported(bags["ros"], tmp_path, *right)
     assert capsys.readouterr().err == ""
+    out = tmp_path / "refused.mcap"
     for wrong, words in (
-        (("--velocity-in", "world"), "velocities differ from the slope of the positions"),
-        (("--world", "ned"), "inverted flight most of the time"),
+        (("--velocity-in", "world"), "velocities differ from the slope of the positions by"),
+        (("--velocity-in", "world"), "give --velocity-in body"),
+        (("--world", "ned"), "inverted flight most of the time: give --body frd"),
     ):
-        twisted = imported(bags["ros"], tmp_path, "--pose", "/odom", *wrong)
+        order = ["import", str(bags["ros"]), "--pose", "/odom", *wrong, "--out", str(out)]
+        assert run(order) == 2
         assert words in capsys.readouterr().err
-        assert not np.allclose(twisted[ESTIMATE].values, log[ESTIMATE].values, atol=0.1)
+        assert not out.exists()
+    twisted = imported(bags["ros"], tmp_path, "--pose", "/odom", "--velocity-in", "world", "--unchecked")
+    assert not np.allclose(twisted[ESTIMATE].values, log[ESTIMATE].values, atol=0.1)
 
 
 @pytest.mark.parametrize(

@@ -103,8 +103,8 @@ MESSAGES: tuple[tuple[errors.FlightError, str], ...] = (
     ),
     (
         UnknownEncodingError(Channel(1, "/odom", "ros1", {}, 0), None),
-        "/odom: expected messages in CDR described by ros2msg, in protobuf or in JSON, got ros1 "
-        "described by nothing",
+        "/odom: expected messages in CDR described by ros2msg or ros2idl, of ROS 1, in protobuf or in JSON, "
+        "got ros1 described by nothing",
     ),
     (
         MissingTopicError(TRUTH, {"/estimate": None}),

@@ -1,0 +1,1 @@
+"""Messages of MCAP files and ROS bags, read one after another."""

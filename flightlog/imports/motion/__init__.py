@@ -1,0 +1,1 @@
+"""Evidence that a measured motion gives of its units, axes and breaks."""

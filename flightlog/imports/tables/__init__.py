@@ -1,0 +1,1 @@
+"""Text tables: their form, cells and headings."""

@@ -1,0 +1,1 @@
+"""Continuity of a logged motion."""

@@ -1,0 +1,1 @@
+"""Files of other programs, of a circle in closed form."""

@@ -112,6 +112,8 @@ class LibraryPlanner:
             return replace(plan, reason=f"no coasting times were found for any walk {depth}")
         return replace(
             plan,
+            # Times that use the slack for rounding may be faster than the bound, which does not count on it.
+            lower_bound=min(answer.lower_bound, max(answer.costs)),
             status="optimal" if answer.exhausted else "feasible",
             reason="" if answer.exhausted else self._optimality_caveat(),
             sequence=answer.walk,

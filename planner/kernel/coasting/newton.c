@@ -9,6 +9,7 @@
 #define HEADING_ROUNDING 1e-12 /* rad, of a candidate ... */
 #define BLUR 3e-8         /* rad; ... and near the end of its curve */
 #define WAY_ROUNDING 1e-14 /* of the path length: rounding of its end */
+#define FAR 1e-7          /* of the longest time: Newton's method found another solution than the candidate */
 #define BENT 0.05         /* of a cost: error of a slow turn taken as a straight line */
 
 /* Gaussian elimination with pivots, rows scaled; returns 0 for singular equations. */
@@ -176,6 +177,17 @@ static int make_stationary(const Problem *p, const ActiveSet *on, double *times,
     return 1;
 }
 
+/* Whether corrected times are another solution than their guess. */
+static int is_far(const ActiveSet *on, const double *times, const double *guess)
+{
+    double largest = 0, longest = 1;
+    for (int i = 0; i < on->count; i++) {
+        largest = greater(largest, fabs(times[on->place[i]] - guess[on->place[i]]));
+        longest = greater(longest, fabs(guess[on->place[i]]));
+    }
+    return largest > FAR * longest;
+}
+
 /* Corrects a candidate and submits it as the incumbent; m is its multiplier, 0 without one. */
 static void propose(Problem *p, const ActiveSet *on, const double *of_active, cplx m)
 {
@@ -197,8 +209,9 @@ static void propose(Problem *p, const ActiveSet *on, const double *of_active, cp
         solved = m == 0 ? meet_goal(p, on, times) : make_stationary(p, on, times, m);
         p->tolerance = tolerance;
     }
-    /* Singular equations (two times with one effect, the edge of reach): the guess may be exact enough. */
-    if (!solved || !update_best(p, times)) update_best(p, guess);
+    /* Singular equations (two times with one effect, the edge of reach): the guess may be exact enough, and where a
+     * path touches the tolerance Newton's method may end in another solution. */
+    if (!solved || !update_best(p, times) || is_far(on, times, guess)) update_best(p, guess);
 }
 
 /* Times of the active turns from the headings after them; times of straight coasts are given. A negative turn is

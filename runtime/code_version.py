@@ -14,8 +14,11 @@ from .version import VERSION
 
 FLIGHT_CODE = (
     *("flight", "flightlog", "models", "sim", "runtime/compiler.py"),
-    *(f"planner/{room}" for room in ("check", "closed_loop", "commitment", "kernel", "policies", "walks")),
+    *(f"planner/{room}" for room in ("check", "closed_loop", "commitment", "kernel")),
+    *(f"planner/{room}" for room in ("policies", "recourse", "walks")),
     *(
+        "experiments/mission/feedback.py",
+        "experiments/mission/flight_rule.py",
         "experiments/mission/fly.py",
         "experiments/mission/mission_log.py",
         "experiments/mission/mission_task.py",

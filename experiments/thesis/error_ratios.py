@@ -27,7 +27,16 @@ _SMALL_HEADING = (
 )
 _MIRROR = "the printed row is far above its mirror row, 19 or 16; ours is close to those"
 
+_MEAN_WIND = (
+    "a mean wind of 5 m/s turns through the body in fast turns and steps to hover, and coasts of 0 s leave "
+    "no time to settle; the thesis states neither its wind nor its coasts"
+)
+
 EXPLANATIONS = {
+    ("trim", 1, "forward"): _MEAN_WIND,
+    ("maneuver", 4, "heading_change"): _MEAN_WIND,
+    **{("maneuver", row, "forward"): _MEAN_WIND for row in (14, 21)},
+    ("maneuver", 20, "side"): _MEAN_WIND,
     **{("trim", trim, "yaw_rate"): _YAW_RATE for trim in (1, 5, 6, 7)},
     **{("maneuver", row, "duration"): _DURATION for row in (*range(1, 7), *range(11, 19), 21, 22)},
     **{("maneuver", row, "forward"): _FORWARD_WITH_DURATION for row in (*range(3, 9), 20)},

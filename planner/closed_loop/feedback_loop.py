@@ -47,7 +47,7 @@ def fly_with_feedback(
         policy: made for the goal.
         statement: of the policy about the mission.
         otherwise: planner of an overdue flight.
-        settings: of the closed loop; of use are latency, arrival probability, the number of decisions and the wait.
+        settings: latency, arrival probability, number of decisions and wait of the closed loop.
         on_leg: called with every flown leg.
     """
     loop = _FeedbackLoop(vehicle, mission, policy, settings or Settings(), on_leg)

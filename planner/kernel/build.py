@@ -20,6 +20,7 @@ COASTING = (
     "set_cache",
     "similar_sets",
     "active_sets",
+    "enumeration",
     "units",
 )
 """Units that solve one walk at one level."""

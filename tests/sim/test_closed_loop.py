@@ -127,7 +127,7 @@ def test_a_late_plan_is_not_flown_and_a_record_of_times_repeats_the_flight() -> 
     again = flown(mission, settings=Settings(latency=recorded))
     assert again.decisions == measured.decisions
     assert again.flown_time == measured.flown_time
-    with pytest.raises(LatencyRecordError, match="got 1"):
+    with pytest.raises(LatencyRecordError, match="got only 1"):
         flown(mission, settings=Settings(latency=replace(recorded, recorded=measured.latencies[:1])))
 
 

@@ -160,7 +160,7 @@ def test_a_flight_of_another_code_version_is_replayed_with_a_notice(
     assert run(["replay", str(path), "--out", str(tmp_path / "again.mcap")]) == 0
     printed = capsys.readouterr().out
     assert ": 0 of " in printed
-    assert f"flown by code 0.1.0+000000000000, flown again by {VERSION}+" in printed
+    assert f"flown with code 0.1.0+000000000000, repeated with {VERSION}+" in printed
     assert read_log(tmp_path / "again.mcap").header == walk.header
 
 

@@ -144,7 +144,7 @@ void hash_walk(WalkHash *walk_hash, const Problem *p, const SetCache *known);
 CachedSet *cached_set(SetCache *known, const WalkHash *walk_hash, unsigned mask);
 void exclude_similar(const Problem *p, unsigned useful, const Unscaled *unscaled, CachedSet **sets, char *out);
 
-/* active_sets.c: enumeration. */
+/* active_sets.c, enumeration.c. */
 int straights_in(const Problem *p, unsigned mask);
 void try_both_ways(Problem *p, ActiveSet *on, unsigned mask);
 void solve_in_units(Problem *p, int most, const Unscaled *unscaled);

@@ -31,11 +31,13 @@ MOST_CALLS = {
     "solve_linear": 3502,
     "sum": 7427,
     "turns_too_long": 22273,
-    "update_best": 2706,
+    "update_best": 2761,
 }
 """Calls for some walks, solved from nothing and again with a best that is 5 % above the least.
 
 Slow turns are bounded by grids, too: more calls of `dual_bound` than without (2556), fewer of the others.
+Candidates are submitted beside solutions of Newton's method that are far from them: 2 % more calls of
+`update_best`.
 """
 
 

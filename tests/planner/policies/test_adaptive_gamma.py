@@ -110,7 +110,7 @@ def test_wind_beyond_the_library_is_said_but_ends_no_mission() -> None:
     assert limit == TURBULENCE_FACTOR * wind_class("gtmax").wind_at_20_ft
     unknown = replace(LIBRARY, conditions=replace(LIBRARY.conditions, wind="breeze"))
     assert alarm_limits(unknown)[AlarmKind.TURBULENCE] == LIMITS[AlarmKind.TURBULENCE] == inf
-    result = fly_mission(MissionTask(find_mission("gtmax-1"), LIBRARY, "adaptive-gamma", 1.0, "10", 3))
+    result = fly_mission(MissionTask(find_mission("gtmax-1"), LIBRARY, "adaptive-gamma", 1.0, "8", 3))
     assert AlarmKind.TURBULENCE in {alarm.kind for alarm in result.alarms}
     assert {alarm.kind for alarm in result.alarms} <= ADVICE
     assert result.reached

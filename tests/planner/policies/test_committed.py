@@ -258,7 +258,7 @@ def test_the_smallest_tolerance_falls_with_the_horizon_until_there_is_a_plan() -
     ("asked", "got"),
     [
         (("--policy", "worst-case"), "got worst-case"),
-        (("--policy", "committed", "--gamma", "0"), "got gamma 0"),
+        (("--policy", "committed", "--gamma", "0"), "expected --gamma above 0, got 0"),
         (("--policy", "committed", "--pareto"), "--pareto"),
     ],
 )

@@ -35,7 +35,7 @@ _MEAN_WIND = (
 EXPLANATIONS = {
     ("trim", 1, "forward"): _MEAN_WIND,
     ("maneuver", 4, "heading_change"): _MEAN_WIND,
-    **{("maneuver", row, "forward"): _MEAN_WIND for row in (14, 21)},
+    **{("maneuver", row, "forward"): _MEAN_WIND for row in (13, 14, 21)},
     ("maneuver", 20, "side"): _MEAN_WIND,
     **{("trim", trim, "yaw_rate"): _YAW_RATE for trim in (1, 5, 6, 7)},
     **{("maneuver", row, "duration"): _DURATION for row in (*range(1, 7), *range(11, 19), 21, 22)},

@@ -9,7 +9,7 @@
 #define HEADING_ROUNDING 1e-12 /* rad, of a candidate ... */
 #define BLUR 3e-8         /* rad; ... and near the end of its curve */
 #define WAY_ROUNDING 1e-14 /* of the path length: rounding of its end */
-#define FAR 1e-7          /* of the longest time: Newton's method found another solution than the candidate */
+#define FAR 1e-3          /* of the longest time: Newton's method found another solution than the candidate */
 #define BENT 0.05         /* of a cost: error of a slow turn taken as a straight line */
 
 /* Gaussian elimination with pivots, rows scaled; returns 0 for singular equations. */

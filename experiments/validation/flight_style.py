@@ -13,8 +13,13 @@ from review.pictures.stroke import Dashes, Stroke
 MANEUVERED: Dashes = (0.0, (2.5, 1.5))
 """Dashes of maneuvers; coasts are solid, as in the thesis's figures."""
 
-POLICY_COLORS = {"nominal": palette.ALARM, "worst-case": palette.TRUE_COLOR, "committed": palette.GOAL}
-POLICY_MARKS = {"nominal": "s", "worst-case": "o", "committed": "^"}
+POLICY_COLORS = {
+    "feedback": palette.INK,
+    "nominal": palette.ALARM,
+    "worst-case": palette.TRUE_COLOR,
+    "committed": palette.GOAL,
+}
+POLICY_MARKS = {"feedback": "D", "nominal": "s", "worst-case": "o", "committed": "^"}
 
 
 @dataclass(frozen=True, slots=True, eq=False)

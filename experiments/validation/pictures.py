@@ -77,7 +77,7 @@ def _draw_condition(
 ) -> None:
     """Draws one plant in one wind, worst case at the highest gamma."""
     highest = max(row.gamma for row in rows)
-    own = [row for row in rows if row.policy == "nominal" or row.gamma == highest]
+    own = [row for row in rows if row.policy in {"nominal", "feedback"} or row.gamma == highest]
     plant, wind = own[0].plant, own[0].wind
     words = f"{plant}, wind {wind}" if wind != "none" else f"automaton, {plant}"
     stem = words.replace(",", "").replace("wind ", "").replace("+", "").replace(" ", "-")

@@ -39,9 +39,10 @@ demo: install
 test: install
 	$(BIN)/python -m pytest -n auto --dist loadfile
 
-# Tracing about doubles the time of the tests, so that CI alone does it.
+# Tracing about doubles the time of the tests; CI traces those named in COVERED.
+COVERED ?= tests
 coverage: install
-	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report term
+	$(BIN)/python -m pytest -n auto --dist loadfile --cov --cov-report term $(COVERED)
 
 check: install
 	$(BIN)/ruff format --check

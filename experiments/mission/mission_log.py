@@ -3,13 +3,16 @@
 import json
 from dataclasses import dataclass, replace
 
+from flight.errors import BadFileError
 from flight.file_value import FileValue
 from flight.plan.plan import Plan, plan_text, with_mission
-from flight.schema import json_content
-from flightlog.attachment_names import MISSION_ATTACHMENT
+from flight.schema import json_content, parse_json
+from flightlog.attachment_names import MISSION_ATTACHMENT, PLANS_ATTACHMENT
 from flightlog.identity.flight_identity import flight_identity
-from flightlog.mission_attachments import LoggedPlan, plannings_text
+from flightlog.log import FlightLog
+from flightlog.mission_attachments import LoggedPlan, logged_plannings, plannings_text
 from planner.closed_loop.flight_record import FlightRecord
+from planner.closed_loop.latency import Latency
 from planner.closed_loop.settings import Settings
 from planner.kernel.build import SEARCH_BACKEND
 from sim.flight_header import flight_attachments, flight_header
@@ -83,3 +86,19 @@ def plans_json(flown: FlightRecord) -> bytes:
     """
     plans = [replace(plan, solve_time=0.0) for plan in flown.plans]
     return plannings_text(list(map(LoggedPlan, flown.times, flown.latencies, plans)))
+
+
+def recorded_latency(log: FlightLog, *, source: str) -> Latency:
+    """Returns the latencies of a logged flight, for a repetition.
+
+    Raises:
+        BadFileError: the log has no mission with settings, or no plans with latencies.
+    """
+    for name in (MISSION_ATTACHMENT, PLANS_ATTACHMENT):
+        if name not in log.attachments:
+            raise BadFileError(source, f"expected the log of a mission's flight, got one without {name}")
+    logged = parse_json(
+        log.attachments[MISSION_ATTACHMENT], MISSION_ATTACHMENT, PlanningSettings, extra="ignore"
+    )
+    recorded = tuple(planning.latency for planning in logged_plannings(log))
+    return replace(logged.settings.latency, recorded=recorded)

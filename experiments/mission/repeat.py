@@ -22,9 +22,8 @@ from sim.replay import VehicleMismatchError, backend_named, check_air_matches, c
 from sim.vehicle.parameters import Parameters, parse_parameters
 
 from .fly import fly_helicopter
-from .mission_log import PlanningSettings, mission_specification
+from .mission_log import PlanningSettings, mission_specification, recorded_latency
 from .mission_task import MissionTask
-from .recorded_latency import recorded_latency
 
 
 def repeat_flight(log: FlightLog) -> FlightLog:

@@ -10,8 +10,8 @@ from flight.mission.mission import Mission
 from flight.plan.plan import Plan
 from flight.plan.planned_track import planned_track
 from review.pictures import palette
-from review.pictures.map_axes import format_map_axes
 from review.pictures.marks import annotate_pose, draw_goal, draw_heading_marker
+from review.pictures.palette import format_map_axes
 from review.pictures.stroke import Stroke
 
 from .flight_style import MANEUVERED, FlightTrack, draw_flight, policies_of, policy_color

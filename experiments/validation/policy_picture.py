@@ -7,8 +7,8 @@ from matplotlib.figure import Figure
 from experiments.mission.feedback import StatedPolicy
 from flight.mission.mission import Mission
 from review.pictures import palette
-from review.pictures.map_axes import format_map_axes
 from review.pictures.marks import annotate_pose, draw_goal, draw_heading_marker
+from review.pictures.palette import format_map_axes
 
 _CELLS = 240
 # Of the distance to the goal: what the map shows around the flights.

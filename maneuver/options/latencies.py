@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from experiments.mission.recorded_latency import recorded_latency
+from experiments.mission.mission_log import recorded_latency
 from flight.errors import FlightError
 from flightlog.file.reader import read_log
 from planner.closed_loop.latency import Latency

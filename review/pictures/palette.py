@@ -5,6 +5,7 @@ from collections.abc import Sequence
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
 INK = "#222222"
 FAINT = "#8a8a8a"
@@ -53,3 +54,13 @@ def draw_legend_above(axes: Axes, entries: Sequence[Artist]) -> None:
     )
     # The legend shares the title's row and needs no space of its own.
     legend.set_in_layout(False)
+
+
+def format_map_axes(axes: Axes) -> None:
+    """Formats axes as a map: north up, east right, equal scales."""
+    format_axes(axes)
+    axes.set_aspect("equal", adjustable="datalim")
+    for axis in (axes.xaxis, axes.yaxis):
+        axis.set_major_locator(MaxNLocator(8, steps=[1, 2, 5, 10]))
+    axes.set_xlabel("east, m", fontsize=TEXT_SIZE)
+    axes.set_ylabel("north, m", fontsize=TEXT_SIZE)

@@ -12,8 +12,8 @@ from flight.plan.planned_track import Line, planned_track
 from flightlog.trim_labels import trim_colors
 
 from . import palette
-from .map_axes import format_map_axes
 from .marks import annotate_pose, draw_goal, draw_heading_marker
+from .palette import format_map_axes
 from .stroke import Stroke
 
 SHORTEST_SHOWN_COAST = 0.005

@@ -21,8 +21,8 @@ from review.summary.bound_check import pose_at
 
 from . import palette, stroke
 from .labels import Label, place_labels
-from .map_axes import format_map_axes
 from .marks import draw_goal, draw_heading_marker
+from .palette import format_map_axes
 
 # Candidate steps between the times written along the track, s; the first with at most `MOST_TIMES` is used.
 TIME_STEPS = (1, 2, 5, 10, 20, 30, 60, 120, 300, 600)

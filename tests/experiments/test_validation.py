@@ -16,9 +16,9 @@ from experiments.mission.error_attribution import (
     performances,
 )
 from experiments.mission.fly import fly_helicopter
+from experiments.mission.mission_log import recorded_latency
 from experiments.mission.mission_task import MissionTask
 from experiments.mission.random_missions import FARTHEST, NEAREST, NoMissionError, random_missions
-from experiments.mission.recorded_latency import recorded_latency
 from experiments.mission.result import MissionResult
 from experiments.mission.result_store import FLIGHTS, fly_tasks
 from flight.automaton.library import Library

@@ -52,6 +52,16 @@ def test_no_folder_of_tests_holds_more_than_seventeen_files() -> None:
     assert max(Counter(path.parent for path in set(files)).values()) <= 17
 
 
+def test_no_folder_of_code_holds_more_than_seventeen_files() -> None:
+    files = [
+        path
+        for package in SHIPPED
+        for pattern in ("*.py", "*.c", "*.h", "*.js")
+        for path in (ROOT / package).rglob(pattern)
+    ]
+    assert max(Counter(path.parent for path in files).values()) <= 17
+
+
 def test_every_marker_is_used() -> None:
     tests = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "tests").rglob("test_*.py"))
     markers = [line.split(":")[0] for line in TOOLS["pytest"]["ini_options"]["markers"]]

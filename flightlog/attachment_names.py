@@ -19,13 +19,13 @@ MISSION_PLAN_ATTACHMENT = "mission_plan.json"
 """The plan for the mission as stated, as `maneuver plan` makes it: a `maneuver-plan/2`."""
 
 POLICY_ATTACHMENT = "policy.json"
-"""What the policy with feedback states about the mission, its table named: a `maneuver-policy/1`."""
+"""Statement of the policy with feedback about the mission, with its table's name: a `maneuver-policy/1`."""
 
 MISSION_ATTACHMENT = "mission.json"
 """The mission of a flight in receding horizon."""
 
 ARRIVAL_ATTACHMENT = "arrival.json"
-"""Whether a mission reached its goal: a `flight.mission.arrival.ArrivalVerdict`."""
+"""Arrival verdict of a mission: a `flight.mission.arrival.ArrivalVerdict`."""
 
 VEHICLE_ATTACHMENT = "vehicle.json"
 """All parameters of the vehicle believed; what flew differs by the header's `drawn`."""

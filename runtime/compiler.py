@@ -15,7 +15,7 @@ from flight.errors import FlightError
 
 COMPILERS = ("cc", "gcc", "clang")
 WHEEL = "ziglang"
-"""What the extra `compiler` installs; it is asked where the machine has no compiler of its own."""
+"""Module that the extra `compiler` installs; it is used where the machine has no compiler of its own."""
 
 # Zig would use all that this very processor can do; the cache may be shared with others of its kind.
 WHEEL_COMMAND = ("-m", WHEEL, "cc", "-mcpu=baseline")

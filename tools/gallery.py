@@ -27,7 +27,7 @@ FLIGHTS = {
     "nominal": "fly --mission gtmax-2 --seed 1 --policy nominal --out nominal.mcap",
     "fault": 'fly --sequence figure-eight --fault "gps dropout 20 15" --out fault.mcap',
 }
-"""What is flown for the gallery, as typed after `maneuver`."""
+"""Commands of the flights in the gallery, as typed after `maneuver`."""
 
 DRAWN = {
     "fly --sequence figure-eight --out eight.mcap": None,

@@ -26,7 +26,7 @@ COMPARED_POLICIES: tuple[PlanningPolicy, ...] = ("nominal", "worst-case")
 DEFAULT_POLICY: PlannedPolicy = "worst-case"
 
 GAMMA, ALPHA = 1.0, 1.2
-"""What is planned for where nothing is asked."""
+"""Default gamma and alpha of planning."""
 
 ONE_LEVEL: tuple[FlownPolicy, ...] = ("nominal", "feedback")
 """Policies that know no gamma."""

@@ -9,7 +9,7 @@ from .library import Library
 from .library_file import library_text
 
 Value = str | float | int | bool | None
-"""What a place holds; None where the library has no such place."""
+"""Value at a place; None where the library has no such place."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -10,7 +10,7 @@ from flight.file_value import FileValue, InForm, Omittable, Share
 from flight.se2 import Twist
 
 Centre = Literal["command", "nominal flights", "same flights"]
-"""Where the value that deviations are counted from comes from."""
+"""Source of the value that deviations are counted from."""
 
 COMMAND: Final = "command"
 NOMINAL_FLIGHTS: Final = "nominal flights"

@@ -13,7 +13,7 @@ from flight.file_value import FileValue, Omittable, Share
 from flight.schema import read_toml, schema_named
 
 SCHEMA = "maneuver-campaign/1"
-"""What a file may name itself; one that does not is of this version."""
+"""Schema name that a file may state; without one it is of this version."""
 
 VehiclePopulation = Literal["nominal", "one", "fleet"]
 """Vehicles flown: the one believed, one airframe, an airframe for each flight."""

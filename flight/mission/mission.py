@@ -15,7 +15,7 @@ from flight.se2 import SE2
 from .destination import Destination, slack_of
 
 SCHEMA = "maneuver-mission/1"
-"""What a file may name itself; one that does not is of this version."""
+"""Schema name that a file may state; without one it is of this version."""
 
 MAX_COORDINATE = 1e6
 """Metres north or east of the origin that a file may say: a plan's end is checked to 1e-6 m, and numbers of

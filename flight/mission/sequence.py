@@ -14,7 +14,7 @@ from flight.se2 import SE2
 from .mission import Heading, Place
 
 SCHEMA = "maneuver-sequence/1"
-"""What a file may name itself; one that does not is of this version."""
+"""Schema name that a file may state; without one it is of this version."""
 
 
 @dataclass(frozen=True, slots=True)

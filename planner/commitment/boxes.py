@@ -22,7 +22,7 @@ SLACK = 1e-9
 
 
 AFTER_PULLS = 3
-"""Where the known directions stand among all, from the last."""
+"""Places of the known directions among all, from the last."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 
 ROUNDS = 3
-"""How often the inequalities cut a box, each time from what the time before left of it."""
+"""Number of rounds in which the inequalities cut a box, each on the rest of the one before."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

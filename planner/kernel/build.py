@@ -43,7 +43,7 @@ FLAGS = (
 
 
 SEARCH_BACKEND = "compiled"
-"""How plans are searched for, as logs name it; logs of earlier programs may say `interpreted`."""
+"""Back-end of the search, as logs name it; logs of earlier programs may say `interpreted`."""
 
 
 @cache

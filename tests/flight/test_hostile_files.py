@@ -1,9 +1,7 @@
 """Tests of foreign and damaged files: a result or one error line."""
 
 import ast
-from collections import Counter
 from dataclasses import replace
-from itertools import cycle
 from pathlib import Path
 from random import Random
 
@@ -20,7 +18,7 @@ from flightlog.topics import TRUTH
 from flightlog.viewers.mjcf_check import parse_model
 from maneuver.app import run
 from tests.support.packages import ROOT, SHIPPED
-from tests.support.studies.hostile_files import Kind, kinds_of_files, outcome
+from tests.support.studies.hostile_files import Kind, count_wrong, kinds_of_files, outcome
 from tests.support.studies.study import Study
 from tests.support.synthetic_log import synthetic_library, synthetic_log
 
@@ -45,18 +43,7 @@ def test_a_mutated_file_is_answered_or_refused_in_one_line(
 
 @pytest.mark.slow
 def test_study_of_mutated_files(kinds: dict[str, Kind], study: Study, tmp_path: Path) -> None:
-    mutations, seed = study.size("mutations", 1000), study.size("seed", 1)
-    outcomes = Counter[tuple[str, str]]()
-    for number, kind in zip(range(mutations), cycle(kinds.values()), strict=False):
-        result = outcome(kind, Random(f"{seed} {number}"), tmp_path)
-        outcomes[kind.name, result] += 1
-        if result.startswith("wrong"):
-            study.show(f"mutation {number} of seed {seed}: {kind.name}: {result}")
-    for (name, result), count in sorted(outcomes.items()):
-        study.show(f"{name:10s} {count:6d}  {result}")
-    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
-    study.show_share(wrong, mutations, "mutations")
-    assert wrong == 0
+    assert count_wrong(kinds.values(), study, tmp_path) == 0
 
 
 def test_a_file_as_it_should_be_is_accepted(kinds: dict[str, Kind], tmp_path: Path) -> None:

@@ -1,13 +1,11 @@
 """Tests of damaged files of other programs: a flight log or one error line."""
 
-from collections import Counter
-from itertools import cycle
 from pathlib import Path
 from random import Random
 
 import pytest
 
-from tests.support.studies.hostile_files import Kind, outcome
+from tests.support.studies.hostile_files import Kind, count_wrong, outcome
 from tests.support.studies.hostile_imports import kinds_of_imports
 from tests.support.studies.study import Study
 
@@ -39,15 +37,4 @@ def test_a_mutated_import_is_a_flight_or_refused_in_one_line(
 
 @pytest.mark.slow
 def test_study_of_mutated_imports(kinds: dict[str, Kind], study: Study, tmp_path: Path) -> None:
-    mutations, seed = study.size("mutations", 1000), study.size("seed", 1)
-    outcomes = Counter[tuple[str, str]]()
-    for number, kind in zip(range(mutations), cycle(kinds.values()), strict=False):
-        result = outcome(kind, Random(f"{seed} {number}"), tmp_path)
-        outcomes[kind.name, result] += 1
-        if result.startswith("wrong"):
-            study.show(f"mutation {number} of seed {seed}: {kind.name}: {result}")
-    for (name, result), count in sorted(outcomes.items()):
-        study.show(f"{name:13s} {count:6d}  {result}")
-    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
-    study.show_share(wrong, mutations, "mutations")
-    assert wrong == 0
+    assert count_wrong(kinds.values(), study, tmp_path) == 0

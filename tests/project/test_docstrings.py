@@ -17,6 +17,7 @@ from .text_rules import (
     name_faults,
     sentence_faults,
     sources,
+    value_docstrings,
 )
 
 MODULES = tuple(sources())
@@ -26,6 +27,18 @@ SENTENCES = [pair for place, module in MODULES for pair in docstrings(place, mod
 def test_docstrings_begin_with_a_noun_or_a_verb() -> None:
     assert len(SENTENCES) > 2500
     assert not [f"{place}: {text}" for place, text in SENTENCES if OPENINGS.match(text)]
+
+
+def test_texts_of_constants_begin_with_a_noun() -> None:
+    texts = [pair for place, module in MODULES for pair in value_docstrings(place, module)]
+    assert len(texts) > 500
+    assert not [f"{place}: {text}" for place, text in texts if OPENINGS.match(text)]
+
+
+def test_a_riddle_below_a_constant_is_found() -> None:
+    module = ast.parse('TIME = 1.0\n"""What a plan takes."""\n')
+    assert [text for _, text in value_docstrings("flight.py", module)] == ["What a plan takes."]
+    assert OPENINGS.match("What a plan takes.")
 
 
 def test_first_sentences_of_the_product_are_short() -> None:

@@ -3,6 +3,7 @@
 import ast
 import re
 from collections.abc import Iterator
+from itertools import pairwise
 from pathlib import Path
 
 from tests.support.packages import ROOT, SHIPPED, UNSHIPPED
@@ -59,6 +60,18 @@ def docstrings(place: str, module: ast.Module) -> Iterator[tuple[str, str]]:
     for node in ast.walk(module):
         if isinstance(node, (ast.Module, Named)) and (text := ast.get_docstring(node)):
             yield f"{place}:{getattr(node, 'lineno', 1)}", first_paragraph(text)
+
+
+def value_docstrings(place: str, module: ast.Module) -> Iterator[tuple[str, str]]:
+    """Yields place and first paragraph of each text below a constant or attribute."""
+    for node in ast.walk(module):
+        if not isinstance(node, (ast.Module, ast.ClassDef)):
+            continue
+        for before, after in pairwise(node.body):
+            if isinstance(before, (ast.Assign, ast.AnnAssign)) and isinstance(after, ast.Expr):
+                value = after.value
+                if isinstance(value, ast.Constant) and isinstance(value.value, str):
+                    yield f"{place}:{after.lineno}", first_paragraph(value.value)
 
 
 def first_paragraph(text: str) -> str:

@@ -20,7 +20,7 @@ ROUND_ABOUT = {
     "runtime": "processes and files",
     "scenarios": "missions and faults are in the log",
 }
-"""What a flight's modules import beside those that decide how it goes, and why that is no matter."""
+"""Imports of a flight's modules that do not decide how it goes, with the reason."""
 
 
 @pytest.fixture(scope="module")

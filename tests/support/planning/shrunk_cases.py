@@ -18,7 +18,7 @@ STILL = Twist(0.0, 0.0, 0.0)
 EXACT = ManeuverError(0.0, 0.0, 0.0, 0.0)
 
 Fails = Callable[[OddCase], bool]
-"""Whether a case still shows the fault."""
+"""Predicate: True while a case still shows the fault."""
 
 
 def shrunk(case: OddCase, fails: Fails, *, rounds: int = 3) -> OddCase:

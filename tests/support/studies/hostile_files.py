@@ -10,8 +10,10 @@ import resource
 import signal
 import sys
 import traceback
-from collections.abc import Callable, Iterator
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
+from itertools import cycle
 from pathlib import Path
 from random import Random
 from types import FrameType
@@ -29,6 +31,7 @@ from scenarios.find import CAMPAIGNS, MISSIONS, SEQUENCES
 from sim.vehicle.parameters import read_parameters
 
 from .mutations import changed_bytes, changed_json, changed_log, changed_toml, changed_xml
+from .study import Study
 
 LONGEST = 5
 """Seconds of computing: the machine may be busy with something else."""
@@ -175,3 +178,19 @@ def _limited() -> Iterator[None]:
     finally:
         signal.setitimer(signal.ITIMER_PROF, 0)
         signal.signal(signal.SIGPROF, previous)
+
+
+def count_wrong(kinds: Iterable[Kind], study: Study, folder: Path) -> int:
+    """Returns the wrong outcomes of a study of mutations, and prints all outcomes."""
+    mutations, seed = study.size("mutations", 1000), study.size("seed", 1)
+    outcomes = Counter[tuple[str, str]]()
+    for number, kind in zip(range(mutations), cycle(kinds), strict=False):
+        result = outcome(kind, Random(f"{seed} {number}"), folder)
+        outcomes[kind.name, result] += 1
+        if result.startswith("wrong"):
+            study.show(f"mutation {number} of seed {seed}: {kind.name}: {result}")
+    for (name, result), count in sorted(outcomes.items()):
+        study.show(f"{name:13s} {count:6d}  {result}")
+    wrong = sum(count for (_, result), count in outcomes.items() if result.startswith("wrong"))
+    study.show_share(wrong, mutations, "mutations")
+    return wrong
